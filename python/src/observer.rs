@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use std::sync::Arc;
 use torquewise::external::ExternalOptions;
 
-/// External torque of a log: rows of t and n torques, thresholds and contacts as JSON.
+/// External torque of a log: rows of t, n torques and n thresholds, how these were set and contacts as JSON.
 #[pyfunction]
 #[pyo3(signature = (model, log, *, free=None, bandwidth=None, false_alarms=None, progress=None))]
 pub(crate) fn contacts<'py>(
@@ -34,7 +34,7 @@ pub(crate) fn contacts<'py>(
             return wrong(format!("{name}: expected a number above 0, at most 10000"));
         }
     }
-    let n = model.model.n_joints();
+    let width = 2 * model.model.n_joints() + 1;
     let (model, log) = (Arc::clone(&model.model), log.log.clone());
     let free = free.map(|free| free.log.clone());
     let (rows, thresholds, found) = work(py, progress, move |observer| {
@@ -45,17 +45,18 @@ pub(crate) fn contacts<'py>(
             free.as_ref(),
             options,
             observer,
-            &mut |t, external| {
+            &mut |t, external, most| {
                 if external.iter().all(|x| x.is_finite()) {
                     rows.push(t);
                     rows.extend_from_slice(external);
+                    rows.extend_from_slice(most);
                 }
                 Ok(())
             },
         )?;
         Ok((rows, thresholds, found))
     })?;
-    let table = Array2::from_shape_vec((rows.len() / (n + 1), n + 1), rows).map_err(value_error)?;
+    let table = Array2::from_shape_vec((rows.len() / width, width), rows).map_err(value_error)?;
     Ok((PyArray2::from_owned_array(py, table), json(&thresholds)?, json(&found)?))
 }
 

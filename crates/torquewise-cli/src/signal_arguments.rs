@@ -39,8 +39,12 @@ impl SignalArguments {
         self.profile.is_some()
     }
 
+    pub(crate) fn profile(&self) -> Result<Option<Profile>> {
+        Ok(self.profile.as_ref().map(|file| Profile::read(file)).transpose()?)
+    }
+
     pub(crate) fn open(&self, paths: &[PathBuf]) -> Result<Log> {
-        let profile = self.profile.as_ref().map(|file| Profile::read(file)).transpose()?;
+        let profile = self.profile()?;
         let clock = if self.repair { Clock::Repair } else { Clock::Strict };
         let options = Options { profile, topic: self.topic.clone(), clock };
         let mut log = Log::open_all(paths, &options)?;

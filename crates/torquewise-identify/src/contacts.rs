@@ -1,24 +1,36 @@
 //! From external torque to contacts: when it is more than a free arm shows (E16).
 
+mod spread;
+
+use crate::score::{JointScore, score};
 use serde::Serialize;
+use spread::{Follower, Spread};
 use torquewise_model::Model;
 use torquewise_model::momentum_observer::MomentumObserver;
 use torquewise_motion::{ReadError, Recording};
 use torquewise_stepwise::error::IdentifyError;
 
-/// External torque of a joint beyond which it is taken for a contact.
+/// External torque of a joint beyond which it is taken for a contact: a multiple of the spread that
+/// free motion of the kind has.
 ///
-/// The peaks of a free arm beyond a level of their own are taken to fall off exponentially, which
-/// no tail of a model's error is known to exceed much: the threshold is where the stated number of
+/// The squares of peaks of a free arm beyond a level of their own are taken to fall off
+/// exponentially, as those of a normal distribution do: the multiple is where the stated number of
 /// them is left in an hour.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Thresholds {
-    /// \[N·m\], n.
+    /// In the free motion as a whole \[N·m\], n.
     pub torque: Vec<f64>,
+    /// At rest \[N·m\], n.
+    pub at_rest: Vec<f64>,
     /// False alarms of the whole arm in an hour that they are set for.
     pub false_alarms_per_hour: f64,
     /// Time of free motion that they come from \[s\].
     pub seconds: f64,
+    #[serde(skip)]
+    spreads: Vec<Spread>,
+    /// Of the spread, n.
+    #[serde(skip)]
+    multiples: Vec<f64>,
 }
 
 /// A time during which the external torque of a joint is beyond its threshold.
@@ -40,13 +52,25 @@ pub struct Contact {
 #[derive(Clone, Debug)]
 pub struct ContactDetector {
     joints: Vec<String>,
-    thresholds: Vec<f64>,
     found: Vec<Contact>,
     is_open: bool,
 }
 
-/// What is done with each row: trajectory, time \[s\], external torque of each joint \[N·m\], n.
-pub type SeeTorque<'a> = dyn FnMut(usize, f64, &[f64]) -> Result<(), ReadError> + 'a;
+/// What the observer says at a time.
+#[derive(Clone, Copy, Debug)]
+pub struct Observed<'a> {
+    /// Trajectory.
+    pub trajectory: usize,
+    /// \[s\].
+    pub t: f64,
+    /// External torque \[N·m\], n; NaN while the observer settles.
+    pub torque: &'a [f64],
+    /// What the spread of each joint follows, n.
+    followed: &'a [[f64; spread::FOLLOWED]],
+}
+
+/// What is done with each row.
+pub type SeeTorque<'a> = dyn FnMut(Observed<'_>) -> Result<(), ReadError> + 'a;
 
 /// Peaks that are closer than this \[s\] are one.
 const APART: f64 = 0.2;
@@ -57,11 +81,12 @@ const LEVEL: f64 = 0.95;
 const TAIL: (usize, usize) = (100, 3);
 /// Rows that the level is found from at most: more are thinned evenly.
 const MOST_ROWS: usize = 65_536;
+/// Held-out rows say that other motion is missed by so many times as much at most.
+const MOST_UNSEEN: f64 = 3.0;
 /// So many half-lives of an observer pass before it is believed.
 const SETTLING: f64 = 5.0;
 
-/// External torques of a recording, row by row; those of the first moments of a trajectory, while the
-/// observer settles, are NaN.
+/// External torques of a recording, row by row.
 ///
 /// - `bandwidth`: of the observer \[Hz\]
 ///
@@ -76,6 +101,7 @@ pub fn external_torques(
     model.check_joints(recording.joints())?;
     let gain = std::f64::consts::TAU * bandwidth;
     let mut observer = MomentumObserver::new(model, gain);
+    let mut follower = Follower::new(model, gain);
     let mut last: Option<(usize, f64)> = None;
     let mut begin = 0.0;
     let settling = vec![f64::NAN; model.n_joints()];
@@ -87,16 +113,19 @@ pub fn external_torques(
                     Some((own, before)) if own == trajectory => t - before,
                     _ => {
                         observer.reset();
+                        follower.reset();
                         begin = t;
                         0.0
                     }
                 };
                 last = Some((trajectory, t));
-                let [q, dq, tau] = [block.q(), block.dq(), tau]
+                let [q, dq, ddq, tau] = [block.q(), block.dq(), block.ddq(), tau]
                     .map(|x| x.row(row).iter().copied().collect::<Vec<f64>>());
                 let external = observer.step(dt, [&q, &dq, &tau])?;
+                let followed = follower.step(dt, &dq, &ddq);
                 let is_settled = t - begin > SETTLING / gain;
-                see(trajectory, t, if is_settled { external } else { &settling })?;
+                let torque = if is_settled { external } else { &settling };
+                see(Observed { trajectory, t, torque, followed })?;
             }
             Ok(())
         })
@@ -118,21 +147,22 @@ impl Thresholds {
         is_free: bool,
     ) -> Result<Self, IdentifyError> {
         let n = model.n_joints();
-        // First the levels, from rows thinned evenly, then the peaks beyond them.
+        // First the spreads and levels, from rows thinned evenly, then the peaks beyond them.
         let (mut sample, mut stride, mut rows) = (vec![Vec::new(); n], 1_usize, 0_usize);
         let (mut seconds, mut last) = (0.0, None);
-        external_torques(model, free, bandwidth, &mut |trajectory, t, external| {
+        external_torques(model, free, bandwidth, &mut |row| {
             if let Some((own, before)) = last
-                && own == trajectory
+                && own == row.trajectory
             {
-                seconds += t - before;
+                seconds += row.t - before;
             }
-            last = Some((trajectory, t));
-            if external.iter().any(|x| x.is_nan()) {
+            last = Some((row.trajectory, row.t));
+            if row.torque.iter().any(|x| x.is_nan()) {
                 return Ok(());
             }
             if rows.is_multiple_of(stride) {
-                sample.iter_mut().zip(external).for_each(|(own, x)| own.push(x.abs()));
+                let own = row.torque.iter().copied().zip(row.followed.iter().copied());
+                sample.iter_mut().zip(own).for_each(|(sample, own)| sample.push(own));
             }
             rows += 1;
             if sample[0].len() > MOST_ROWS {
@@ -147,27 +177,58 @@ impl Thresholds {
             }
             Ok(())
         })?;
-        let levels: Vec<f64> = sample.iter_mut().map(|own| quantile(own, LEVEL)).collect();
+        let spreads: Vec<Spread> = sample.iter().map(|own| Spread::of(own, is_free)).collect();
+        let level = |(own, spread): (&Vec<spread::Row>, &Spread)| {
+            let mut parts: Vec<f64> =
+                own.iter().map(|(x, at)| (x / spread.at(at)).powi(2)).collect();
+            quantile(&mut parts, LEVEL)
+        };
+        let levels: Vec<f64> = sample.iter().zip(&spreads).map(level).collect();
         let mut peaks = vec![Peaks::default(); n];
-        external_torques(model, free, bandwidth, &mut |trajectory, t, external| {
-            for ((own, level), x) in peaks.iter_mut().zip(&levels).zip(external) {
-                own.take((trajectory, t), x.abs() - level);
+        external_torques(model, free, bandwidth, &mut |row| {
+            for (joint, own) in peaks.iter_mut().enumerate() {
+                let part = (row.torque[joint] / spreads[joint].at(&row.followed[joint])).powi(2);
+                own.take((row.trajectory, row.t), part - levels[joint]);
             }
             Ok(())
         })?;
         let hours = seconds / 3_600.0;
         let own_rate = false_alarms_per_hour / n as f64;
-        let threshold = |(peaks, level): (&mut Peaks, &f64)| {
-            let (begin, count, mean) = peaks.tail(is_free);
+        let multiple = |(peaks, level): (&mut Peaks, &f64)| {
+            let (begin, count, mean, largest) = peaks.tail();
             // Its own standard error, that few peaks may not promise too little.
             let mean = mean * (1.0 + 1.0 / count.sqrt());
-            level + begin + mean * (count / hours / own_rate).ln().max(0.0)
+            let most = begin + mean * (count / hours / own_rate).ln().max(0.0);
+            (level + if is_free { most.max(largest) } else { most }).sqrt()
         };
+        // Rows that the model was learned from miss less than those of other motion.
+        let unseen = model.training.unseen_rms();
+        let scores = score(model, free)?;
+        let more = |(joint, own): (usize, &JointScore)| {
+            unseen.get(joint).map_or(1.0, |unseen| unseen / own.rmse).clamp(1.0, MOST_UNSEEN)
+        };
+        let more = scores.joints.iter().enumerate().map(more);
         if rows == 0 || hours <= 0.0 {
             return Err(IdentifyError::TooFewRows { rows, needed: 2, joints: n });
         }
-        let torque = peaks.iter_mut().zip(&levels).map(threshold).collect();
-        Ok(Self { torque, false_alarms_per_hour, seconds })
+        let multiples: Vec<f64> = peaks
+            .iter_mut()
+            .zip(&levels)
+            .map(multiple)
+            .zip(more)
+            .map(|(k, more)| k * more)
+            .collect();
+        let times = |of: &dyn Fn(&Spread) -> f64| -> Vec<f64> {
+            spreads.iter().zip(&multiples).map(|(spread, k)| k * of(spread)).collect()
+        };
+        let (torque, at_rest) = (times(&|spread| spread.whole), times(&Spread::at_rest));
+        Ok(Self { torque, at_rest, false_alarms_per_hour, seconds, spreads, multiples })
+    }
+
+    /// Of each joint \[N·m\], n, in the motion of a row.
+    pub fn at(&self, row: Observed<'_>) -> Vec<f64> {
+        let own = self.spreads.iter().zip(&self.multiples).zip(row.followed);
+        own.map(|((spread, multiple), at)| multiple * spread.at(at)).collect()
     }
 }
 
@@ -219,22 +280,20 @@ impl Peaks {
     }
 
     /// The exponential tail of the largest of them: the level that it begins at, how many were
-    /// beyond, at least one, and their mean excess.
-    fn tail(&mut self, is_free: bool) -> (f64, f64, f64) {
+    /// beyond, at least one, their mean excess by their median, which a few of another kind do not
+    /// move, and the largest of all.
+    fn tail(&mut self) -> (f64, f64, f64, f64) {
         if let Some((_, _, most)) = self.open.take() {
             self.push(most);
         }
         self.excess.sort_unstable_by(|a, b| b.total_cmp(a));
         let (most, part) = TAIL;
         let kept = (self.excess.len() / part).min(most);
-        let level = self.excess.get(kept).copied().unwrap_or(0.0);
+        let at = |place: usize| self.excess.get(place).copied().unwrap_or(0.0);
+        let (level, largest) = (at(kept), at(0));
         let mut beyond: Vec<f64> = self.excess[..kept].iter().map(|x| x - level).collect();
-        let mean = if is_free {
-            beyond.iter().sum::<f64>() / (kept as f64).max(1.0)
-        } else {
-            quantile(&mut beyond, 0.5) / std::f64::consts::LN_2
-        };
-        (level, (kept * (self.left_out + 1)).max(1) as f64, mean)
+        let mean = quantile(&mut beyond, 0.5) / std::f64::consts::LN_2;
+        (level, (kept * (self.left_out + 1)).max(1) as f64, mean, largest)
     }
 }
 
@@ -250,14 +309,13 @@ fn quantile(values: &mut [f64], part: f64) -> f64 {
 
 impl ContactDetector {
     /// A detector of the joints of a model.
-    pub fn new(model: &Model, thresholds: &Thresholds) -> Self {
-        let (joints, thresholds) = (model.joints.clone(), thresholds.torque.clone());
-        Self { joints, thresholds, found: Vec::new(), is_open: false }
+    pub fn new(model: &Model) -> Self {
+        Self { joints: model.joints.clone(), found: Vec::new(), is_open: false }
     }
 
-    /// Takes the external torques at a time.
-    pub fn take(&mut self, t: f64, external: &[f64]) {
-        let factors = external.iter().zip(&self.thresholds).map(|(x, most)| x.abs() / most);
+    /// Takes the external torques at a time, and their thresholds there.
+    pub fn take(&mut self, t: f64, external: &[f64], thresholds: &[f64]) {
+        let factors = external.iter().zip(thresholds).map(|(x, most)| x.abs() / most);
         let largest = factors.enumerate().filter(|(_, factor)| factor.is_finite());
         let Some((joint, factor)) = largest.max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
         let is_beyond = factor > 1.0;

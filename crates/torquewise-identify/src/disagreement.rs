@@ -1,8 +1,7 @@
 //! From model, several logs to disagreements: joints whose gravity is another in one log than in
 //! another.
 
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use crate::clustered::Stretches;
 use std::fmt;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::{Motion, Recording};
@@ -44,7 +43,6 @@ const LEAST_SHARE: f64 = 0.2;
 const LEAST_FREE: f64 = 1e-3;
 /// Dry friction is taken as fully there at some of these parts of the peak speed.
 const SLOW: f64 = 0.02;
-const RIDGE: f64 = 1e-10;
 
 /// Columns beside each other: gravity, inertia, one, speed and its sign.
 const COLUMNS: usize = 5;
@@ -85,7 +83,7 @@ pub fn disagreements(
 }
 
 /// Speeds above which dry friction is there \[rad/s\], n.
-fn slow(model: &Model) -> Vec<f64> {
+pub(crate) fn slow(model: &Model) -> Vec<f64> {
     let peak = |joint| model.training.dq_peak.get(joint).copied().unwrap_or(1.0);
     (0..model.n_joints()).map(|joint| (SLOW * peak(joint)).max(f64::MIN_POSITIVE)).collect()
 }
@@ -94,7 +92,7 @@ fn slow(model: &Model) -> Vec<f64> {
 struct Logs {
     torque: Torque,
     slow: Vec<f64>,
-    each: Vec<(String, Vec<Batches>)>,
+    each: Vec<(String, Vec<Stretches>)>,
 }
 
 impl Logs {
@@ -102,7 +100,8 @@ impl Logs {
         // Blocks of a log follow one another.
         let known = self.each.iter().rposition(|(known, _)| *known == name);
         if known.is_none() && self.each.len() < MOST_LOGS {
-            self.each.push((name, self.slow.iter().map(|_| Batches::default()).collect()));
+            let none = Stretches::new(COLUMNS, MOST_BATCHES, 1);
+            self.each.push((name, vec![none; self.slow.len()]));
             return Some(self.each.len() - 1);
         }
         known
@@ -117,7 +116,7 @@ impl Logs {
                 let sign = (dq / self.slow[joint]).tanh();
                 let (gravity, inertia) = (parts.gravity[(row, joint)], parts.inertia[(row, joint)]);
                 let residual = tau[(row, joint)] - tau_hat[(row, joint)];
-                batches.add([gravity, inertia, 1.0, dq, sign], residual);
+                batches.add(&[gravity, inertia, 1.0, dq, sign], residual, 1.0);
             }
         }
         Ok(())
@@ -128,7 +127,7 @@ impl Logs {
         for (joint, name) in joints.iter().enumerate() {
             let slopes = self.each.iter().enumerate();
             let slopes: Vec<(usize, Slope)> = slopes
-                .filter_map(|(log, (_, batches))| Some((log, batches[joint].slope()?)))
+                .filter_map(|(log, (_, batches))| Some((log, slope(&batches[joint])?)))
                 .collect();
             let Some([(one, a), (other, b)]) = most_apart(&slopes) else { continue };
             let logs = [one, other].map(|log| self.each[log].0.clone());
@@ -174,111 +173,21 @@ struct Slope {
     share: f64,
 }
 
-/// Sums of products of columns, of columns and residual, and of residuals.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sums {
-    rows: usize,
-    gram: [[f64; COLUMNS]; COLUMNS],
-    moments: [f64; COLUMNS],
-    squares: f64,
-}
-
-impl Sums {
-    fn add(&mut self, columns: &[f64; COLUMNS], residual: f64) {
-        self.rows += 1;
-        self.squares += residual * residual;
-        for (i, x) in columns.iter().enumerate() {
-            self.moments[i] += x * residual;
-            for (sum, y) in self.gram[i].iter_mut().zip(columns) {
-                *sum += x * y;
-            }
-        }
+/// `None` if gravity hardly changes, or too little was recorded.
+fn slope(of: &Stretches) -> Option<Slope> {
+    if of.count() < LEAST_BATCHES || of.total().equations < 4 * COLUMNS {
+        return None;
     }
-
-    fn and(mut self, other: &Self) -> Self {
-        self.rows += other.rows;
-        self.squares += other.squares;
-        for (i, moment) in self.moments.iter_mut().enumerate() {
-            *moment += other.moments[i];
-            for (sum, more) in self.gram[i].iter_mut().zip(&other.gram[i]) {
-                *sum += more;
-            }
-        }
-        self
+    let solved = of.solved()?;
+    if solved.free[0] < LEAST_FREE {
+        return None;
     }
-}
-
-/// Sums over stretches of a log, a bounded number of equal ones and the rest.
-#[derive(Clone, Debug)]
-struct Batches {
-    length: usize,
-    whole: Vec<Sums>,
-    rest: Sums,
-}
-
-impl Default for Batches {
-    fn default() -> Self {
-        Self { length: 1, whole: Vec::with_capacity(MOST_BATCHES), rest: Sums::default() }
-    }
-}
-
-impl Batches {
-    fn add(&mut self, columns: [f64; COLUMNS], residual: f64) {
-        self.rest.add(&columns, residual);
-        if self.rest.rows < self.length {
-            return;
-        }
-        self.whole.push(std::mem::take(&mut self.rest));
-        if self.whole.len() == MOST_BATCHES {
-            self.whole = self.whole.chunks(2).map(|pair| pair[0].and(&pair[1])).collect();
-            self.length *= 2;
-        }
-    }
-
-    /// `None` if gravity hardly changes, or too little was recorded.
-    fn slope(&self) -> Option<Slope> {
-        let batches = || self.whole.iter().chain(Some(&self.rest).filter(|rest| rest.rows > 0));
-        let all = batches().fold(Sums::default(), Sums::and);
-        let n_batches = batches().count();
-        if n_batches < LEAST_BATCHES || all.rows < 4 * COLUMNS {
-            return None;
-        }
-        // Columns of unit length; one that is nothing but zeros plays no part.
-        let size: [f64; COLUMNS] = std::array::from_fn(|i| all.gram[i][i].sqrt());
-        let scaled = |value: f64, by: f64| if by > 0.0 { value / by } else { 0.0 };
-        let gram = Mat::from_fn(COLUMNS, COLUMNS, |i, j| {
-            let on_diagonal = f64::from(u8::from(i == j));
-            let own = scaled(all.gram[i][j], size[i] * size[j]);
-            if i == j { own.max(on_diagonal) + RIDGE } else { own }
-        });
-        let moments =
-            |sums: &Sums| Mat::from_fn(COLUMNS, 1, |i, _| scaled(sums.moments[i], size[i]));
-        let factor = gram.llt(Side::Lower).ok()?;
-        let weights = factor.solve(moments(&all));
-        // First row of the inverse: what a unit of each moment adds to the slope.
-        let reach = factor.solve(Mat::from_fn(COLUMNS, 1, |i, _| f64::from(u8::from(i == 0))));
-        if size[0] <= 0.0 || 1.0 / reach[(0, 0)] < LEAST_FREE {
-            return None;
-        }
-        let pull = |batch: &Sums| -> f64 {
-            let left = |i: usize| {
-                let fitted = (0..COLUMNS)
-                    .map(|j| scaled(batch.gram[i][j], size[i] * size[j]) * weights[(j, 0)]);
-                scaled(batch.moments[i], size[i]) - fitted.sum::<f64>()
-            };
-            (0..COLUMNS).map(|i| reach[(i, 0)] * left(i)).sum()
-        };
-        let spread: f64 = batches().map(|batch| pull(batch).powi(2)).sum();
-        let n = n_batches as f64;
-        let gained = weights[(0, 0)].powi(2) / reach[(0, 0)];
-        let explained = (weights.transpose() * moments(&all))[(0, 0)];
-        let left = (all.squares - explained).max(0.0);
-        Some(Slope {
-            value: weights[(0, 0)] / size[0],
-            error: (spread * n / (n - 1.0)).sqrt() / size[0],
-            share: gained / (gained + left).max(f64::MIN_POSITIVE),
-        })
-    }
+    let gained = solved.gained[0];
+    Some(Slope {
+        value: solved.values[0],
+        error: solved.std_errors[0],
+        share: gained / (gained + solved.left).max(f64::MIN_POSITIVE),
+    })
 }
 
 impl fmt::Display for Disagreement {
@@ -299,7 +208,7 @@ impl fmt::Display for Disagreement {
 
 #[cfg(test)]
 mod tests {
-    use super::Batches;
+    use super::{COLUMNS, MOST_BATCHES, Stretches, slope};
     use faer::Mat;
 
     #[test]
@@ -314,10 +223,10 @@ mod tests {
                 let noise = 0.1 * (f64::from(row) * 12.9898).sin();
                 0.07 * gravity + 0.3 * inertia - one + 0.2 * dq + 0.5 * sign + noise
             };
-            let mut batches = Batches::default();
-            (0..rows).for_each(|row| batches.add(x(row), residual(row)));
+            let mut batches = Stretches::new(COLUMNS, MOST_BATCHES, 1);
+            (0..rows).for_each(|row| batches.add(&x(row), residual(row), 1.0));
 
-            let slope = batches.slope().unwrap();
+            let slope = slope(&batches).unwrap();
 
             let columns = Mat::from_fn(rows.unsigned_abs() as usize, 5, |row, i| {
                 x(i32::try_from(row).unwrap())[i]
@@ -328,17 +237,17 @@ mod tests {
             // The ridge of 1e-10 and normal equations.
             assert!((slope.value - exact[(0, 0)]).abs() < 1e-7, "{slope:?} {exact:?}");
             assert!((slope.value - 0.07).abs() < 5.0 * slope.error + 1e-7, "{slope:?}");
-            assert!(batches.whole.len() < super::MOST_BATCHES);
+            assert!(batches.count() <= MOST_BATCHES);
         }
     }
 
     #[test]
     fn a_joint_at_rest_says_nothing_of_its_gravity() {
-        let mut batches = Batches::default();
+        let mut batches = Stretches::new(COLUMNS, MOST_BATCHES, 1);
         for row in 0..1_000 {
-            batches.add([2.0, 0.0, 1.0, 0.0, 0.0], 0.1 * f64::from(row).sin());
+            batches.add(&[2.0, 0.0, 1.0, 0.0, 0.0], 0.1 * f64::from(row).sin(), 1.0);
         }
 
-        assert!(batches.slope().is_none());
+        assert!(slope(&batches).is_none());
     }
 }

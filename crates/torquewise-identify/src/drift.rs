@@ -1,5 +1,6 @@
 //! From model, sample of long logs to drift: joints whose friction changes as their gears warm.
 
+use crate::clustered::{Solved, Stretches};
 use std::fmt;
 use std::ops::Range;
 use torquewise_model::{Model, Torque};
@@ -28,6 +29,8 @@ const STRETCHES: usize = 20;
 const LEAST_PART: f64 = 0.05;
 /// A change below so many standard errors is chance.
 const LEAST_ERRORS: f64 = 4.0;
+/// Part of the squares of what grows that friction itself must not explain.
+const LEAST_FREE: f64 = 1e-6;
 
 /// The joints whose friction drifts along logs of five minutes or more.
 ///
@@ -79,23 +82,12 @@ fn logs(t: &[f64]) -> Vec<Range<usize>> {
 ///
 /// - `rows`: x, y, r
 fn change(rows: &[(f64, f64, f64)]) -> Option<(f64, f64)> {
-    let sum = |f: &dyn Fn(&(f64, f64, f64)) -> f64| rows.iter().map(f).sum::<f64>();
-    let (xx, xy, yy) = (sum(&|r| r.0 * r.0), sum(&|r| r.0 * r.1), sum(&|r| r.1 * r.1));
-    let (xr, yr) = (sum(&|r| r.0 * r.2), sum(&|r| r.1 * r.2));
-    let free = yy - xy * xy / xx;
-    let is_seen = xx > 0.0 && free > f64::EPSILON * yy;
-    if !is_seen {
-        return None;
-    }
-    let b = (yr - xy * xr / xx) / free;
-    let a = (xr - xy * b) / xx;
-    let stretch = rows.len().div_ceil(STRETCHES);
-    let score = |rows: &[(f64, f64, f64)]| -> f64 {
-        rows.iter().map(|(x, y, r)| (y - xy / xx * x) * (r - a * x - b * y)).sum()
-    };
-    let squares: f64 = rows.chunks(stretch).map(|rows| score(rows).powi(2)).sum();
-    let scale = 1.0 + a;
-    (scale > LEAST_PART).then(|| (b / scale, squares.sqrt() / free / scale))
+    let mut sums = Stretches::new(2, usize::MAX, rows.len().div_ceil(STRETCHES));
+    rows.iter().for_each(|(x, y, r)| sums.add(&[*x, *y], *r, 1.0));
+    let Solved { values, std_errors, free, .. } = sums.solved()?;
+    let scale = 1.0 + values[0];
+    let is_told = free[1] > LEAST_FREE && scale > LEAST_PART;
+    is_told.then(|| (values[1] / scale, std_errors[1] / scale))
 }
 
 impl fmt::Display for Drift {

@@ -9,6 +9,7 @@
 mod rough;
 pub mod clipped;
 pub mod excitation;
+mod clustered;
 pub mod disagreement;
 pub mod drift;
 pub mod score;

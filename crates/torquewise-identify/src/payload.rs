@@ -1,7 +1,9 @@
 //! From a model of the arm and a log with a load on its last link to the load (E15).
 
+mod gains;
 mod rows;
 
+use crate::clustered::{Stretches, Sums, scatter};
 use faer::{ColRef, Mat};
 use serde::Serialize;
 use torquewise_model::shaft_friction::Estimated;
@@ -13,6 +15,7 @@ use torquewise_rigid::inertia::{plain_link, seen_from};
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 
+pub use gains::Gains;
 use rows::{Columns, Weights, squares_with, state_of, visit};
 
 /// A body on the last link of an arm.
@@ -45,14 +48,8 @@ pub struct Payload {
     followed: Mat<f64>,
 }
 
-/// Equations of some time, to tell how much the log scatters.
-struct Block {
-    information: Mat<f64>,
-    right: Vec<f64>,
-}
-
-/// Blocks of time at most: neighbours are joined where there are more.
-const MOST_BLOCKS: usize = 256;
+/// Stretches of time at most, and rows of each at least: a log for a load is short.
+const STRETCHES: (usize, usize) = (256, 128);
 /// Rows between two at which the uncertainty of the arm is taken in.
 const SPARSE: usize = 8;
 /// Spread of a nominal load \[m\], and its least mass \[kg\].
@@ -82,20 +79,19 @@ impl Payload {
     ) -> Result<Self, IdentifyError> {
         let chain = chain_of(model)?;
         model.check_joints(recording.joints())?;
-        let sums = Sums::over(model, chain, recording)?;
-        let information = sums.total();
-        let right: Vec<f64> =
-            (0..PER_BODY).map(|k| sums.blocks.iter().map(|block| block.right[k]).sum()).collect();
-        let cost = Quadratic { hessian: &information, right: &right };
-        let prior = Prior { bodies: vec![sums.nominal(&information, &right)], ..Prior::default() };
+        let pass = Pass::over(model, chain, recording)?;
+        let Sums { gram: information, right, .. } = pass.total();
+        let right = right.col_as_slice(0);
+        let cost = Quadratic { hessian: &information, right };
+        let prior = Prior { bodies: vec![pass.nominal(&information, right)], ..Prior::default() };
         let solution = minimise(cost, &prior, STRENGTH, &prior.bodies[0])?;
         let factor = curvature(cost, &prior, STRENGTH, &solution)?;
 
-        let mut middle = sums.scatter(&solution);
+        let mut middle = pass.scatter(&solution);
         prior.add_slopes(&solution, STRENGTH, &mut [0.0; PER_BODY], &mut middle);
         let half = factor.solve_matrix(&middle);
         let own = factor.solve_matrix(&half.transpose().to_owned());
-        let followed = factor.solve_matrix(&sums.arm);
+        let followed = factor.solve_matrix(&pass.arm());
         let inertial: [f64; PER_BODY] = std::array::from_fn(|k| solution[k]);
         let mut covariance = own.clone();
         if !chain.covariance.is_empty() {
@@ -107,7 +103,7 @@ impl Payload {
             .unwrap_or_default();
         let [mass, center, inertia] = central(&inertial, &covariance, frame);
         let rms = |squares: &[f64]| -> Vec<f64> {
-            squares.iter().map(|sum| (sum / sums.rows.max(1) as f64).sqrt()).collect()
+            squares.iter().map(|sum| (sum / pass.rows.max(1) as f64).sqrt()).collect()
         };
         let with = rms(&squares_with(model, chain, recording, &inertial)?);
         Ok(Self {
@@ -115,8 +111,8 @@ impl Payload {
             mass: mass[0],
             center: std::array::from_fn(|k| center[k]),
             inertia: std::array::from_fn(|k| inertia[k]),
-            rows: sums.rows,
-            residual_without: rms(&sums.squares),
+            rows: pass.rows,
+            residual_without: rms(&pass.squares),
             residual_with: with,
             inertial,
             own,
@@ -181,18 +177,17 @@ fn chain_of(model: &Model) -> Result<&RigidChain, IdentifyError> {
 }
 
 /// What one pass over the rows adds up to.
-struct Sums {
-    blocks: Vec<Block>,
-    /// Rows of a block that are not joined yet.
-    joined: usize,
-    /// Σ Yᵀ W J, J the derivatives of the torque by the parameters of the arm, 10×p.
-    arm: Mat<f64>,
+struct Pass {
+    /// Of Y β = what the model leaves, ten columns, for each joint, n.
+    sums: Vec<Stretches>,
+    /// Σ Yᵀ w J, J the derivatives of the torque by the parameters of the arm, 10×p, n.
+    arm: Vec<Mat<f64>>,
     /// Squares of what the model leaves of each joint, n.
     squares: Vec<f64>,
     rows: usize,
 }
 
-impl Sums {
+impl Pass {
     fn over(
         model: &Model,
         chain: &RigidChain,
@@ -201,94 +196,70 @@ impl Sums {
         let n = model.n_joints();
         let (weights, mut columns) = (Weights::of(model), Columns::of(chain)?);
         let p = chain.n_parameters(model.friction.len());
-        let mut sums = Self {
-            blocks: Vec::new(),
-            joined: 1,
-            arm: Mat::zeros(PER_BODY, p),
+        let (most, rows) = STRETCHES;
+        let mut pass = Self {
+            sums: vec![Stretches::new(PER_BODY, most, rows); n],
+            arm: vec![Mat::zeros(PER_BODY, p); n],
             squares: vec![0.0; n],
             rows: 0,
         };
         let mut y = Mat::zeros(n, PER_BODY);
         let mut path_laws = Vec::new();
         visit(model, recording, &mut |block, left, laws| {
-            let mut own =
-                Block { information: Mat::zeros(PER_BODY, PER_BODY), right: vec![0.0; PER_BODY] };
             for row in 0..block.n_rows() {
                 let state = state_of(block, row);
                 columns.at(state.each_ref().map(Vec::as_slice), &mut y);
                 let weight: Vec<f64> =
                     (0..n).map(|joint| weights.square(joint, state[1][joint])).collect();
                 for joint in 0..n {
-                    let error = left[(row, joint)];
-                    sums.squares[joint] += error * error;
-                    for i in 0..PER_BODY {
-                        let weighed = weight[joint] * y[(joint, i)];
-                        own.right[i] += weighed * error;
-                        for j in 0..PER_BODY {
-                            own.information[(i, j)] += weighed * y[(joint, j)];
-                        }
-                    }
+                    let (error, own) = (left[(row, joint)], y.row(joint));
+                    pass.squares[joint] += error * error;
+                    let own: [f64; PER_BODY] = std::array::from_fn(|k| own[k]);
+                    pass.sums[joint].add(&own, error, weight[joint]);
                 }
-                if (sums.rows + row).is_multiple_of(SPARSE) && !chain.covariance.is_empty() {
+                if pass.rows.is_multiple_of(SPARSE) && !chain.covariance.is_empty() {
                     path_laws.clear();
                     path_laws.extend((0..laws.ncols()).map(|law| laws[(row, law)]));
                     let of_arm = chain.sensitivities(
                         (&model.friction, &path_laws),
                         state.each_ref().map(Vec::as_slice),
                     )?;
-                    for j in 0..p {
-                        for i in 0..PER_BODY {
-                            let across = (0..n)
-                                .map(|joint| weight[joint] * y[(joint, i)] * of_arm[(joint, j)]);
-                            sums.arm[(i, j)] += SPARSE as f64 * across.sum::<f64>();
+                    for (joint, arm) in pass.arm.iter_mut().enumerate() {
+                        let counts = SPARSE as f64 * weight[joint];
+                        for (j, of_arm) in of_arm.row(joint).iter().enumerate() {
+                            for i in 0..PER_BODY {
+                                arm[(i, j)] += counts * y[(joint, i)] * of_arm;
+                            }
                         }
                     }
                 }
+                pass.rows += 1;
             }
-            sums.rows += block.n_rows();
-            sums.push(own);
             Ok(())
         })?;
-        Ok(sums)
+        Ok(pass)
     }
 
-    /// Takes a block in; where there are many, each two become one.
-    fn push(&mut self, block: Block) {
-        self.blocks.push(block);
-        if self.blocks.len() > MOST_BLOCKS {
-            let mut halved: Vec<Block> = Vec::with_capacity(MOST_BLOCKS / 2 + 1);
-            for (k, block) in self.blocks.drain(..).enumerate() {
-                match halved.last_mut() {
-                    Some(last) if k % 2 == 1 => last.add(&block),
-                    _ => halved.push(block),
-                }
-            }
-            self.blocks = halved;
-            self.joined *= 2;
-        }
+    /// All joints together, stretch by stretch.
+    fn stretches(&self) -> impl Iterator<Item = Sums> {
+        let all: Vec<Vec<&Sums>> = self.sums.iter().map(|own| own.all().collect()).collect();
+        let count = all.first().map_or(0, Vec::len);
+        (0..count).map(move |k| {
+            all.iter().fold(Sums::none(PER_BODY), |sum, stretches| sum.and(stretches[k]))
+        })
     }
 
-    fn total(&self) -> Mat<f64> {
-        let none = Mat::zeros(PER_BODY, PER_BODY);
-        self.blocks.iter().fold(none, |sum, block| sum + &block.information)
+    fn total(&self) -> Sums {
+        self.stretches().fold(Sums::none(PER_BODY), |sum, own| sum.and(&own))
     }
 
-    /// Σ s sᵀ of the scores of blocks of time, since neighbouring rows are alike.
-    fn scatter(&self, solution: &[f64]) -> Mat<f64> {
-        let mut sum = Mat::<f64>::zeros(PER_BODY, PER_BODY);
-        let count = self.blocks.len() as f64;
-        for block in &self.blocks {
-            let known = &block.information * ColRef::from_slice(solution);
-            let score: Vec<f64> =
-                block.right.iter().zip(known.iter()).map(|(b, k)| b - k).collect();
-            for i in 0..PER_BODY {
-                for j in 0..PER_BODY {
-                    sum[(i, j)] += score[i] * score[j];
-                }
-            }
-        }
-        // Few blocks scatter less than many would.
-        sum * faer::Scale(count / (count - 1.0).max(1.0))
+    fn scatter(&self, load: &[f64]) -> Mat<f64> {
+        scatter(self.stretches().map(|own| own.score(ColRef::from_slice(load).as_mat())))
+    }
+
+    fn arm(&self) -> Mat<f64> {
+        let p = self.arm.first().map_or(0, Mat::ncols);
+        self.arm.iter().fold(Mat::zeros(PER_BODY, p), |sum, own| sum + own)
     }
 
     /// A load that may well be: of the mass and centre that least squares say, if they say any, and
@@ -314,13 +285,6 @@ impl Sums {
         let spread = NOMINAL.0;
         let round = plain_link(mass, &nalgebra::Vector3::zeros(), spread);
         seen_from(&round, &Placement { rotation: nalgebra::Matrix3::identity(), origin })
-    }
-}
-
-impl Block {
-    fn add(&mut self, other: &Self) {
-        self.information = &self.information + &other.information;
-        self.right.iter_mut().zip(&other.right).for_each(|(own, b)| *own += b);
     }
 }
 

@@ -132,6 +132,34 @@ impl Profile {
     }
 }
 
+impl Profile {
+    /// What columns named as usual mean: `q1`, `dq1`, …
+    ///
+    /// - `is_recorded`: whether q̇, q̈
+    pub fn usual(is_recorded: [bool; 2]) -> Self {
+        let of = |name: &str| {
+            let columns = Some(Columns::Prefix(name.to_owned()));
+            SignalColumns { columns, ..SignalColumns::default() }
+        };
+        Self {
+            q: Some(of("q")),
+            dq: is_recorded[0].then(|| of("dq")),
+            ddq: is_recorded[1].then(|| of("ddq")),
+            tau: Some(of("tau")),
+            ..Self::default()
+        }
+    }
+
+    /// The same with torque columns that are worth as much more, n.
+    pub fn with_gains(mut self, gains: &[f64]) -> Self {
+        let tau = self.tau.get_or_insert_default();
+        let before = |joint| tau.scale.as_ref().and_then(|scale| scale.of(joint)).unwrap_or(1.0);
+        let scale = gains.iter().enumerate().map(|(joint, gain)| before(joint) * gain).collect();
+        tau.scale = Some(PerJoint::Each(scale));
+        self
+    }
+}
+
 impl PerJoint {
     pub(crate) fn of(&self, joint: usize) -> Option<f64> {
         match self {

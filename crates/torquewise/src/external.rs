@@ -24,9 +24,9 @@ impl Default for ExternalOptions {
     }
 }
 
-/// What is done with each row: time \[s\], external torque of each joint \[N·m\], n; NaN while the
-/// observer settles.
-pub type SeeRow<'a> = dyn FnMut(f64, &[f64]) -> Result<(), ReadError> + 'a;
+/// What is done with each row: time \[s\], external torque of each joint, NaN while the observer
+/// settles, and its thresholds there \[N·m\], n each.
+pub type SeeRow<'a> = dyn FnMut(f64, &[f64], &[f64]) -> Result<(), ReadError> + 'a;
 
 /// External torque of a log, row by row, and the contacts that it shows.
 ///
@@ -53,20 +53,21 @@ pub fn contacts(
     let free = free.map(prepared).transpose()?;
     let is_free = free.is_some();
     let calm = free.as_ref().unwrap_or(&rows);
-    let watched = Watched::new(calm.rows(), observer, "setting thresholds", (calm.rows_hint(), 2));
+    let watched = Watched::new(calm.rows(), observer, "setting thresholds", (calm.rows_hint(), 3));
     let numbers = (options.bandwidth, options.false_alarms_per_hour);
     let thresholds = Thresholds::of_free_motion(model, &watched, numbers, is_free)?;
-    let mut detector = ContactDetector::new(model, &thresholds);
+    let mut detector = ContactDetector::new(model);
     let watched =
         Watched::new(rows.rows(), observer, "looking for contacts", (rows.rows_hint(), 1));
     let mut last = None;
-    external_torques(model, &watched, options.bandwidth, &mut |trajectory, t, external| {
-        if last.is_some_and(|own| own != trajectory) {
+    external_torques(model, &watched, options.bandwidth, &mut |row| {
+        if last.is_some_and(|own| own != row.trajectory) {
             detector.separate();
         }
-        last = Some(trajectory);
-        detector.take(t, external);
-        see(t, external)
+        last = Some(row.trajectory);
+        let most = thresholds.at(row);
+        detector.take(row.t, row.torque, &most);
+        see(row.t, row.torque, &most)
     })?;
     Ok((thresholds, detector.contacts().to_vec()))
 }

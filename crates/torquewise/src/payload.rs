@@ -6,7 +6,7 @@ use crate::log::Log;
 use crate::observe::{Observer, Watched};
 use torquewise_model::Model;
 
-pub use torquewise_identify::payload::Payload;
+pub use torquewise_identify::payload::{Gains, Payload};
 
 /// Estimates the load on the last link from a log with it, by a model of the arm without it (E15).
 ///
@@ -29,4 +29,17 @@ pub fn payload(model: &Model, log: &Log, observer: Observer<'_>) -> Result<Paylo
     let log = prepare(model, log)?;
     let watched = Watched::new(log.rows(), observer, "weighing", (log.rows_hint(), 2));
     Ok(Payload::find(model, &watched)?)
+}
+
+/// Finds what a unit of each torque column is worth, from a log with a load of known mass and a model
+/// of the bare arm that was learned from the same columns (E25).
+///
+/// - `mass`: \[kg\]
+///
+/// # Errors
+/// Those of [`payload`].
+pub fn gains(model: &Model, log: &Log, mass: f64, observer: Observer<'_>) -> Result<Gains> {
+    let log = prepare(model, log)?;
+    let watched = Watched::new(log.rows(), observer, "weighing", (log.rows_hint(), 1));
+    Ok(Gains::find(model, &watched, mass)?)
 }

@@ -24,7 +24,7 @@ class Contacts:
     external: np.ndarray
     """External torque of each joint [N·m], m×n."""
     thresholds: np.ndarray
-    """Beyond which it is taken for a contact [N·m], n."""
+    """Beyond which it is taken for a contact, at each time [N·m], m×n."""
     seconds: float
     """Time of free motion that the thresholds come from [s]."""
     contacts: list[dict[str, Any]]
@@ -62,12 +62,12 @@ def residuals(
         rows, thresholds, contacts = _core.contacts(
             model, log, free=free, bandwidth=bandwidth, false_alarms=false_alarms, progress=told
         )
-    thresholds = json.loads(thresholds)
+    thresholds, n = json.loads(thresholds), len(model.joints)
     return Contacts(
         joints=model.joints,
         t=rows[:, 0],
-        external=rows[:, 1:],
-        thresholds=np.array(thresholds["torque"]),
+        external=rows[:, 1 : n + 1],
+        thresholds=rows[:, n + 1 :],
         seconds=thresholds["seconds"],
         contacts=json.loads(contacts),
     )

@@ -127,7 +127,8 @@ def residuals(found, *, points=4000):
     for joint, (axis, name) in enumerate(zip(axes, found.joints)):
         axis.plot(found.t[::step], found.external[::step, joint], color=_COLORS[0], lw=1)
         for sign in (-1, 1):
-            axis.axhline(sign * found.thresholds[joint], color="0.6", ls="--", lw=1)
+            most = sign * found.thresholds[::step, joint]
+            axis.plot(found.t[::step], most, color="0.6", ls="--", lw=1)
         for contact in found.contacts:
             if contact["joint"] == name:
                 axis.axvspan(contact["begin"], contact["end"], color=_COLORS[1], alpha=0.3, lw=0)

@@ -14,12 +14,12 @@ use torquewise::external::{Contact, ExternalOptions, Thresholds, contacts};
 use torquewise::logs::{Column, TableWriter, Values};
 use torquewise::model::{Model, number};
 use torquewise::report::chart_figure;
-use torquewise::report::html::{Chart, Growing, Guide, Series};
+use torquewise::report::html::{Chart, Growing, Series};
 
 /// External torque of a log by the momentum observer, and contacts beyond a threshold
 ///
-/// The table has t and tau_external of each joint, without the first moments of each trajectory, in
-/// which the observer settles.
+/// The table has t, tau_external and the threshold of each joint, which follows the motion, without the
+/// first moments of each trajectory, in which the observer settles.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
     /// Model file
@@ -70,26 +70,30 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         bandwidth: arguments.bandwidth,
         false_alarms_per_hour: arguments.false_alarms,
     };
-    let names = (1..=model.n_joints()).map(|joint| format!("tau_external{joint}"));
+    let columns = ["tau_external", "threshold"].into_iter();
+    let names =
+        columns.flat_map(|of| (1..=model.n_joints()).map(move |joint| format!("{of}{joint}")));
     let names: Vec<String> = std::iter::once("t".to_owned()).chain(names).collect();
     let mut table = TableWriter::create(&staged(&arguments.output)?, &Column::numbers(&names))?;
     let mut rows = 0;
-    let mut curves = vec![Growing::default(); model.n_joints()];
+    let mut curves = vec![[(); 3].map(|()| Growing::default()); model.n_joints()];
     let (thresholds, found) =
-        contacts(&model, &log, free.as_ref(), options, &watch(), &mut |t, external| {
+        contacts(&model, &log, free.as_ref(), options, &watch(), &mut |t, external, most| {
             if external.iter().any(|x| x.is_nan()) {
                 return Ok(());
             }
-            curves.iter_mut().zip(external).for_each(|(curve, x)| curve.push([t, *x]));
+            for ((curves, x), most) in curves.iter_mut().zip(external).zip(most) {
+                curves.iter_mut().zip([*x, *most, -most]).for_each(|(own, y)| own.push([t, y]));
+            }
             rows += 1;
-            let row: Vec<f64> = std::iter::once(t).chain(external.iter().copied()).collect();
+            let row: Vec<f64> = [&[t][..], external, most].concat();
             Ok(table.append(&row.chunks(1).map(Values::Numbers).collect::<Vec<_>>())?)
         })?;
     table.finish()?;
     let found = (thresholds, found);
     let mut outcome = outcome(arguments, &model, &found, rows);
     if let Some(file) = &arguments.figure {
-        let charts = charts(curves, &model, &found.0);
+        let charts = charts(curves, &model);
         write_whole(file, &chart_figure("External torque", &charts, 2)?)?;
         outcome.text.extend([format!("figure: {}\n", file.display())]);
         outcome.json["figure"] = json!(file.display().to_string());
@@ -97,22 +101,24 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     Ok(outcome)
 }
 
-fn charts(curves: Vec<Growing>, model: &Model, thresholds: &Thresholds) -> Vec<Chart> {
-    let chart = |((curve, name), most): ((Growing, &String), &f64)| {
-        let guides = [1.0, -1.0].map(|sign| Guide::at_y(sign * most, "threshold")).to_vec();
-        let series = vec![Series::line("external torque", curve.into_points())];
-        Chart { guides, ..Chart::over(name, ["time [s]", "external torque [N·m]"], series) }
+fn charts(curves: Vec<[Growing; 3]>, model: &Model) -> Vec<Chart> {
+    let chart = |(curves, name): ([Growing; 3], &String)| {
+        let names = ["external torque", "+ threshold", "− threshold"];
+        let series = names.into_iter().zip(curves);
+        let series = series.map(|(name, curve)| Series::line(name, curve.into_points())).collect();
+        Chart::over(name, ["time [s]", "external torque [N·m]"], series)
     };
-    curves.into_iter().zip(&model.joints).zip(&thresholds.torque).map(chart).collect()
+    curves.into_iter().zip(&model.joints).map(chart).collect()
 }
 
 type Found = (Thresholds, Vec<Contact>);
 
 fn outcome(arguments: &Arguments, model: &Model, found: &Found, rows: usize) -> Outcome {
     let (thresholds, found) = found;
-    let mut table = Table::new(["joint", "threshold [N·m]"]);
-    for (name, most) in model.joints.iter().zip(&thresholds.torque) {
-        table.row(name, [number(*most)]);
+    let mut table = Table::new(["threshold [N·m]", "in motion", "at rest"]);
+    let both = thresholds.torque.iter().zip(&thresholds.at_rest);
+    for (name, (most, rest)) in model.joints.iter().zip(both) {
+        table.row(name, [number(*most), number(*rest)]);
     }
     let mut text = format!(
         "thresholds for {} false alarms an hour, from {:.0} s of {}\n\n{}\n{} contacts\n",
@@ -150,6 +156,7 @@ fn outcome(arguments: &Arguments, model: &Model, found: &Found, rows: usize) -> 
     let json = json!({
         "joints": model.joints,
         "thresholds": thresholds.torque,
+        "thresholds_at_rest": thresholds.at_rest,
         "false_alarms_per_hour": thresholds.false_alarms_per_hour,
         "bandwidth_hz": arguments.bandwidth,
         "contacts": found,

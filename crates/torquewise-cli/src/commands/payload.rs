@@ -1,7 +1,8 @@
 //! What hangs on the last link of an arm whose model is known.
 
+use crate::arguments::parsed;
 use crate::error::Result;
-use crate::files::{check_files, read_model, staged};
+use crate::files::{check_files, read_model, staged, write_whole};
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
 use crate::signal_arguments::SignalArguments;
@@ -9,9 +10,11 @@ use crate::table::Table;
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
-use torquewise::model::number;
+use torquewise::Log;
+use torquewise::logs::Profile;
 use torquewise::model::shaft_friction::Estimated;
-use torquewise::payload::payload;
+use torquewise::model::{Model, number};
+use torquewise::payload::{gains, payload};
 
 /// Estimate the load on the last link from seconds of motion, with a model of the bare arm
 #[derive(Args, Debug)]
@@ -21,9 +24,14 @@ pub(crate) struct Arguments {
     /// Logs of the arm with the load
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
-    /// Model to write: the arm that carries the load
-    #[arg(short, long, value_name = "MODEL.json")]
+    /// File to write: the model of the arm that carries the load, or with `--known-mass` the profile by
+    /// which the torque columns are in N·m
+    #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Mass of the load in kg, where torque columns are currents or of unknown gain: finds what a unit
+    /// of each is worth, with a model that was learned from the same columns
+    #[arg(long, value_name = "KG", value_parser = mass)]
+    known_mass: Option<f64>,
     #[command(flatten)]
     signals: SignalArguments,
 }
@@ -35,11 +43,18 @@ const ROWS: [(&[&str], &str); 3] = [
     (&["Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"], "kg m2"),
 ];
 
+fn mass(text: &str) -> Result<f64, String> {
+    parsed(text, |kg| *kg > 0.0 && *kg <= 1e4, "expected a mass above 0, at most 10000 kg")
+}
+
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let inputs = arguments.logs.iter().chain([&arguments.model]);
     check_files(inputs, arguments.output.iter().map(|file| (file.as_path(), &[][..])))?;
     let model = read_model(&arguments.model)?;
     let log = arguments.signals.open(&arguments.logs)?;
+    if let Some(mass) = arguments.known_mass {
+        return run_gains(arguments, &model, &log, mass);
+    }
     let found = payload(&model, &log, &watch())?;
     let mut table = Table::new(["load", "value", "±", "unit"]);
     let all = std::iter::once(found.mass).chain(found.center).chain(found.inertia);
@@ -72,4 +87,50 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     let warnings = found.hints().into_iter().map(str::to_owned).collect();
     Ok(Outcome { text, json, warnings, ..Outcome::default() })
+}
+
+fn run_gains(arguments: &Arguments, model: &Model, log: &Log, mass: f64) -> Result<Outcome> {
+    let found = gains(model, log, mass, &watch())?;
+    let told = found.told();
+    let mut table = Table::new(["gain", "N m per unit", "±"]);
+    for (joint, gain) in model.joints.iter().zip(&found.gains) {
+        table.row(joint, [number(gain.value), number(gain.std_error)]);
+    }
+    let mut text = format!(
+        "{} rows; a load of {} kg, which the torque columns as they are weigh at {} kg; ± is one \
+         standard error\n\n{}",
+        found.rows,
+        number(mass),
+        number(found.apparent_mass),
+        table.text()
+    );
+    let mut json = object(&found);
+    let untold: Vec<&str> = (model.joints.iter().zip(&told))
+        .filter_map(|(joint, told)| (!told).then_some(joint.as_str()))
+        .collect();
+    let warning = (!untold.is_empty()).then(|| {
+        format!(
+            "the load hardly loads {}: their gains are not told to a tenth, and the profile leaves \
+             their columns as they are; hold the load further out, and swing it",
+            untold.join(", ")
+        )
+    });
+    if let Some(output) = &arguments.output {
+        let is_bag = arguments.logs.iter().any(|log| {
+            log.extension().is_some_and(|end| ["db3", "mcap"].iter().any(|bag| end == *bag))
+        });
+        let usual = || match is_bag {
+            true => Profile { joints: model.joints.clone(), ..Profile::default() },
+            false => Profile::usual([log.files.has_dq(), log.files.has_ddq()]),
+        };
+        let profile = arguments.signals.profile()?.unwrap_or_else(usual);
+        let gains = found.gains.iter().zip(&told);
+        let gains: Vec<f64> =
+            gains.map(|(gain, told)| if *told { gain.value } else { 1.0 }).collect();
+        write_whole(output, &profile.with_gains(&gains).to_toml())?;
+        let file = output.display().to_string();
+        text.extend([format!("\nprofile: {file}; fit again with `--profile {file}`\n")]);
+        json["file"] = json!(file);
+    }
+    Ok(Outcome { text, json, warnings: warning.into_iter().collect(), ..Outcome::default() })
 }

@@ -101,6 +101,34 @@ fn a_load_is_weighed_and_added_to_a_model_of_its_own() {
 }
 
 #[test]
+fn a_known_mass_says_what_an_ampere_is_worth() {
+    let terminal = Terminal::new();
+    terminal.write("loaded.urdf", &robot(1.6));
+    terminal.write("arm.urdf", &robot(0.1));
+    for (file, seconds, seed) in [("arm", 60, 1), ("loaded", 40, 3)] {
+        let motion = format!("--seconds {seconds} --rate 50 --case 2 --seed {seed}");
+        terminal.done(&format!("simulate {file}.urdf -o {file}.csv {motion}"));
+        let amperes =
+            Table::of(&terminal, &format!("{file}.csv")).scaled(&["tau1", "tau2"], 1.0 / 8.0);
+        terminal.write(&format!("{file}.csv"), &amperes.text());
+    }
+    terminal.done("fit arm.csv --urdf arm.urdf -o amperes.json");
+
+    let line = "payload amperes.json loaded.csv --known-mass 1.5 -o drives.toml";
+    let found = terminal.json(line);
+
+    let [gains, errors] = ["value", "std_error"].map(|key| each(&found["gains"], key));
+    for (gain, error) in gains.iter().zip(&errors) {
+        assert!((gain - 8.0).abs() < 0.4 && (gain - 8.0).abs() < 3.0 * error, "{found}");
+    }
+    assert!((0.15..0.22).contains(&found["apparent_mass"].as_f64().unwrap()), "{found}");
+    terminal.done("fit arm.csv --urdf arm.urdf --profile drives.toml -o arm.json");
+    let load = terminal.json("payload arm.json loaded.csv --profile drives.toml");
+    assert!((load["mass"]["value"].as_f64().unwrap() - 1.5).abs() < 0.08, "{load}");
+    terminal.misused("payload arm.json loaded.csv --known-mass 0", &["above 0"]);
+}
+
+#[test]
 fn a_urdf_that_is_not_of_the_arm_is_refused_with_what_to_do() {
     let terminal = fitted();
     terminal.done("simulate puma560-3 -o three.csv --seconds 10 --rate 50");
@@ -140,7 +168,8 @@ fn a_push_is_found_when_and_where_it_was() {
     assert!((9.0..9.05).contains(&number("begin")) && number("end") < 9.6, "{found}");
     assert_eq!(contacts[0]["joint"], "elbow");
     assert!((3.5..4.5).contains(&number("torque")), "{found}");
-    assert!(terminal.read("external.csv").starts_with("t,tau_external1,tau_external2"));
+    let columns = "t,tau_external1,tau_external2,threshold1,threshold2\n";
+    assert!(terminal.read("external.csv").starts_with(columns));
     assert!(terminal.read("external.svg").contains("threshold"));
     let calm = terminal.json("residuals arm.json calm.csv --free free.csv -o calm_external.csv");
     assert_eq!(calm["contacts"].as_array().unwrap().len(), 0, "{calm}");

@@ -9,9 +9,6 @@ use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Kinematics, Moved, State};
 use torquewise_stepwise::error::IdentifyError;
 
-/// Rows of a block of time: shorter than those of a reader, as a log for a load is short.
-const BLOCK_ROWS: usize = 128;
-
 /// One over the noise of each joint, and its speed at rest.
 pub(super) struct Weights {
     weight: Vec<f64>,
@@ -95,12 +92,7 @@ pub(super) fn visit(
             let followed = path.follow(trajectory, block);
             let laws = torque.laws(&followed)?;
             let left = block.require_tau()? - torque.over(&followed)?;
-            for first in (0..block.n_rows()).step_by(BLOCK_ROWS) {
-                let rows: Vec<usize> = (first..block.n_rows().min(first + BLOCK_ROWS)).collect();
-                let part = block.select(&rows);
-                let of = |x: &Mat<f64>| x.subrows(first, rows.len()).to_owned();
-                see(&part, &of(&left), &of(&laws))?;
-            }
+            see(block, &left, &laws)?;
             Ok(())
         })
         .map_err(IdentifyError::Read)

@@ -1,0 +1,149 @@
+//! Least squares of rows that err alike within a stretch of time: errors are those of clusters.
+
+use faer::linalg::solvers::DenseSolveCore;
+use faer::{Mat, MatRef, Side};
+
+/// Held at unit columns, so that one that repeats another has some coefficient.
+const RIDGE: f64 = 1e-10;
+
+/// What the equations c·x = r of one stretch of time add up to, p columns.
+#[derive(Clone, Debug)]
+pub(crate) struct Sums {
+    pub(crate) equations: usize,
+    /// Σ w c cᵀ, p×p.
+    pub(crate) gram: Mat<f64>,
+    /// Σ w c r, p×1.
+    pub(crate) right: Mat<f64>,
+    /// Σ w r².
+    pub(crate) squares: f64,
+}
+
+impl Sums {
+    pub(crate) fn none(columns: usize) -> Self {
+        let (gram, right) = (Mat::zeros(columns, columns), Mat::zeros(columns, 1));
+        Self { equations: 0, gram, right, squares: 0.0 }
+    }
+
+    pub(crate) fn and(mut self, other: &Self) -> Self {
+        self.equations += other.equations;
+        self.gram += &other.gram;
+        self.right += &other.right;
+        self.squares += other.squares;
+        self
+    }
+
+    /// What the sums leave at a solution, p×1.
+    pub(crate) fn score(&self, solution: MatRef<'_, f64>) -> Mat<f64> {
+        &self.right - &self.gram * solution
+    }
+}
+
+/// Σ s sᵀ of the scores of stretches, p×1 each, as many would scatter: p×p.
+pub(crate) fn scatter(scores: impl Iterator<Item = Mat<f64>>) -> Mat<f64> {
+    let (mut sum, mut count) = (Mat::zeros(0, 0), 0.0);
+    for score in scores {
+        let square = &score * score.transpose();
+        sum = if count == 0.0 { square } else { sum + square };
+        count += 1.0;
+    }
+    sum * faer::Scale(count / f64::max(count - 1.0, 1.0))
+}
+
+/// Sums over equal stretches of time, a bounded number, and the rest.
+#[derive(Clone, Debug)]
+pub(crate) struct Stretches {
+    most: usize,
+    length: usize,
+    whole: Vec<Sums>,
+    rest: Sums,
+}
+
+/// A solution with what is known of each coefficient.
+#[derive(Clone, Debug)]
+pub(crate) struct Solved {
+    pub(crate) values: Vec<f64>,
+    /// Standard errors, those of clusters.
+    pub(crate) std_errors: Vec<f64>,
+    /// Part of the squares of each column that no other column explains.
+    pub(crate) free: Vec<f64>,
+    /// Squares of the response that the coefficient of each column explains beside the others.
+    pub(crate) gained: Vec<f64>,
+    /// Squares of the response that all columns leave.
+    pub(crate) left: f64,
+}
+
+impl Stretches {
+    /// - `most`: stretches at most; where there are more, each two neighbours become one
+    /// - `length`: equations of the first stretches
+    pub(crate) fn new(columns: usize, most: usize, length: usize) -> Self {
+        Self { most, length, whole: Vec::new(), rest: Sums::none(columns) }
+    }
+
+    /// Adds an equation.
+    pub(crate) fn add(&mut self, columns: &[f64], response: f64, weight: f64) {
+        self.rest.equations += 1;
+        self.rest.squares += weight * response * response;
+        for (j, x) in columns.iter().enumerate() {
+            let weighed = weight * x;
+            self.rest.right[(j, 0)] += weighed * response;
+            let own = self.rest.gram.col_as_slice_mut(j).iter_mut();
+            own.zip(columns).for_each(|(sum, y)| *sum += weighed * y);
+        }
+        if self.rest.equations < self.length {
+            return;
+        }
+        let none = Sums::none(columns.len());
+        self.whole.push(std::mem::replace(&mut self.rest, none));
+        if self.whole.len() >= self.most {
+            let joined = |pair: &[Sums]| pair[1..].iter().fold(pair[0].clone(), Sums::and);
+            self.whole = self.whole.chunks(2).map(joined).collect();
+            self.length *= 2;
+        }
+    }
+
+    /// Of each stretch.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Sums> {
+        self.whole.iter().chain(Some(&self.rest).filter(|rest| rest.equations > 0))
+    }
+
+    /// Stretches.
+    pub(crate) fn count(&self) -> usize {
+        self.all().count()
+    }
+
+    /// Sums over all stretches.
+    pub(crate) fn total(&self) -> Sums {
+        self.all().fold(Sums::none(self.rest.right.nrows()), Sums::and)
+    }
+
+    /// Least squares; a column of nothing but zeros has a coefficient of zero.
+    ///
+    /// - returns: `None` where there is nothing to solve
+    pub(crate) fn solved(&self) -> Option<Solved> {
+        let total = self.total();
+        let p = total.right.nrows();
+        let size: Vec<f64> = (0..p).map(|k| total.gram[(k, k)].sqrt()).collect();
+        let units = Mat::from_fn(p, p, |i, j| {
+            let is_own =
+                f64::from(u8::from(i == j)) * if size[i] > 0.0 { 1.0 + RIDGE } else { 1.0 };
+            let across = size[i] * size[j];
+            if i != j && across > 0.0 { total.gram[(i, j)] / across } else { is_own }
+        });
+        let inverse = units.llt(Side::Lower).ok()?.inverse();
+        let per = |k: usize| if size[k] > 0.0 { 1.0 / size[k] } else { 0.0 };
+        let inverse = Mat::from_fn(p, p, |i, j| per(i) * inverse[(i, j)] * per(j));
+        let values = &inverse * &total.right;
+        let covariance =
+            &inverse * scatter(self.all().map(|own| own.score(values.as_ref()))) * &inverse;
+        let explained = (values.transpose() * &total.right)[(0, 0)];
+        let free = |k: usize| if size[k] > 0.0 { per(k).powi(2) / inverse[(k, k)] } else { 0.0 };
+        let free: Vec<f64> = (0..p).map(free).collect();
+        Some(Solved {
+            gained: (0..p).map(|k| free[k] * (values[(k, 0)] * size[k]).powi(2)).collect(),
+            std_errors: (0..p).map(|k| covariance[(k, k)].max(0.0).sqrt()).collect(),
+            values: values.col_as_slice(0).to_vec(),
+            free,
+            left: (total.squares - explained).max(0.0),
+        })
+    }
+}
