@@ -148,35 +148,7 @@ impl Thresholds {
     ) -> Result<Self, IdentifyError> {
         let n = model.n_joints();
         // First the spreads and levels, from rows thinned evenly, then the peaks beyond them.
-        let (mut sample, mut stride, mut rows) = (vec![Vec::new(); n], 1_usize, 0_usize);
-        let (mut seconds, mut last) = (0.0, None);
-        external_torques(model, free, bandwidth, &mut |row| {
-            if let Some((own, before)) = last
-                && own == row.trajectory
-            {
-                seconds += row.t - before;
-            }
-            last = Some((row.trajectory, row.t));
-            if row.torque.iter().any(|x| x.is_nan()) {
-                return Ok(());
-            }
-            if rows.is_multiple_of(stride) {
-                let own = row.torque.iter().copied().zip(row.followed.iter().copied());
-                sample.iter_mut().zip(own).for_each(|(sample, own)| sample.push(own));
-            }
-            rows += 1;
-            if sample[0].len() > MOST_ROWS {
-                for own in &mut sample {
-                    let mut keep = false;
-                    own.retain(|_| {
-                        keep = !keep;
-                        keep
-                    });
-                }
-                stride *= 2;
-            }
-            Ok(())
-        })?;
+        let Sample { of_joints: sample, rows, seconds } = Sample::of(model, free, bandwidth)?;
         let spreads: Vec<Spread> = sample.iter().map(|own| Spread::of(own, is_free)).collect();
         let level = |(own, spread): (&Vec<spread::Row>, &Spread)| {
             let mut parts: Vec<f64> =
@@ -229,6 +201,53 @@ impl Thresholds {
     pub fn at(&self, row: Observed<'_>) -> Vec<f64> {
         let own = self.spreads.iter().zip(&self.multiples).zip(row.followed);
         own.map(|((spread, multiple), at)| multiple * spread.at(at)).collect()
+    }
+}
+
+/// Rows of a free arm, thinned evenly.
+struct Sample {
+    of_joints: Vec<Vec<spread::Row>>,
+    /// Of all, before they were thinned.
+    rows: usize,
+    seconds: f64,
+}
+
+impl Sample {
+    fn of(
+        model: &Model,
+        free: &(impl Recording + ?Sized),
+        bandwidth: f64,
+    ) -> Result<Self, IdentifyError> {
+        let of_joints = vec![Vec::new(); model.n_joints()];
+        let (mut all, mut stride, mut last) = (Self { of_joints, rows: 0, seconds: 0.0 }, 1, None);
+        external_torques(model, free, bandwidth, &mut |row| {
+            if let Some((own, before)) = last
+                && own == row.trajectory
+            {
+                all.seconds += row.t - before;
+            }
+            last = Some((row.trajectory, row.t));
+            if row.torque.iter().any(|x| x.is_nan()) {
+                return Ok(());
+            }
+            if all.rows.is_multiple_of(stride) {
+                let own = row.torque.iter().copied().zip(row.followed.iter().copied());
+                all.of_joints.iter_mut().zip(own).for_each(|(sample, own)| sample.push(own));
+            }
+            all.rows += 1;
+            if all.of_joints[0].len() > MOST_ROWS {
+                for own in &mut all.of_joints {
+                    let mut keep = false;
+                    own.retain(|_| {
+                        keep = !keep;
+                        keep
+                    });
+                }
+                stride *= 2;
+            }
+            Ok(())
+        })?;
+        Ok(all)
     }
 }
 

@@ -83,7 +83,9 @@ fn logs(t: &[f64]) -> Vec<Range<usize>> {
 /// - `rows`: x, y, r
 fn change(rows: &[(f64, f64, f64)]) -> Option<(f64, f64)> {
     let mut sums = Stretches::new(2, usize::MAX, rows.len().div_ceil(STRETCHES));
-    rows.iter().for_each(|(x, y, r)| sums.add(&[*x, *y], *r, 1.0));
+    for (x, y, r) in rows {
+        sums.add(&[*x, *y], *r, 1.0);
+    }
     let Solved { values, std_errors, free, .. } = sums.solved()?;
     let scale = 1.0 + values[0];
     let is_told = free[1] > LEAST_FREE && scale > LEAST_PART;

@@ -64,6 +64,13 @@ pub enum Finding {
         /// Names of the joints.
         joints: [String; 2],
     },
+    /// Torques that are not in one unit, such as the currents of different motors.
+    Gains {
+        /// Names of all joints, n.
+        joints: Vec<String>,
+        /// What a unit of each is worth beside the others, geometric mean 1, n.
+        gains: Vec<f64>,
+    },
     /// A torque that follows from the position alone.
     Commanded {
         /// Name of the joint.
@@ -229,6 +236,7 @@ pub fn list(names: &[String]) -> String {
 }
 
 impl fmt::Display for Finding {
+    #[expect(clippy::too_many_lines, reason = "a table of sentences")]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Range { joint, range } => write!(
@@ -277,6 +285,18 @@ impl fmt::Display for Finding {
                  were cut off: check the limits of its drive and sensor, and drive it more gently",
                 100.0 * share
             ),
+            Self::Gains { joints, gains } => {
+                let each = joints.iter().zip(gains);
+                let each: Vec<String> =
+                    each.map(|(own, gain)| format!("{own} {gain:.3}")).collect();
+                write!(
+                    f,
+                    "the torques are not in one unit, as currents of different motors are not: the \
+                     links that joints share ask for gains of {}; give these as the scale of tau in \
+                     a profile, and find their common factor by `payload --known-mass`",
+                    list(&each)
+                )
+            }
             Self::Swapped { joints: [one, other] } => write!(
                 f,
                 "the torque of {one} fits the motion of {other}, and that of {other} the motion of \

@@ -3,8 +3,10 @@
 
 use crate::basis::{Energies, joint_sums};
 use crate::drifts;
+use crate::drive_gains::unequal_gains;
 use crate::drive_terms::DriveTerm;
 use crate::estimate::{Linearisation, Solved};
+use crate::excitation::Finding;
 use crate::prune::prune;
 use crate::reconstruction::Reconstruction;
 use crate::unseen::{Errors, HeldOut, geometric_mean, held_out, regions, whole_logs};
@@ -82,6 +84,10 @@ impl Fitted {
             choices,
         };
         let noise = &solved.at.noise;
+        if let Some(gains) = unequal_gains(&solved.at.narrowed(), &survey.sample)? {
+            let joints = survey.joints.clone();
+            warnings.push(Warning::Excitation(Finding::Gains { joints, gains }));
+        }
         warnings.extend(drifts(&model, &survey.sample)?.into_iter().map(Warning::Drift));
         model.training.unexplained_rms = unexplained(&model, &survey, noise)?;
         let step =

@@ -10,6 +10,7 @@ mod rough;
 pub mod clipped;
 pub mod excitation;
 mod clustered;
+mod drive_gains;
 pub mod disagreement;
 pub mod drift;
 pub mod score;

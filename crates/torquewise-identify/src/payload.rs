@@ -16,7 +16,7 @@ use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 
 pub use gains::Gains;
-use rows::{Columns, Weights, squares_with, state_of, visit};
+use rows::{Columns, Weights, WithLoad, state_of, visit};
 
 /// A body on the last link of an arm.
 ///
@@ -50,8 +50,6 @@ pub struct Payload {
 
 /// Stretches of time at most, and rows of each at least: a log for a load is short.
 const STRETCHES: (usize, usize) = (256, 128);
-/// Rows between two at which the uncertainty of the arm is taken in.
-const SPARSE: usize = 8;
 /// Spread of a nominal load \[m\], and its least mass \[kg\].
 const NOMINAL: (f64, f64) = (0.05, 1e-3);
 /// How strongly a load is held at the nominal one, in squares of the noise: alone it leaves a mass
@@ -91,8 +89,12 @@ impl Payload {
         prior.add_slopes(&solution, STRENGTH, &mut [0.0; PER_BODY], &mut middle);
         let half = factor.solve_matrix(&middle);
         let own = factor.solve_matrix(&half.transpose().to_owned());
-        let followed = factor.solve_matrix(&pass.arm());
         let inertial: [f64; PER_BODY] = std::array::from_fn(|k| solution[k]);
+        let ones = vec![1.0; model.n_joints()];
+        let with = WithLoad::over(model, chain, recording, (&inertial, &ones))?;
+        let p = chain.n_parameters(model.friction.len());
+        let arm = with.arm.iter().fold(Mat::zeros(PER_BODY, p), |sum, own| sum + own);
+        let followed = factor.solve_matrix(&arm);
         let mut covariance = own.clone();
         if !chain.covariance.is_empty() {
             covariance += &followed * chain.covariance_matrix() * followed.transpose();
@@ -105,7 +107,6 @@ impl Payload {
         let rms = |squares: &[f64]| -> Vec<f64> {
             squares.iter().map(|sum| (sum / pass.rows.max(1) as f64).sqrt()).collect()
         };
-        let with = rms(&squares_with(model, chain, recording, &inertial)?);
         Ok(Self {
             link,
             mass: mass[0],
@@ -113,7 +114,7 @@ impl Payload {
             inertia: std::array::from_fn(|k| inertia[k]),
             rows: pass.rows,
             residual_without: rms(&pass.squares),
-            residual_with: with,
+            residual_with: rms(&with.squares),
             inertial,
             own,
             followed,
@@ -180,8 +181,6 @@ fn chain_of(model: &Model) -> Result<&RigidChain, IdentifyError> {
 struct Pass {
     /// Of Y β = what the model leaves, ten columns, for each joint, n.
     sums: Vec<Stretches>,
-    /// Σ Yᵀ w J, J the derivatives of the torque by the parameters of the arm, 10×p, n.
-    arm: Vec<Mat<f64>>,
     /// Squares of what the model leaves of each joint, n.
     squares: Vec<f64>,
     rows: usize,
@@ -195,43 +194,23 @@ impl Pass {
     ) -> Result<Self, IdentifyError> {
         let n = model.n_joints();
         let (weights, mut columns) = (Weights::of(model), Columns::of(chain)?);
-        let p = chain.n_parameters(model.friction.len());
         let (most, rows) = STRETCHES;
         let mut pass = Self {
             sums: vec![Stretches::new(PER_BODY, most, rows); n],
-            arm: vec![Mat::zeros(PER_BODY, p); n],
             squares: vec![0.0; n],
             rows: 0,
         };
         let mut y = Mat::zeros(n, PER_BODY);
-        let mut path_laws = Vec::new();
-        visit(model, recording, &mut |block, left, laws| {
+        visit(model, recording, &mut |block, left, _| {
             for row in 0..block.n_rows() {
                 let state = state_of(block, row);
                 columns.at(state.each_ref().map(Vec::as_slice), &mut y);
-                let weight: Vec<f64> =
-                    (0..n).map(|joint| weights.square(joint, state[1][joint])).collect();
                 for joint in 0..n {
+                    let weight = weights.square(joint, state[1][joint]);
                     let (error, own) = (left[(row, joint)], y.row(joint));
                     pass.squares[joint] += error * error;
                     let own: [f64; PER_BODY] = std::array::from_fn(|k| own[k]);
-                    pass.sums[joint].add(&own, error, weight[joint]);
-                }
-                if pass.rows.is_multiple_of(SPARSE) && !chain.covariance.is_empty() {
-                    path_laws.clear();
-                    path_laws.extend((0..laws.ncols()).map(|law| laws[(row, law)]));
-                    let of_arm = chain.sensitivities(
-                        (&model.friction, &path_laws),
-                        state.each_ref().map(Vec::as_slice),
-                    )?;
-                    for (joint, arm) in pass.arm.iter_mut().enumerate() {
-                        let counts = SPARSE as f64 * weight[joint];
-                        for (j, of_arm) in of_arm.row(joint).iter().enumerate() {
-                            for i in 0..PER_BODY {
-                                arm[(i, j)] += counts * y[(joint, i)] * of_arm;
-                            }
-                        }
-                    }
+                    pass.sums[joint].add(&own, error, weight);
                 }
                 pass.rows += 1;
             }
@@ -255,11 +234,6 @@ impl Pass {
 
     fn scatter(&self, load: &[f64]) -> Mat<f64> {
         scatter(self.stretches().map(|own| own.score(ColRef::from_slice(load).as_mat())))
-    }
-
-    fn arm(&self) -> Mat<f64> {
-        let p = self.arm.first().map_or(0, Mat::ncols);
-        self.arm.iter().fold(Mat::zeros(PER_BODY, p), |sum, own| sum + own)
     }
 
     /// A load that may well be: of the mass and centre that least squares say, if they say any, and

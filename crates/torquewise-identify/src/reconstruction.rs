@@ -90,7 +90,7 @@ impl Reconstruction {
         {
             return Ok(());
         }
-        if let Ok(Some(pair)) = swapped(&self.survey.sample, seed) {
+        if let Ok(Some(pair)) = swapped(&self.survey.sample, &missed, seed) {
             let joints = pair.map(|joint| self.survey.joints[joint].clone());
             self.warnings.push(Warning::Excitation(Finding::Swapped { joints }));
             return Ok(());

@@ -192,9 +192,18 @@ impl SignTest {
 /// Two joints whose torques stand in each other's place: a first look at few rows finds a chain that
 /// explains far more of all torques with these two changed over. The pair that does best, if any.
 ///
+/// - `missed`: joints whose torque a model misses: two or more, and one of the pair
+///
 /// # Errors
 /// [`IdentifyError::Chain`] if rows are too few.
-pub(crate) fn swapped(sample: &Motion, seed: u64) -> Result<Option<[usize; 2]>, IdentifyError> {
+pub(crate) fn swapped(
+    sample: &Motion,
+    missed: &[usize],
+    seed: u64,
+) -> Result<Option<[usize; 2]>, IdentifyError> {
+    if missed.len() < 2 {
+        return Ok(None);
+    }
     let (motion, n) = (thinned(sample, ROWS), sample.n_joints());
     let peaks = (0..n).map(|joint| motion.dq().col(joint).norm_max()).collect();
     let friction = DriveTerm::friction(FrictionLibrary::new(peaks).linear());
@@ -202,6 +211,7 @@ pub(crate) fn swapped(sample: &Motion, seed: u64) -> Result<Option<[usize; 2]>, 
     let rows = rows(&motion, &columns(&drive, &motion, None))?;
     let look = Search { seed, starts: STARTS, glance_rows: ROWS, ..Search::default() };
     let pairs = (0..n).flat_map(|a| (a + 1..n).map(move |b| [a, b]));
+    let pairs = pairs.filter(|pair| pair.iter().any(|joint| missed.contains(joint)));
     let left = pairs.map(|pair| (pair, glance(&rows.clone().swapped(pair), &look)));
     let best = left.min_by(|a, b| a.1.total_cmp(&b.1));
     let as_it_is = glance(&rows, &look);

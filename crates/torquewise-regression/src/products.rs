@@ -44,7 +44,10 @@ pub fn add_gram_of_equations(
         let part = rows.subrows(equation * m, m);
         let used: Vec<usize> =
             (0..rows.ncols()).filter(|&j| part.col(j).iter().any(|x| *x != 0.0)).collect();
-        let dense = Mat::from_fn(m, used.len(), |row, j| part[(row, used[j])]);
+        let mut dense = Mat::zeros(m, used.len());
+        for (j, &column) in used.iter().enumerate() {
+            dense.col_mut(j).copy_from(part.col(column));
+        }
         let mut gram = Mat::zeros(used.len(), used.len());
         add_gram(&mut gram, dense.as_ref(), weight);
         for (j, &column) in used.iter().enumerate() {

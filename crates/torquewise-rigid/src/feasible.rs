@@ -1,7 +1,7 @@
 //! From normal equations to the parameters that fit best among those that physics allows (E14).
 
 use crate::error::ChainError;
-use crate::inertia::{Inertial, divergence};
+use crate::inertia::{Inertial, divergence, divergence_slopes};
 use crate::recursion::PER_BODY;
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{ColRef, Mat, Side};
@@ -53,7 +53,7 @@ impl Prior {
     pub fn value(&self, x: &[f64]) -> Option<f64> {
         let mut sum = 0.0;
         for (k, nominal) in self.bodies.iter().enumerate() {
-            sum += divergence(&x[PER_BODY * k..PER_BODY * (k + 1)], nominal)?.0;
+            sum += divergence(&x[PER_BODY * k..PER_BODY * (k + 1)], nominal)?;
         }
         for positive in &self.positive {
             let ratio = positive.value(x) / positive.nominal;
@@ -76,7 +76,7 @@ impl Prior {
     ) {
         for (body, nominal) in self.bodies.iter().enumerate() {
             let first = PER_BODY * body;
-            let Some((_, slope, curvature)) = divergence(&x[first..first + PER_BODY], nominal)
+            let Some((slope, curvature)) = divergence_slopes(&x[first..first + PER_BODY], nominal)
             else {
                 continue;
             };

@@ -78,37 +78,59 @@ pub fn plain_link(mass: f64, end: &Vector3<f64>, spread: f64) -> Inertial {
 }
 
 /// The log-det divergence D(P‖P⁰) = tr(P⁰⁻¹P) − ln det(P⁰⁻¹P) − 4 of a body from a nominal one, by
-/// its inertial parameters: value, gradient and Hessian. It is convex, zero at P⁰, and grows
-/// without bound towards bodies that cannot be.
+/// its inertial parameters. It is convex, zero at P⁰, and grows without bound towards bodies that
+/// cannot be.
 ///
 /// `None` outside of the feasible bodies.
 ///
 /// Source: T. Lee, P. Wensing, F. Park, *Geometric robot dynamic identification*, T-RO (2020).
-pub fn divergence(
-    inertial: &[f64],
-    nominal: &Inertial,
-) -> Option<(f64, Inertial, [Inertial; PER_BODY])> {
-    let p = Cholesky::new(pseudo_inertia(inertial))?;
-    let inverse = p.inverse();
+pub fn divergence(inertial: &[f64], nominal: &Inertial) -> Option<f64> {
+    let inertia = pseudo_inertia(inertial);
+    let p = Cholesky::new(inertia)?;
     let of_nominal = Cholesky::new(pseudo_inertia(nominal))?;
-    let nominal_inverse = of_nominal.inverse();
-    let ratio = (nominal_inverse * pseudo_inertia(inertial)).trace();
     let log_det = |l: &Cholesky<f64, nalgebra::Const<4>>| -> f64 {
         2.0 * l.l_dirty().diagonal().iter().map(|x| x.ln()).sum::<f64>()
     };
-    let value = ratio - log_det(&p) + log_det(&of_nominal) - 4.0;
-    let basis: [Matrix4<f64>; PER_BODY] = std::array::from_fn(|k| {
-        let mut unit = [0.0; PER_BODY];
-        unit[k] = 1.0;
-        pseudo_inertia(&unit)
-    });
-    let gradient = std::array::from_fn(|k| ((nominal_inverse - inverse) * basis[k]).trace());
-    let scaled: [Matrix4<f64>; PER_BODY] = std::array::from_fn(|k| inverse * basis[k]);
-    let hessian = std::array::from_fn(|i| {
-        std::array::from_fn(|j| scaled[i].component_mul(&scaled[j].transpose()).sum())
-    });
-    Some((value, gradient, hessian))
+    let ratio = of_nominal.inverse().component_mul(&inertia).sum();
+    Some(ratio - log_det(&p) + log_det(&of_nominal) - 4.0)
 }
+
+/// Gradient and Hessian of the [`divergence`].
+///
+/// `None` outside of the feasible bodies.
+pub fn divergence_slopes(
+    inertial: &[f64],
+    nominal: &Inertial,
+) -> Option<(Inertial, [Inertial; PER_BODY])> {
+    let inverse = Cholesky::new(pseudo_inertia(inertial))?.inverse();
+    let change = Cholesky::new(pseudo_inertia(nominal))?.inverse() - inverse;
+    let gradient = ENTRIES.map(|own| own.iter().map(|&(i, j, x)| x * change[(j, i)]).sum::<f64>());
+    // tr(P⁻¹ Bₖ P⁻¹ Bₗ), of which few entries are not zero.
+    let hessian = ENTRIES.map(|first| {
+        ENTRIES.map(|second| {
+            let pair = |&(i, j, x): &(usize, usize, f64)| -> f64 {
+                let own = second.iter();
+                own.map(|&(k, l, y)| x * y * inverse[(l, i)] * inverse[(j, k)]).sum()
+            };
+            first.iter().map(pair).sum()
+        })
+    });
+    Some((gradient, hessian))
+}
+
+/// Row, column and value of the entries of the pseudo-inertia that each inertial parameter makes.
+const ENTRIES: [&[(usize, usize, f64)]; PER_BODY] = [
+    &[(3, 3, 1.0)],
+    &[(0, 3, 1.0), (3, 0, 1.0)],
+    &[(1, 3, 1.0), (3, 1, 1.0)],
+    &[(2, 3, 1.0), (3, 2, 1.0)],
+    &[(0, 0, -0.5), (1, 1, 0.5), (2, 2, 0.5)],
+    &[(0, 0, 0.5), (1, 1, -0.5), (2, 2, 0.5)],
+    &[(0, 0, 0.5), (1, 1, 0.5), (2, 2, -0.5)],
+    &[(0, 1, -1.0), (1, 0, -1.0)],
+    &[(0, 2, -1.0), (2, 0, -1.0)],
+    &[(1, 2, -1.0), (2, 1, -1.0)],
+];
 
 #[cfg(test)]
 mod tests {
@@ -138,7 +160,8 @@ mod tests {
 
     #[test]
     fn the_divergence_is_zero_and_level_at_the_nominal_body() {
-        let (value, gradient, _) = divergence(&link(), &link()).unwrap();
+        let value = divergence(&link(), &link()).unwrap();
+        let (gradient, _) = divergence_slopes(&link(), &link()).unwrap();
         assert_relative_eq!(value, 0.0, epsilon = 1e-12);
         for slope in gradient {
             assert_relative_eq!(slope, 0.0, epsilon = 1e-9);
@@ -148,22 +171,24 @@ mod tests {
     #[test]
     fn slopes_of_the_divergence_are_those_of_differences() {
         let nominal = plain_link(2.0, &Vector3::new(0.1, 0.2, 0.0), 0.1);
-        let (_, gradient, hessian) = divergence(&link(), &nominal).unwrap();
+        let (gradient, hessian) = divergence_slopes(&link(), &nominal).unwrap();
         for k in 0..PER_BODY {
-            let at = |step: f64| {
+            let moved = |step: f64| {
                 let mut moved = link();
                 moved[k] += step;
-                divergence(&moved, &nominal).unwrap()
+                moved
             };
-            let (ahead, behind) = (at(1e-6), at(-1e-6));
+            let [ahead, behind] = [1e-6, -1e-6].map(|step| moved(step));
+            let value = |at: &Inertial| divergence(at, &nominal).unwrap();
             assert_relative_eq!(
                 gradient[k],
-                (ahead.0 - behind.0) / 2e-6,
+                (value(&ahead) - value(&behind)) / 2e-6,
                 max_relative = 1e-5,
                 epsilon = 1e-4
             );
-            for (curvature, (ahead, behind)) in hessian[k].iter().zip(ahead.1.iter().zip(behind.1))
-            {
+            let slopes = |at: &Inertial| divergence_slopes(at, &nominal).unwrap().0;
+            let pairs = slopes(&ahead).into_iter().zip(slopes(&behind));
+            for (curvature, (ahead, behind)) in hessian[k].iter().zip(pairs) {
                 let slope = (ahead - behind) / 2e-6;
                 assert_relative_eq!(*curvature, slope, max_relative = 1e-3, epsilon = 1.0);
             }

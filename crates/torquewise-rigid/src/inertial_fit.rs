@@ -12,8 +12,11 @@ use torquewise_regression::products::{add_gram_of_equations, product};
 /// The linear half of the fit: parameters that the torque is proportional to, at a fixed geometry.
 #[derive(Clone, Debug)]
 pub(crate) struct InertialFit {
-    /// Weighted columns, each scaled to unit RMS, (m·n)×p.
+    /// Weighted columns, (m·n)×p.
     columns: Mat<f64>,
+    /// One over the RMS of each column, zero for one that is nothing, p.
+    per_rms: Vec<f64>,
+    /// Of the normal equations of columns of unit RMS.
     factor: Llt<f64>,
     /// Coefficients in the units of the torque's columns, p.
     pub(crate) coefficients: Vec<f64>,
@@ -38,8 +41,12 @@ pub(crate) fn weighted_columns(geometry: &Geometry, rows: &Rows, weights: &[f64]
         moved.regressor(|joint, parameter, value| {
             let start = joint * m + first;
             let values: [f64; N_LANES] = value.into();
-            columns.col_as_slice_mut(parameter)[start..start + count]
-                .copy_from_slice(&values[..count]);
+            let target = &mut columns.col_as_slice_mut(parameter)[start..start + count];
+            // Of known length, a copy is one instruction.
+            match target.first_chunk_mut() {
+                Some(whole) => *whole = values,
+                None => target.copy_from_slice(&values[..count]),
+            }
         });
     });
     for parameter in 0..of_bodies {
@@ -63,6 +70,13 @@ pub(crate) fn weigh(column: &mut [f64], rows: &Rows, weights: &[f64]) {
     }
 }
 
+fn scale_rows(x: &mut Mat<f64>, scales: &[f64]) {
+    for column in 0..x.ncols() {
+        let own = x.col_as_slice_mut(column).iter_mut().zip(scales);
+        own.for_each(|(x, scale)| *x *= scale);
+    }
+}
+
 impl InertialFit {
     /// Ridge regression of the torque at a geometry.
     ///
@@ -76,45 +90,47 @@ impl InertialFit {
     ) -> Result<Self, ChainError> {
         let (m, n) = (rows.len(), rows.n_joints());
         let size = rows.torque.len() as f64;
-        let mut columns = weighted_columns(geometry, rows, weights);
+        let columns = weighted_columns(geometry, rows, weights);
         let p = columns.ncols();
-        let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / size).sqrt();
-        let mut scales: Vec<f64> = (0..p).map(|j| rms(columns.col_as_slice(j))).collect();
-        let least = NOTHING * scales.iter().fold(0.0_f64, |most, &s| most.max(s));
-        for (j, scale) in scales.iter_mut().enumerate() {
-            *scale = if *scale > least { *scale } else { f64::INFINITY };
-            let factor = 1.0 / *scale;
-            columns.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= factor);
-        }
         let weighted = |(k, tau): (usize, &f64)| rows.shares[k] * weights[k / m] * tau;
         let target: Vec<f64> = rows.torque.iter().enumerate().map(weighted).collect();
         let mut gram = Mat::zeros(p, p);
         add_gram_of_equations(&mut gram, columns.as_ref(), n, 1.0);
+        let rms: Vec<f64> = (0..p).map(|j| (gram[(j, j)] / size).sqrt()).collect();
+        let least = NOTHING * rms.iter().fold(0.0_f64, |most, &s| most.max(s));
+        let per = |rms: f64| if rms > least { 1.0 / rms } else { 0.0 };
+        let per_rms: Vec<f64> = rms.into_iter().map(per).collect();
         for j in 0..p {
+            let column = gram.col_as_slice_mut(j).iter_mut().zip(&per_rms);
+            column.for_each(|(x, own)| *x *= own * per_rms[j]);
             gram[(j, j)] += ridge * size;
         }
         let factor = gram.llt(Side::Lower).map_err(|_| ChainError::Singular)?;
-        let right =
+        let mut right =
             product(columns.transpose(), MatRef::from_column_major_slice(&target, m * n, 1));
+        scale_rows(&mut right, &per_rms);
         let scaled = factor.solve(&right);
-        let fitted = product(columns.as_ref(), scaled.as_ref());
+        let mut coefficients = scaled.clone();
+        scale_rows(&mut coefficients, &per_rms);
+        let fitted = product(columns.as_ref(), coefficients.as_ref());
         let pairs = target.iter().zip(fitted.col_as_slice(0));
         let residual: Vec<f64> = pairs.map(|(t, f)| t - f).collect();
         let squares: f64 = residual.iter().map(|r| r * r).sum();
         let scaled = scaled.col_as_slice(0);
         let penalty: f64 = ridge * scaled.iter().map(|c| c * c).sum::<f64>();
-        let coefficients = scaled.iter().zip(&scales).map(|(c, s)| c / s).collect();
+        let coefficients = coefficients.col_as_slice(0).to_vec();
         let cost = squares / size + penalty;
         if !cost.is_finite() {
             return Err(ChainError::Singular);
         }
-        Ok(Self { columns, factor, coefficients, residual, cost })
+        Ok(Self { columns, per_rms, factor, coefficients, residual, cost })
     }
 
     /// What a change of the weighted torque at fixed coefficients leaves of itself once the
     /// coefficients follow: DᵀD − (YᵀD)ᵀ(YᵀY + λ)⁻¹(YᵀD), g×g, for the changes D, (m·n)×g.
     pub(crate) fn projected(&self, changes: &Mat<f64>) -> Mat<f64> {
-        let across = product(self.columns.transpose(), changes.as_ref());
+        let mut across = product(self.columns.transpose(), changes.as_ref());
+        scale_rows(&mut across, &self.per_rms);
         let followed = self.factor.solve(&across);
         product(changes.transpose(), changes.as_ref())
             - product(across.transpose(), followed.as_ref())

@@ -119,15 +119,18 @@ fn run_gains(arguments: &Arguments, model: &Model, log: &Log, mass: f64) -> Resu
         let is_bag = arguments.logs.iter().any(|log| {
             log.extension().is_some_and(|end| ["db3", "mcap"].iter().any(|bag| end == *bag))
         });
-        let usual = || match is_bag {
-            true => Profile { joints: model.joints.clone(), ..Profile::default() },
-            false => Profile::usual([log.files.has_dq(), log.files.has_ddq()]),
+        let usual = || {
+            if is_bag {
+                Profile { joints: model.joints.clone(), ..Profile::default() }
+            } else {
+                Profile::usual([log.files.has_dq(), log.files.has_ddq()])
+            }
         };
         let profile = arguments.signals.profile()?.unwrap_or_else(usual);
         let gains = found.gains.iter().zip(&told);
         let gains: Vec<f64> =
             gains.map(|(gain, told)| if *told { gain.value } else { 1.0 }).collect();
-        write_whole(output, &profile.with_gains(&gains).to_toml())?;
+        write_whole(output, profile.with_gains(&gains).to_toml())?;
         let file = output.display().to_string();
         text.extend([format!("\nprofile: {file}; fit again with `--profile {file}`\n")]);
         json["file"] = json!(file);

@@ -128,8 +128,12 @@ mod tests {
         let mut random = ChaCha8Rng::seed_from_u64(7);
         let row = |k: u32| {
             let phase = f64::from(k) * 0.01;
-            let at =
-                [1.0, phase.sin().powi(2), 2.0 + phase.cos(), f64::from(u8::from(k % 50 == 0))];
+            let at = [
+                1.0,
+                phase.sin().powi(2),
+                2.0 + phase.cos(),
+                f64::from(u8::from(k.is_multiple_of(50))),
+            ];
             let unit: f64 = StandardNormal.sample(&mut random);
             (unit * variance(&at).sqrt(), at)
         };

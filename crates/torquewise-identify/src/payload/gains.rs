@@ -1,7 +1,8 @@
-//! From a load of known mass to what a unit of each torque column is worth (E25).
+//! From a load of known mass to what a unit of each torque column is worth (E15).
 
+use super::rows::WithLoad;
 use super::{Pass, STRENGTH, chain_of};
-use crate::clustered::scatter;
+use crate::clustered::{Stretches, Sums, scatter};
 use faer::{ColRef, Mat};
 use serde::Serialize;
 use torquewise_model::Model;
@@ -28,16 +29,49 @@ pub struct Gains {
 const TOLD: f64 = 0.1;
 /// How much more than by all rows a known mass is held.
 const HELD: f64 = 1e6;
-/// Load and gains are found in turn, so often at most, until no gain changes by this part.
-const ROUNDS: (usize, f64) = (500, 1e-9);
+/// Steps at most, until the cost falls by no more than this part; a step is halved so often at most.
+const STEPS: (usize, f64) = (100, 1e-12);
+const HALVINGS: i32 = 20;
+
+/// Sums of each joint at a load, with the gains that are best there.
+struct AtLoad {
+    /// One over K, n.
+    per: Vec<f64>,
+    /// Half the weighted squares that are left, but for a constant.
+    cost: f64,
+    /// Of that cost, 10×1.
+    slope: Mat<f64>,
+    /// Its curvature, 10×10.
+    hessian: Mat<f64>,
+}
+
+impl AtLoad {
+    fn new(sums: &[Sums], load: &[f64]) -> Self {
+        let x = ColRef::from_slice(load).as_mat();
+        let (mut slope, mut hessian) = (Mat::zeros(PER_BODY, 1), Mat::zeros(PER_BODY, PER_BODY));
+        let (mut per, mut cost) = (Vec::new(), 0.0);
+        for own in sums {
+            let pulled = &own.gram * x;
+            let squares = (x.transpose() * &pulled)[(0, 0)].max(f64::MIN_POSITIVE);
+            let along = (x.transpose() * &own.right)[(0, 0)];
+            let gain = along / squares;
+            cost -= 0.5 * along * gain;
+            slope += faer::Scale(gain) * (faer::Scale(gain) * &pulled - &own.right);
+            let free = &own.gram - faer::Scale(1.0 / squares) * &pulled * pulled.transpose();
+            hessian += faer::Scale(gain * gain) * free;
+            per.push(gain);
+        }
+        Self { per, cost, slope, hessian }
+    }
+}
 
 impl Gains {
     /// Finds gains Kⱼ of drives, and the load as far as it is not known, by what a model of the bare
     /// arm, learned from the same columns, leaves of them: iⱼ − îⱼ = Yⱼ π / Kⱼ, with π₀ the known
-    /// mass \[E25\]. Errors count the scatter over blocks of time and what is uncertain of the arm.
+    /// mass \[E15\]. Errors count the scatter over blocks of time and what is uncertain of the arm.
     ///
-    /// - `mass`: of the load \[kg\]
     /// - `recording`: rows of the arm with the load, filtered as those of the model were
+    /// - `mass`: of the load \[kg\]
     ///
     /// # Errors
     /// Those of [`super::Payload::find`].
@@ -49,92 +83,103 @@ impl Gains {
         let chain = chain_of(model)?;
         model.check_joints(recording.joints())?;
         let pass = Pass::over(model, chain, recording)?;
-        let n = model.n_joints();
-        let whole = pass.total();
-        let free = pass.nominal(&whole.gram, whole.right.col_as_slice(0));
-        let apparent_mass = free[0];
-        // One over K, all alike at first.
-        let mut per = vec![apparent_mass / mass; n];
-        let nominal: [f64; PER_BODY] = std::array::from_fn(|k| free[k] * mass / apparent_mass);
+        let all = pass.total();
+        let free = pass.nominal(&all.gram, all.right.col_as_slice(0));
+        let nominal = free.map(|own| own * mass / free[0]);
         let prior = Prior { bodies: vec![nominal], ..Prior::default() };
-        let sums: Vec<_> = pass.sums.iter().map(crate::clustered::Stretches::total).collect();
-        let (mut load, mut hessian) = (nominal.to_vec(), Mat::zeros(PER_BODY, PER_BODY));
-        for _ in 0..ROUNDS.0 {
-            hessian.fill(0.0);
-            let mut right = vec![0.0; PER_BODY];
-            for (own, per) in sums.iter().zip(&per) {
-                hessian += faer::Scale(per * per) * &own.gram;
-                right.iter_mut().zip(own.right.col(0).iter()).for_each(|(sum, x)| *sum += per * x);
-            }
-            let hold = HELD * hessian[(0, 0)];
-            hessian[(0, 0)] += hold;
-            right[0] += hold * mass;
-            let cost = Quadratic { hessian: &hessian, right: &right };
-            load = minimise(cost, &prior, STRENGTH, &load)?;
-            let of_load = ColRef::from_slice(&load);
-            let mut most = 0.0_f64;
-            for (own, per) in sums.iter().zip(&mut per) {
-                let squares = of_load.transpose() * &own.gram * of_load;
-                let found = of_load.transpose() * own.right.col(0) / squares.max(f64::MIN_POSITIVE);
-                most = most.max((found - *per).abs() / per.abs().max(f64::MIN_POSITIVE));
-                *per = found;
-            }
-            if most < ROUNDS.1 {
-                break;
-            }
-        }
+        let sums: Vec<Sums> = pass.sums.iter().map(Stretches::total).collect();
+        let load = load_of(&sums, &prior, mass)?;
+        let at = AtLoad::new(&sums, &load);
 
-        // Scores and curvature of (load, one over K).
+        // Curvature of load and one over K together, scores of each stretch, and of the arm.
+        let (n, x) = (model.n_joints(), ColRef::from_slice(&load).as_mat());
         let p = PER_BODY + n;
-        let mut whole = Mat::zeros(p, p);
-        prior.add_slopes(&load, STRENGTH, &mut [0.0; PER_BODY], &mut hessian);
-        whole.submatrix_mut(0, 0, PER_BODY, PER_BODY).copy_from(&hessian);
-        let of_load = ColRef::from_slice(&load).as_mat();
-        for (joint, own) in sums.iter().enumerate() {
-            let across = faer::Scale(per[joint]) * &own.gram * of_load;
-            for k in 0..PER_BODY {
-                whole[(k, PER_BODY + joint)] = across[(k, 0)];
-                whole[(PER_BODY + joint, k)] = across[(k, 0)];
-            }
-            let square = (of_load.transpose() * &own.gram * of_load)[(0, 0)];
-            whole[(PER_BODY + joint, PER_BODY + joint)] = square.max(f64::MIN_POSITIVE);
+        let mut curved = Mat::zeros(PER_BODY, PER_BODY);
+        prior.add_slopes(&load, STRENGTH, &mut [0.0; PER_BODY], &mut curved);
+        for (own, per) in sums.iter().zip(&at.per) {
+            curved += faer::Scale(per * per) * &own.gram;
         }
-        let stretches: Vec<Vec<_>> = pass.sums.iter().map(|own| own.all().collect()).collect();
-        let count = stretches.first().map_or(0, Vec::len);
-        let scores = (0..count).map(|stretch| {
-            let mut score = Mat::zeros(p, 1);
-            for joint in 0..n {
-                let own =
-                    stretches[joint][stretch].score((faer::Scale(per[joint]) * of_load).as_ref());
-                for k in 0..PER_BODY {
-                    score[(k, 0)] += per[joint] * own[(k, 0)];
-                    score[(PER_BODY + joint, 0)] += load[k] * own[(k, 0)];
-                }
+        curved[(0, 0)] *= HELD;
+        let mut whole = Mat::zeros(p, p);
+        whole.submatrix_mut(0, 0, PER_BODY, PER_BODY).copy_from(&curved);
+        for (joint, own) in sums.iter().enumerate() {
+            let pulled = &own.gram * x;
+            for k in 0..PER_BODY {
+                whole[(k, PER_BODY + joint)] = at.per[joint] * pulled[(k, 0)];
+                whole[(PER_BODY + joint, k)] = at.per[joint] * pulled[(k, 0)];
             }
-            score
-        });
-        let mut middle = scatter(scores);
+            let squares = (x.transpose() * &pulled)[(0, 0)];
+            whole[(PER_BODY + joint, PER_BODY + joint)] = squares.max(f64::MIN_POSITIVE);
+        }
+        // What joints add up to, 10×m each, as the load and each gain feel it.
+        let felt = |of: &dyn Fn(usize) -> Mat<f64>| {
+            let all: Vec<Mat<f64>> = (0..n).map(of).collect();
+            Mat::from_fn(p, all[0].ncols(), |i, j| match i.checked_sub(PER_BODY) {
+                None => all.iter().zip(&at.per).map(|(own, per)| per * own[(i, j)]).sum::<f64>(),
+                Some(joint) => (0..PER_BODY).map(|k| load[k] * all[joint][(k, j)]).sum(),
+            })
+        };
+        let stretches: Vec<Vec<&Sums>> = pass.sums.iter().map(|own| own.all().collect()).collect();
+        let score = |stretch: usize| {
+            felt(&|joint| {
+                stretches[joint][stretch].score((faer::Scale(at.per[joint]) * x).as_ref())
+            })
+        };
+        let mut middle = scatter((0..stretches[0].len()).map(score));
         if !chain.covariance.is_empty() {
-            let arm = Mat::from_fn(p, pass.arm[0].ncols(), |i, j| match i.checked_sub(PER_BODY) {
-                None => pass.arm.iter().zip(&per).map(|(arm, per)| per * arm[(i, j)]).sum::<f64>(),
-                Some(joint) => (0..PER_BODY).map(|k| load[k] * pass.arm[joint][(k, j)]).sum(),
-            });
+            let inertial: [f64; PER_BODY] = std::array::from_fn(|k| load[k]);
+            let with = WithLoad::over(model, chain, recording, (&inertial, &at.per))?;
+            let arm = felt(&|joint| with.arm[joint].clone());
             middle += &arm * chain.covariance_matrix() * arm.transpose();
         }
         let cost = Quadratic { hessian: &whole, right: &[] };
         let factor = curvature(cost, &Prior::default(), 0.0, &vec![0.0; p])?;
         let half = factor.solve_matrix(&middle);
         let covariance = factor.solve_matrix(&half.transpose().to_owned());
-        let gain = |joint: usize| {
+        let gain = |(joint, per): (usize, &f64)| {
             let error = covariance[(PER_BODY + joint, PER_BODY + joint)].max(0.0).sqrt();
-            Estimated { value: 1.0 / per[joint], std_error: error / per[joint].powi(2) }
+            Estimated { value: 1.0 / per, std_error: error / per.powi(2) }
         };
-        let gains = (0..n).map(gain).collect();
-        Ok(Self { gains, known_mass: mass, apparent_mass, rows: pass.rows })
+        let gains = at.per.iter().enumerate().map(gain).collect();
+        Ok(Self { gains, known_mass: mass, apparent_mass: free[0], rows: pass.rows })
     }
 
-    /// Joints whose gain the log tells.
+    /// Whether the log tells the gain of each joint.
     pub fn told(&self) -> Vec<bool> {
         self.gains.iter().map(|gain| gain.std_error < TOLD * gain.value).collect()
     }
+}
+
+/// The load of a known mass that explains most, with the best gains at each.
+fn load_of(sums: &[Sums], prior: &Prior, mass: f64) -> Result<Vec<f64>, IdentifyError> {
+    let mut load = prior.bodies[0].to_vec();
+    let total = |load: &[f64], at: &AtLoad| {
+        prior.value(load).map_or(f64::INFINITY, |prior| at.cost + STRENGTH * prior)
+    };
+    let mut at = AtLoad::new(sums, &load);
+    let mut least = total(&load, &at);
+    for _ in 0..STEPS.0 {
+        let mut right = &at.hessian * ColRef::from_slice(&load).as_mat() - &at.slope;
+        let hold: f64 =
+            sums.iter().zip(&at.per).map(|(own, per)| HELD * per * per * own.gram[(0, 0)]).sum();
+        at.hessian[(0, 0)] += hold;
+        right[(0, 0)] += hold * mass;
+        let cost = Quadratic { hessian: &at.hessian, right: right.col_as_slice(0) };
+        let next = minimise(cost, prior, STRENGTH, &load)?;
+        let step = |halved: i32| {
+            let part = 0.5_f64.powi(halved);
+            let load: Vec<f64> =
+                load.iter().zip(&next).map(|(from, to)| from + part * (to - from)).collect();
+            let at = AtLoad::new(sums, &load);
+            let cost = total(&load, &at);
+            (cost < least).then_some((load, at, cost))
+        };
+        let Some(better) = (0..HALVINGS).find_map(step) else { break };
+        let fell = least - better.2;
+        (load, at, least) = better;
+        if fell <= STEPS.1 * least.abs() {
+            break;
+        }
+    }
+    Ok(load)
 }

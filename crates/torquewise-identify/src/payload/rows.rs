@@ -9,6 +9,9 @@ use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Kinematics, Moved, State};
 use torquewise_stepwise::error::IdentifyError;
 
+/// Rows between two at which the uncertainty of the arm is taken in.
+const SPARSE: usize = 8;
+
 /// One over the noise of each joint, and its speed at rest.
 pub(super) struct Weights {
     weight: Vec<f64>,
@@ -102,25 +105,59 @@ pub(super) fn state_of(block: &torquewise_motion::Motion, row: usize) -> [Vec<f6
     [block.q(), block.dq(), block.ddq()].map(|x| x.row(row).iter().copied().collect())
 }
 
-/// Squares of what is left of each joint with the load, n.
-pub(super) fn squares_with(
-    model: &Model,
-    chain: &RigidChain,
-    recording: &(impl Recording + ?Sized),
-    load: &[f64; PER_BODY],
-) -> Result<Vec<f64>, IdentifyError> {
-    let n = model.n_joints();
-    let mut columns = Columns::of(chain)?;
-    let (mut y, mut squares) = (Mat::zeros(n, PER_BODY), vec![0.0; n]);
-    visit(model, recording, &mut |block, left, _| {
-        for row in 0..block.n_rows() {
-            columns.at(state_of(block, row).each_ref().map(Vec::as_slice), &mut y);
-            let loads = &y * ColRef::from_slice(load);
-            for joint in 0..n {
-                squares[joint] += (left[(row, joint)] - loads[joint]).powi(2);
-            }
+/// What one pass over the rows adds up to, once the load is known.
+pub(super) struct WithLoad {
+    /// Squares of what is left of each joint, n.
+    pub(super) squares: Vec<f64>,
+    /// Σ Yᵀ w J, J the derivatives of the torque with the load by the parameters of the arm: the load
+    /// pulls elsewhere where an axis lies elsewhere. 10×p, n.
+    pub(super) arm: Vec<Mat<f64>>,
+}
+
+impl WithLoad {
+    /// - `load`, `per`: its inertial parameters, and how much of its torque each column shows, n
+    pub(super) fn over(
+        model: &Model,
+        chain: &RigidChain,
+        recording: &(impl Recording + ?Sized),
+        (load, per): (&[f64; PER_BODY], &[f64]),
+    ) -> Result<Self, IdentifyError> {
+        let n = model.n_joints();
+        let (weights, mut columns) = (Weights::of(model), Columns::of(chain)?);
+        let mut loaded = chain.clone();
+        if let Some(link) = loaded.links.last_mut() {
+            link.iter_mut().zip(load).for_each(|(own, load)| *own += load);
         }
-        Ok(())
-    })?;
-    Ok(squares)
+        let p = chain.n_parameters(model.friction.len());
+        let mut all = Self { squares: vec![0.0; n], arm: vec![Mat::zeros(PER_BODY, p); n] };
+        let (mut y, mut rows) = (Mat::zeros(n, PER_BODY), 0_usize);
+        visit(model, recording, &mut |block, left, laws| {
+            for row in 0..block.n_rows() {
+                let state = state_of(block, row);
+                let at = state.each_ref().map(Vec::as_slice);
+                columns.at(at, &mut y);
+                let loads = &y * ColRef::from_slice(load);
+                for joint in 0..n {
+                    all.squares[joint] += (left[(row, joint)] - per[joint] * loads[joint]).powi(2);
+                }
+                if rows.is_multiple_of(SPARSE) && !chain.covariance.is_empty() {
+                    let laws: Vec<f64> = laws.row(row).iter().copied().collect();
+                    let bare = chain.sensitivities((&model.friction, &laws), at)?;
+                    let whole = loaded.sensitivities((&model.friction, &laws), at)?;
+                    for (joint, arm) in all.arm.iter_mut().enumerate() {
+                        let counts = SPARSE as f64 * weights.square(joint, state[1][joint]);
+                        for (j, bare) in bare.row(joint).iter().enumerate() {
+                            let own = bare + per[joint] * (whole[(joint, j)] - bare);
+                            for k in 0..PER_BODY {
+                                arm[(k, j)] += counts * y[(joint, k)] * own;
+                            }
+                        }
+                    }
+                }
+                rows += 1;
+            }
+            Ok(())
+        })?;
+        Ok(all)
+    }
 }

@@ -1,0 +1,161 @@
+//! From a fitted chain and its log to gains of drives that differ from joint to joint (E27).
+
+use crate::estimate::Linearisation;
+use crate::unseen::{HeldOut, Unseen, geometric_mean, regions, whole_logs};
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use torquewise_motion::Motion;
+use torquewise_rigid::recursion::PER_BODY;
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::survey::thinned;
+
+/// Rows that tell.
+const ROWS: usize = 2_000;
+/// With gains of their own, joints must leave this part of what they leave without on held-out rows,
+/// by time and by region.
+const WORTH: f64 = 0.9;
+/// Gains and all other parameters are found anew so often at most, until no gain moves by this part.
+const ROUNDS: (usize, f64) = (30, 1e-4);
+/// A gain is held at that of the others where links load its joint by no more than a tenth of noise.
+const HOLD: f64 = 0.01;
+/// A round changes a gain by this factor at most.
+const MOST_CHANGE: f64 = 1.5;
+/// Gains that are further apart are no gains.
+const MOST_APART: f64 = 20.0;
+/// Ridge on columns of unit length.
+const RIDGE: f64 = 1e-8;
+
+/// What a unit of each torque column is worth beside the others, their geometric mean 1, n, where links
+/// that joints share ask for gains of their own: a gain is not free, since the same mass loads
+/// several joints.
+///
+/// - returns: `None` where gains of their own predict held-out rows little better
+///
+/// # Errors
+/// [`IdentifyError::Chain`] if the motion is of another arm.
+pub(crate) fn unequal_gains(
+    at: &Linearisation,
+    sample: &Motion,
+) -> Result<Option<Vec<f64>>, IdentifyError> {
+    let motion = thinned(sample, ROWS);
+    let every = sample.n_rows().div_ceil(motion.n_rows().max(1)).max(1);
+    let (columns, weights) = at.columns_of(&motion)?;
+    let tau = motion.require_tau()?.to_owned();
+    let rows =
+        JointRows::new(&columns, &weights, &tau, [PER_BODY * motion.n_joints(), at.linear.len()]);
+    let Some((per, loads)) = rows.gains(&at.linear) else { return Ok(None) };
+    let own = rows.widened(&columns, &per, &loads);
+    let targets = [(&tau, &tau)];
+    let left = |columns: &Mat<f64>, blocks: &[HeldOut]| -> Option<f64> {
+        let columns = (columns.clone(), weights.clone());
+        let unseen = Unseen::of_columns(columns, motion.n_rows(), &targets, blocks)?;
+        Some(unseen.errors_of_all()?.first()?.all())
+    };
+    for blocks in [whole_logs(&motion), regions(&motion, every)] {
+        let pair = left(&own, &blocks).zip(left(&columns, &blocks));
+        if !pair.is_some_and(|(own, alike)| own < WORTH * alike) {
+            return Ok(None);
+        }
+    }
+    let mean = geometric_mean(&per);
+    Ok(Some(per.iter().map(|per| mean / per).collect()))
+}
+
+/// Sums of the rows of each joint, of columns of which those from `drive[0]` to `drive[1]` are of its
+/// drive alone, whatever its gain.
+struct JointRows {
+    /// p×p and p×1, n.
+    sums: Vec<(Mat<f64>, Mat<f64>)>,
+    drive: [usize; 2],
+    rows: usize,
+}
+
+impl JointRows {
+    fn new(columns: &Mat<f64>, weights: &[f64], tau: &Mat<f64>, drive: [usize; 2]) -> Self {
+        let (m, p) = (tau.nrows(), columns.ncols());
+        let of = |joint: usize| {
+            let own = columns.submatrix(joint * m, 0, m, p);
+            let response =
+                Mat::from_fn(m, 1, |row, _| weights[joint * m + row] * tau[(row, joint)]);
+            (own.transpose() * own, own.transpose() * response)
+        };
+        Self { sums: (0..tau.ncols()).map(of).collect(), drive, rows: m }
+    }
+
+    fn factor(&self, per: f64, column: usize) -> f64 {
+        if (self.drive[0]..self.drive[1]).contains(&column) { 1.0 } else { per }
+    }
+
+    /// One over the gain of each joint, n, beside that of the joint which links load most, and the
+    /// parameters of the links. `None` where they are no gains.
+    fn gains(&self, linear: &[f64]) -> Option<(Vec<f64>, Mat<f64>)> {
+        let (n, p) = (self.sums.len(), self.sums.first()?.1.nrows());
+        let mut links = Mat::from_fn(p, 1, |k, _| if k < self.drive[0] { linear[k] } else { 0.0 });
+        let load = |joint: usize| (links.transpose() * &self.sums[joint].0 * &links)[(0, 0)];
+        let most = (0..n).max_by(|a, b| load(*a).total_cmp(&load(*b)))?;
+        let others: Vec<usize> = (0..n).filter(|joint| *joint != most).collect();
+        let mut per = vec![1.0; n];
+        for _ in 0..ROUNDS.0 {
+            let size = p + others.len();
+            let (mut gram, mut right) = (Mat::zeros(size, size), Mat::zeros(size, 1));
+            for (joint, (own, response)) in self.sums.iter().enumerate() {
+                let by = |k: usize| self.factor(per[joint], k);
+                for i in 0..p {
+                    right[(i, 0)] += by(i) * response[(i, 0)];
+                    (0..p).for_each(|j| gram[(i, j)] += by(i) * by(j) * own[(i, j)]);
+                }
+                let Some(place) = others.iter().position(|other| *other == joint) else { continue };
+                // What links load the joint by, once more.
+                let load = faer::Scale(per[joint]) * own * &links;
+                let place = p + place;
+                for i in 0..p {
+                    gram[(i, place)] = by(i) * load[(i, 0)];
+                    gram[(place, i)] = gram[(i, place)];
+                }
+                let hold = HOLD * self.rows as f64;
+                gram[(place, place)] = hold + per[joint] * (links.transpose() * &load)[(0, 0)];
+                right[(place, 0)] = per[joint] * (links.transpose() * response)[(0, 0)];
+                right[(place, 0)] -= hold * per[joint].ln();
+            }
+            let found = solved(gram, &right)?;
+            let mut moved = 0.0_f64;
+            for (place, joint) in others.iter().enumerate() {
+                let change = (1.0 + found[p + place]).clamp(1.0 / MOST_CHANGE, MOST_CHANGE);
+                per[*joint] *= change;
+                moved = moved.max((change - 1.0).abs());
+            }
+            (0..self.drive[0]).for_each(|k| links[(k, 0)] = found[k]);
+            if moved < ROUNDS.1 {
+                break;
+            }
+        }
+        let extreme = |pick: fn(f64, f64) -> f64| per.iter().copied().reduce(pick);
+        let apart = extreme(f64::max)? / extreme(f64::min)?;
+        (apart < MOST_APART).then_some((per, links))
+    }
+
+    /// Columns of joints with gains of their own, and those by which the gains move.
+    fn widened(&self, columns: &Mat<f64>, per: &[f64], links: &Mat<f64>) -> Mat<f64> {
+        let (p, m) = (columns.ncols(), columns.nrows() / per.len());
+        let loads = columns * links;
+        Mat::from_fn(columns.nrows(), p + per.len(), |row, k| match k.checked_sub(p) {
+            None => self.factor(per[row / m], k) * columns[(row, k)],
+            Some(joint) if joint == row / m => loads[(row, 0)],
+            Some(_) => 0.0,
+        })
+    }
+}
+
+/// Solves normal equations of columns of which some may say the same.
+fn solved(mut gram: Mat<f64>, right: &Mat<f64>) -> Option<Vec<f64>> {
+    let p = gram.ncols();
+    let root = |square: f64| if square > 0.0 { square.sqrt() } else { 1.0 };
+    let size: Vec<f64> = (0..p).map(|k| root(gram[(k, k)])).collect();
+    for i in 0..p {
+        (0..p).for_each(|j| gram[(i, j)] /= size[i] * size[j]);
+        gram[(i, i)] += RIDGE;
+    }
+    let right = Mat::from_fn(p, 1, |k, _| right[(k, 0)] / size[k]);
+    let found = gram.llt(Side::Lower).ok()?.solve(right);
+    Some((0..p).map(|k| found[(k, 0)] / size[k]).collect())
+}
