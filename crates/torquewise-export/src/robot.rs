@@ -8,8 +8,9 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
 use torquewise_model::friction::FrictionLaw;
+use torquewise_model::learned::{JointGeometry, Measured, joint_geometry};
 use torquewise_model::shaft_friction::ShaftFriction;
-use torquewise_model::{Drive, Model, RigidChain, Torque};
+use torquewise_model::{Drive, Model, RigidChain, Torque, number};
 use torquewise_rigid::geometry::Placement;
 
 #[derive(Clone, Debug)]
@@ -40,6 +41,8 @@ pub(crate) struct RobotJoint {
     pub(crate) speed: f64,
     /// Largest torque \[N·m\] that the model asks for within the motion of the log.
     pub(crate) effort: f64,
+    /// What of its geometry the log does not tell, in words.
+    pub(crate) unresolved: Option<String>,
 }
 
 /// What turns with a shaft and rubs on it.
@@ -77,7 +80,7 @@ impl Robot {
         }
         let (losses, shared, left_out) = losses(model, chain);
         let names = chain.robot.as_ref();
-        let efforts = efforts(model)?;
+        let (efforts, geometry) = (efforts(model)?, joint_geometry(model)?);
         let training = &model.training;
         let joints = placements.into_iter().enumerate().map(|(k, frame)| {
             let own = &model.joints[k];
@@ -90,6 +93,7 @@ impl Robot {
                 range: training.q_range.get(k).copied().unwrap_or([-PI, PI]),
                 speed: training.dq_peak.get(k).copied().unwrap_or(0.0),
                 effort: efforts[k],
+                unresolved: geometry.get(k).and_then(unresolved),
             }
         });
         Ok(Self {
@@ -129,6 +133,7 @@ impl Robot {
                 speed => numbers([joint.speed]),
                 effort => numbers([joint.effort]),
                 strong => joint.effort > 0.0,
+                unresolved => &joint.unresolved,
                 bar => (end.norm() > radius).then(|| bar(&end)),
             }
         });
@@ -151,6 +156,18 @@ impl Robot {
             },
         }
     }
+}
+
+/// What the log does not tell of where an axis lies; nothing of one that it tells.
+fn unresolved(joint: &JointGeometry) -> Option<String> {
+    let Measured { value, std_error } = joint.distance_to_previous_m?;
+    (!joint.resolved).then(|| {
+        let (value, error) = (number(value), number(std_error));
+        format!(
+            "not resolved by the log: where this axis lies, {value} ± {error} m from the one before; \
+             the torque of the model is right, a length may not be"
+        )
+    })
 }
 
 /// What is drawn from the origin of a link to that of the next.

@@ -31,9 +31,10 @@ pub fn to_urdf(model: &Model, version: &str) -> Result<RobotFile> {
     Ok(RobotFile { text, left_out: left_out_of_urdf(&robot) })
 }
 
-/// The MJCF of a model: bodies with inertia and capsules between the axes, hinges with `armature`,
-/// `damping` and `frictionloss`, a motor for each; shafts that several joints turn are fixed
-/// tendons.
+/// The MJCF of a model: bodies with inertia and capsules between the axes, hinges without limits,
+/// which the log does not tell, with `armature`, `damping` and `frictionloss`, a motor for each;
+/// shafts that several joints turn are fixed tendons. A comment says where the log leaves an axis
+/// open, as in a URDF.
 ///
 /// # Errors
 /// As [`to_urdf`].
