@@ -59,6 +59,8 @@ pub enum Finding {
         /// Name of the joint.
         joint: String,
     },
+    /// Torques that no gravity is in.
+    Weightless,
     /// Two torques that fit the motion of each other's joint.
     Swapped {
         /// Names of the joints.
@@ -297,6 +299,12 @@ impl fmt::Display for Finding {
                     list(&each)
                 )
             }
+            Self::Weightless => write!(
+                f,
+                "gravity does nothing to the torques: has the driver taken it out of the effort that it \
+                 publishes, or does a spring or gear bear it? A model of such torque lacks it: have \
+                 the driver publish the whole torque, as the motors give it"
+            ),
             Self::Swapped { joints: [one, other] } => write!(
                 f,
                 "the torque of {one} fits the motion of {other}, and that of {other} the motion of \

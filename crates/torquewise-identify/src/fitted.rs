@@ -3,12 +3,12 @@
 
 use crate::basis::{Energies, joint_sums};
 use crate::drifts;
-use crate::drive_gains::unequal_gains;
 use crate::drive_terms::DriveTerm;
 use crate::estimate::{Linearisation, Solved};
 use crate::excitation::Finding;
 use crate::prune::prune;
 use crate::reconstruction::Reconstruction;
+use crate::torque_kind::{TorqueKind, torque_kind};
 use crate::unseen::{Errors, HeldOut, geometric_mean, held_out, regions, whole_logs};
 use crate::warning::Warning;
 use faer::{ColRef, Mat};
@@ -84,10 +84,14 @@ impl Fitted {
             choices,
         };
         let noise = &solved.at.noise;
-        if let Some(gains) = unequal_gains(&solved.at.narrowed(), &survey.sample)? {
+        let kind = torque_kind(&solved.at.narrowed(), &survey.sample)?;
+        warnings.extend(kind.map(|kind| {
             let joints = survey.joints.clone();
-            warnings.push(Warning::Excitation(Finding::Gains { joints, gains }));
-        }
+            Warning::Excitation(match kind {
+                TorqueKind::Weightless => Finding::Weightless,
+                TorqueKind::Gains(gains) => Finding::Gains { joints, gains },
+            })
+        }));
         warnings.extend(drifts(&model, &survey.sample)?.into_iter().map(Warning::Drift));
         model.training.unexplained_rms = unexplained(&model, &survey, noise)?;
         let step =

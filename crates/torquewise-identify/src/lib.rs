@@ -10,7 +10,7 @@ mod rough;
 pub mod clipped;
 pub mod excitation;
 mod clustered;
-mod drive_gains;
+mod torque_kind;
 pub mod disagreement;
 pub mod drift;
 pub mod score;

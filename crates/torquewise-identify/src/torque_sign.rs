@@ -19,8 +19,9 @@ const ROWS: usize = 400;
 /// of all joints.
 const QUARTER: f64 = 0.25;
 /// Torques that are changed over must leave this part of what all leave as they are, geometric mean
-/// of the joints, by so many starts each.
+/// of the joints, by so many starts each on so many rows.
 const HALF: f64 = 0.5;
+const FEW: usize = 200;
 const STARTS: usize = 6;
 /// What signs leave is alike within this factor.
 const ALIKE: f64 = 2.0;
@@ -192,7 +193,7 @@ impl SignTest {
 /// Two joints whose torques stand in each other's place: a first look at few rows finds a chain that
 /// explains far more of all torques with these two changed over. The pair that does best, if any.
 ///
-/// - `missed`: joints whose torque a model misses: two or more, and one of the pair
+/// - `missed`: joints whose torque a model misses: one of the pair or both
 ///
 /// # Errors
 /// [`IdentifyError::Chain`] if rows are too few.
@@ -201,18 +202,19 @@ pub(crate) fn swapped(
     missed: &[usize],
     seed: u64,
 ) -> Result<Option<[usize; 2]>, IdentifyError> {
-    if missed.len() < 2 {
+    let (motion, n) = (thinned(sample, FEW), sample.n_joints());
+    let pairs = (0..n).flat_map(|a| (a + 1..n).map(move |b| [a, b]));
+    let pairs: Vec<[usize; 2]> =
+        pairs.filter(|pair| pair.iter().any(|joint| missed.contains(joint))).collect();
+    if pairs.is_empty() {
         return Ok(None);
     }
-    let (motion, n) = (thinned(sample, ROWS), sample.n_joints());
     let peaks = (0..n).map(|joint| motion.dq().col(joint).norm_max()).collect();
     let friction = DriveTerm::friction(FrictionLibrary::new(peaks).linear());
     let drive: Vec<DriveTerm> = DriveTerm::rotors(n).into_iter().chain(friction).collect();
     let rows = rows(&motion, &columns(&drive, &motion, None))?;
-    let look = Search { seed, starts: STARTS, glance_rows: ROWS, ..Search::default() };
-    let pairs = (0..n).flat_map(|a| (a + 1..n).map(move |b| [a, b]));
-    let pairs = pairs.filter(|pair| pair.iter().any(|joint| missed.contains(joint)));
-    let left = pairs.map(|pair| (pair, glance(&rows.clone().swapped(pair), &look)));
+    let look = Search { seed, starts: STARTS, glance_rows: FEW, ..Search::default() };
+    let left = pairs.into_iter().map(|pair| (pair, glance(&rows.clone().swapped(pair), &look)));
     let best = left.min_by(|a, b| a.1.total_cmp(&b.1));
     let as_it_is = glance(&rows, &look);
     Ok(best.filter(|(_, left)| *left <= HALF * as_it_is).map(|(pair, _)| pair))

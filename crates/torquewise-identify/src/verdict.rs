@@ -99,6 +99,9 @@ fn grave(warnings: &[Warning]) -> Vec<String> {
         Warning::Excitation(Finding::Swapped { joints: [one, other] }) => {
             Some(format!("the torques of {one} and {other} seem to be swapped"))
         }
+        Warning::Excitation(Finding::Gains { .. }) => {
+            Some("the torques of the joints are not in one unit".to_owned())
+        }
         Warning::Excitation(Finding::Clipped { joint, .. }) => {
             Some(format!("the torque of {joint} is cut off"))
         }
@@ -119,6 +122,7 @@ fn grave(warnings: &[Warning]) -> Vec<String> {
 fn doubts(found: &Reconstruction) -> Vec<String> {
     let at_rest = found.warnings.iter().filter_map(|warning| match warning {
         Warning::ConstantJoint { joint } => Some(format!("{joint} never moves")),
+        Warning::Excitation(Finding::Weightless) => Some("gravity does nothing".to_owned()),
         _ => None,
     });
     let geometry = found.model.training.geometry_found.as_ref().filter(|found| !found.is_certain());

@@ -178,7 +178,7 @@ mod tests {
                 moved[k] += step;
                 moved
             };
-            let [ahead, behind] = [1e-6, -1e-6].map(|step| moved(step));
+            let [ahead, behind] = [1e-6, -1e-6].map(moved);
             let value = |at: &Inertial| divergence(at, &nominal).unwrap();
             assert_relative_eq!(
                 gradient[k],

@@ -3,7 +3,7 @@
 
 use crate::error::ChainError;
 use crate::geometry::Geometry;
-use crate::recursion::{Kinematics, Moved, N_LANES, PER_BODY};
+use crate::recursion::{Moved, N_LANES, PER_BODY};
 use crate::rows::Rows;
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, MatRef, Side};
@@ -32,7 +32,7 @@ const NOTHING: f64 = 1e-9;
 /// Weighted columns of a chain and those beside it, (m·n)×p.
 pub(crate) fn weighted_columns(geometry: &Geometry, rows: &Rows, weights: &[f64]) -> Mat<f64> {
     let (m, n) = (rows.len(), rows.n_joints());
-    let kinematics = Kinematics::new(geometry);
+    let kinematics = rows.kinematics(geometry);
     let mut moved = Moved::default();
     let of_bodies = PER_BODY * n;
     let mut columns = Mat::zeros(m * n, of_bodies + rows.extras.ncols());

@@ -3,7 +3,7 @@
 use crate::error::ChainError;
 use crate::geometry::Geometry;
 use crate::inertial_fit::{InertialFit, weigh};
-use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, Moved, N_LANES, PER_BODY};
+use crate::recursion::{Lanes, MOST_JOINTS, Moved, N_LANES, PER_BODY};
 use crate::rows::Rows;
 use crate::usual_arm::UsualArm;
 use faer::linalg::solvers::Solve;
@@ -55,7 +55,7 @@ impl Target<'_> {
     pub(crate) fn changes(&self, geometry: &Geometry, masses: &[f64], free: &[usize]) -> Mat<f64> {
         let (m, n) = (self.rows.len(), self.rows.n_joints());
         let inertial = &masses[..PER_BODY * n];
-        let kinematics = Kinematics::new(geometry);
+        let kinematics = self.rows.kinematics(geometry);
         let derivatives = geometry.derivatives();
         let (mut moved, mut torque) = (Moved::default(), [Lanes::splat(0.0); MOST_JOINTS]);
         let mut changes = Mat::zeros(m * n, free.len());

@@ -1,7 +1,8 @@
 //! From motion, torque, further columns to rows of a regression: what a chain is learned from.
 
 use crate::error::ChainError;
-use crate::recursion::{Lanes, MOST_JOINTS, N_LANES, State};
+use crate::geometry::Geometry;
+use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, N_LANES, State};
 use faer::{Mat, MatRef};
 use simba::simd::SimdValue;
 
@@ -17,6 +18,8 @@ pub struct Rows {
     pub(crate) extras: Mat<f64>,
     /// How much each equation counts, m·n: zero where friction of a resting joint may be anything.
     pub(crate) shares: Vec<f64>,
+    /// Whether gravity was taken out of the torque.
+    weightless: bool,
 }
 
 impl Rows {
@@ -60,7 +63,7 @@ impl Rows {
         let torque = (0..n).flat_map(|joint| (0..m).map(move |row| tau[(row, joint)])).collect();
         let extras = Mat::from_fn(m * n, width, |row, column| extras[row / m][(row % m, column)]);
         let shares = vec![1.0; m * n];
-        Ok(Self { n_joints: n, states, torque, extras, shares })
+        Ok(Self { n_joints: n, states, torque, extras, shares, weightless: false })
     }
 
     /// Number of joints n.
@@ -127,6 +130,18 @@ impl Rows {
         self
     }
 
+    /// The same rows, to be explained where nothing weighs.
+    #[must_use]
+    pub fn weightless(self) -> Self {
+        Self { weightless: true, ..self }
+    }
+
+    /// What moves as a geometry says, and weighs if these rows do.
+    pub(crate) fn kinematics(&self, geometry: &Geometry) -> Kinematics {
+        let kinematics = Kinematics::new(geometry);
+        if self.weightless { kinematics.without_gravity() } else { kinematics }
+    }
+
     /// The same rows, with the torques of two joints, counted from 0, in each other's place.
     #[must_use]
     pub fn swapped(mut self, [a, b]: [usize; 2]) -> Self {
@@ -151,6 +166,7 @@ impl Rows {
                 self.extras[(place(k), j)]
             }),
             shares: (0..rows.len() * n).map(|k| self.shares[place(k)]).collect(),
+            weightless: self.weightless,
         }
     }
 

@@ -4,7 +4,7 @@ use crate::coupling::Coupling;
 use crate::error::ChainError;
 use crate::geometry::{Geometry, PER_BASE, PER_JOINT, RIGHT_ANGLES};
 use crate::levenberg_marquardt::{Fitted, Target};
-use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, Moved, N_LANES, PER_BODY};
+use crate::recursion::{Lanes, MOST_JOINTS, Moved, N_LANES, PER_BODY};
 use crate::rows::Rows;
 use crate::usual_arm::UsualArm;
 use rand::{RngExt, SeedableRng};
@@ -100,7 +100,7 @@ impl Chain {
     /// Torques \[N·m\] of rows: m of joint 1, then m of joint 2 …
     pub fn torque(&self, rows: &Rows) -> Vec<f64> {
         let (m, n) = (rows.len(), rows.n_joints());
-        let kinematics = Kinematics::new(&self.geometry);
+        let kinematics = rows.kinematics(&self.geometry);
         let (mut moved, mut torque) = (Moved::default(), [Lanes::splat(0.0); MOST_JOINTS]);
         let mut out = vec![0.0; m * n];
         rows.visit_lanes(|state, first, count| {

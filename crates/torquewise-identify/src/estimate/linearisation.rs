@@ -276,6 +276,13 @@ impl Linearisation {
         let tangent = self.chain()?.tangent_of(&rows, &self.weights, &self.structure.free)?;
         Ok((tangent.columns, tangent.weights))
     }
+
+    /// The same columns where nothing weighs.
+    pub(crate) fn weightless_columns_of(&self, motion: &Motion) -> Result<Mat<f64>, IdentifyError> {
+        let rows = self.weighed(motion, motion)?.weightless();
+        let tangent = self.chain()?.tangent_of(&rows, &self.weights, &self.structure.free)?;
+        Ok(tangent.columns)
+    }
 }
 
 /// The same motion with q, q̇ and q̈ shifted.

@@ -1,4 +1,5 @@
-//! From a fitted chain and its log to gains of drives that differ from joint to joint (E27).
+//! From a fitted chain and its log to what its torque columns are: of gains that differ from joint to
+//! joint, or without gravity (E27).
 
 use crate::estimate::Linearisation;
 use crate::unseen::{HeldOut, Unseen, geometric_mean, regions, whole_logs};
@@ -11,9 +12,14 @@ use torquewise_stepwise::survey::thinned;
 
 /// Rows that tell.
 const ROWS: usize = 2_000;
-/// With gains of their own, joints must leave this part of what they leave without on held-out rows,
-/// by time and by region.
+/// Taken for something else, torques must leave this part of what they leave as they are on held-out
+/// rows, by time and by region.
 const WORTH: f64 = 0.9;
+/// Where nothing weighs, links leave less than this times what they leave, and do in 5 to 14 times on
+/// arms of which gravity is logged.
+const ALIKE: f64 = 1.1;
+/// Gravity makes this part of the columns of links, or all axes stand upright.
+const PULLED: f64 = 0.3;
 /// Gains and all other parameters are found anew so often at most, until no gain moves by this part.
 const ROUNDS: (usize, f64) = (30, 1e-4);
 /// A gain is held at that of the others where links load its joint by no more than a tenth of noise.
@@ -25,40 +31,55 @@ const MOST_APART: f64 = 20.0;
 /// Ridge on columns of unit length.
 const RIDGE: f64 = 1e-8;
 
-/// What a unit of each torque column is worth beside the others, their geometric mean 1, n, where links
-/// that joints share ask for gains of their own: a gain is not free, since the same mass loads
-/// several joints.
+/// What torque columns are, where that is no torque in one unit.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum TorqueKind {
+    /// Gravity was taken out.
+    Weightless,
+    /// What a unit of each is worth beside the others, their geometric mean 1, n.
+    Gains(Vec<f64>),
+}
+
+/// Whether links explain held-out torque as well where nothing weighs; or whether links that joints
+/// share ask for gains of their own: a gain is not free, since the same mass loads several joints.
 ///
-/// - returns: `None` where gains of their own predict held-out rows little better
+/// - returns: `None` where what is logged is best taken as torque
 ///
 /// # Errors
 /// [`IdentifyError::Chain`] if the motion is of another arm.
-pub(crate) fn unequal_gains(
+pub(crate) fn torque_kind(
     at: &Linearisation,
     sample: &Motion,
-) -> Result<Option<Vec<f64>>, IdentifyError> {
+) -> Result<Option<TorqueKind>, IdentifyError> {
     let motion = thinned(sample, ROWS);
     let every = sample.n_rows().div_ceil(motion.n_rows().max(1)).max(1);
     let (columns, weights) = at.columns_of(&motion)?;
     let tau = motion.require_tau()?.to_owned();
-    let rows =
-        JointRows::new(&columns, &weights, &tau, [PER_BODY * motion.n_joints(), at.linear.len()]);
-    let Some((per, loads)) = rows.gains(&at.linear) else { return Ok(None) };
-    let own = rows.widened(&columns, &per, &loads);
     let targets = [(&tau, &tau)];
-    let left = |columns: &Mat<f64>, blocks: &[HeldOut]| -> Option<f64> {
-        let columns = (columns.clone(), weights.clone());
-        let unseen = Unseen::of_columns(columns, motion.n_rows(), &targets, blocks)?;
-        Some(unseen.errors_of_all()?.first()?.all())
+    let held_out = [whole_logs(&motion), regions(&motion, every)];
+    let left = |columns: &Mat<f64>| -> Option<Vec<f64>> {
+        let of = |blocks: &Vec<HeldOut>| {
+            let columns = (columns.clone(), weights.clone());
+            let unseen = Unseen::of_columns(columns, motion.n_rows(), &targets, blocks)?;
+            Some(unseen.errors_of_all()?.first()?.all())
+        };
+        held_out.iter().map(of).collect()
     };
-    for blocks in [whole_logs(&motion), regions(&motion, every)] {
-        let pair = left(&own, &blocks).zip(left(&columns, &blocks));
-        if !pair.is_some_and(|(own, alike)| own < WORTH * alike) {
-            return Ok(None);
-        }
+    let Some(as_it_is) = left(&columns) else { return Ok(None) };
+    let leaves = |columns: &Mat<f64>, part: f64| {
+        left(columns).is_some_and(|left| left.iter().zip(&as_it_is).all(|(a, b)| *a < part * b))
+    };
+    let weightless = at.weightless_columns_of(&motion)?;
+    let pulled = (&columns - &weightless).norm_l2();
+    if pulled > PULLED * columns.norm_l2() && leaves(&weightless, ALIKE) {
+        return Ok(Some(TorqueKind::Weightless));
     }
+    let drive = [PER_BODY * motion.n_joints(), at.linear.len()];
+    let rows = JointRows::new(&columns, &weights, &tau, drive);
+    let Some((per, loads)) = rows.gains(&at.linear) else { return Ok(None) };
     let mean = geometric_mean(&per);
-    Ok(Some(per.iter().map(|per| mean / per).collect()))
+    Ok(leaves(&rows.widened(&columns, &per, &loads), WORTH)
+        .then(|| TorqueKind::Gains(per.iter().map(|per| mean / per).collect())))
 }
 
 /// Sums of the rows of each joint, of columns of which those from `drive[0]` to `drive[1]` are of its
