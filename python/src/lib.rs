@@ -36,7 +36,7 @@ mod _core {
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]
-    use crate::observer::{contacts, payload};
+    use crate::observer::{contacts, gains, payload};
     #[pymodule_export]
     use crate::simulation::{arms, excite, simulate};
     #[pymodule_export]

@@ -78,3 +78,23 @@ pub(crate) fn payload(
     let hints = found.hints().into_iter().map(str::to_owned).collect();
     Ok((json(&found)?, hints, Model::new(loaded)))
 }
+
+/// What a unit of each torque column is worth: JSON, hints.
+#[pyfunction]
+#[pyo3(signature = (model, log, mass, progress=None))]
+pub(crate) fn gains(
+    py: Python<'_>,
+    model: &Model,
+    log: &Log,
+    mass: f64,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(String, Vec<String>)> {
+    if !(mass > 0.0 && mass <= 1e4) {
+        return wrong("mass: expected a number above 0, at most 10000 kg".to_owned());
+    }
+    let (model, log) = (Arc::clone(&model.model), log.log.clone());
+    let found = work(py, progress, move |observer| {
+        Ok(torquewise::payload::gains(&model, &log, mass, observer)?)
+    })?;
+    Ok((json(&found)?, found.hints()))
+}

@@ -86,6 +86,16 @@ def test_a_load_is_weighed(chain):
         found.model.torque(free["q"], free["dq"], free["ddq"]), log["tau"], atol=0.05
     )
 
+    # The columns weigh the load at half of what it weighs.
+    drives = torquewise.gains(chain, log, known_mass=2.0, filter="none")
+
+    assert drives.apparent_mass == pytest.approx(1.0, rel=0.02)
+    told = drives.gain_errors < 0.02 * drives.gains
+    assert told.sum() >= 2 and np.allclose(drives.gains[told], 2.0, rtol=0.05)
+    assert any("--urdf" in hint for hint in drives.hints)
+    with pytest.raises(ValueError, match="mass"):
+        torquewise.gains(chain, log, known_mass=0.0)
+
 
 def test_a_push_is_found_and_free_motion_is_quiet(chain):
     free, pushed = (

@@ -39,6 +39,9 @@ pub(crate) enum CliError {
     SameOutput(PathBuf),
     #[error("unsupported extension for this output: {}, expected {expected}", file.display())]
     Ending { file: PathBuf, expected: String },
+    #[error("{} is a log, not a model", .0.display())]
+    #[diagnostic(help("the model comes first, then the logs"))]
+    LogForModel(PathBuf),
     #[error("{} exists and is not empty", .0.display())]
     #[diagnostic(help("name a new folder"))]
     NotEmpty(PathBuf),

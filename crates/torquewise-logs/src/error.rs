@@ -77,7 +77,10 @@ pub enum LogError {
     #[diagnostic(help("drop those that are not needed"))]
     TooManyColumns { file: PathBuf, found: usize, limit: usize },
     #[error("{} has no column {missing}, found {found}", file.display())]
-    #[diagnostic(help("name the columns t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun"))]
+    #[diagnostic(help(
+        "name the columns t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun, or write a profile that says which \
+         column is what: inspect suggests one"
+    ))]
     NoColumn { file: PathBuf, missing: &'static str, found: String },
     #[error("{} has column {present} but no {missing}", file.display())]
     #[diagnostic(help(

@@ -27,7 +27,7 @@ from ._core import (
 from ._fit import Evaluation, Fit, compare, fit
 from ._log import Log, inspect, patterns, read_log, write_log
 from ._model import Model
-from ._observer import Contacts, Payload, payload, residuals
+from ._observer import Contacts, Gains, Payload, gains, payload, residuals
 from ._simulation import arms, excite, simulate
 from ._sums import Summary
 
@@ -42,6 +42,7 @@ __all__ = [
     "Fit",
     "FitError",
     "FrictionState",
+    "Gains",
     "Interrupted",
     "Log",
     "LogError",
@@ -59,6 +60,7 @@ __all__ = [
     "compare",
     "excite",
     "fit",
+    "gains",
     "inspect",
     "patterns",
     "payload",

@@ -122,3 +122,40 @@ def payload(model: Model, log: Any = None, *, progress: Progress = None, **optio
         hints=hints,
         model=Model(loaded),
     )
+
+
+@dataclass
+class Gains:
+    """What a unit of each torque column is worth; each error is one standard error."""
+
+    gains: np.ndarray
+    """Torque for a unit of the column of each joint, such as N·m/A, n."""
+    gain_errors: np.ndarray
+    known_mass: float
+    """[kg]"""
+    apparent_mass: float
+    """The mass that the columns would say, if they were in N·m [kg]."""
+    rows: int
+    hints: list[str]
+    """Why gains may be wrong, and what to do."""
+
+
+def gains(
+    model: Model, log: Any = None, *, known_mass: float, progress: Progress = None, **options: Any
+) -> Gains:
+    """Gains of drives, from a log with a load of known mass on the last link.
+
+    model is of the arm without it, learned as a chain from the same columns.
+    """
+    log = read_log(log, **options)
+    with shown(progress) as told:
+        found, hints = _core.gains(model, log, known_mass, told)
+    found = json.loads(found)
+    return Gains(
+        gains=np.array([own["value"] for own in found["gains"]]),
+        gain_errors=np.array([own["std_error"] for own in found["gains"]]),
+        known_mass=found["known_mass"],
+        apparent_mass=found["apparent_mass"],
+        rows=found["rows"],
+        hints=hints,
+    )

@@ -105,16 +105,6 @@ fn run_gains(arguments: &Arguments, model: &Model, log: &Log, mass: f64) -> Resu
         table.text()
     );
     let mut json = object(&found);
-    let untold: Vec<&str> = (model.joints.iter().zip(&told))
-        .filter_map(|(joint, told)| (!told).then_some(joint.as_str()))
-        .collect();
-    let warning = (!untold.is_empty()).then(|| {
-        format!(
-            "the load hardly loads {}: their gains are not told to a tenth, and the profile leaves \
-             their columns as they are; hold the load further out, and swing it",
-            untold.join(", ")
-        )
-    });
     if let Some(output) = &arguments.output {
         let is_bag = arguments.logs.iter().any(|log| {
             log.extension().is_some_and(|end| ["db3", "mcap"].iter().any(|bag| end == *bag))
@@ -135,5 +125,5 @@ fn run_gains(arguments: &Arguments, model: &Model, log: &Log, mass: f64) -> Resu
         text.extend([format!("\nprofile: {file}; fit again with `--profile {file}`\n")]);
         json["file"] = json!(file);
     }
-    Ok(Outcome { text, json, warnings: warning.into_iter().collect(), ..Outcome::default() })
+    Ok(Outcome { text, json, warnings: found.hints(), ..Outcome::default() })
 }

@@ -144,6 +144,9 @@ fn a_urdf_that_is_not_of_the_arm_is_refused_with_what_to_do() {
     terminal.done("fit three.csv -o library.json");
     terminal.refused("export library.json --to urdf -o x.urdf", &["--library chain"]);
     terminal.refused("payload library.json three.csv", &["fit the log along a chain"]);
+    terminal.refused("evaluate three.csv library.json", &["is a log", "the model comes first"]);
+    terminal.write("names.csv", "time,angle_a,effort_a\n0,1,2\n0.1,1,2\n");
+    terminal.refused("fit names.csv -o x.json", &["no column t", "inspect suggests one"]);
 }
 
 #[test]

@@ -83,9 +83,9 @@ impl Spread {
             spread.coefficients = loop {
                 let mut sums = Stretches::new(FOLLOWED, usize::MAX, usize::MAX);
                 for (x, at) in rows {
+                    let weight = spread.variance(at).max(f64::MIN_POSITIVE.sqrt()).powi(-2);
                     let at: [f64; FOLLOWED] =
                         std::array::from_fn(|k| if columns[k] { at[k] } else { 0.0 });
-                    let weight = spread.variance(&at).max(f64::MIN_POSITIVE).powi(-2);
                     sums.add(&at, square(*x) - LEAST_CONSTANT * mean, weight);
                 }
                 let Some(solved) = sums.solved() else { return spread };

@@ -3,6 +3,7 @@
 use super::rows::WithLoad;
 use super::{Pass, STRENGTH, chain_of};
 use crate::clustered::{Stretches, Sums, scatter};
+use crate::excitation::list;
 use faer::{ColRef, Mat};
 use serde::Serialize;
 use torquewise_model::Model;
@@ -23,6 +24,12 @@ pub struct Gains {
     pub apparent_mass: f64,
     /// Rows that they were found on.
     pub rows: usize,
+    /// Names of the joints, n.
+    #[serde(skip)]
+    joints: Vec<String>,
+    /// Whether the model was told where its axes lie.
+    #[serde(skip)]
+    is_given: bool,
 }
 
 /// A gain is told where its standard error is below this part of it.
@@ -141,12 +148,42 @@ impl Gains {
             Estimated { value: 1.0 / per, std_error: error / per.powi(2) }
         };
         let gains = at.per.iter().enumerate().map(gain).collect();
-        Ok(Self { gains, known_mass: mass, apparent_mass: free[0], rows: pass.rows })
+        Ok(Self {
+            gains,
+            known_mass: mass,
+            apparent_mass: free[0],
+            rows: pass.rows,
+            joints: model.joints.clone(),
+            is_given: chain.fitted.is_empty(),
+        })
     }
 
     /// Whether the log tells the gain of each joint.
     pub fn told(&self) -> Vec<bool> {
         self.gains.iter().map(|gain| gain.std_error < TOLD * gain.value).collect()
+    }
+
+    /// Why gains may be wrong, or are not told, and what to do.
+    pub fn hints(&self) -> Vec<String> {
+        let mut hints = Vec::new();
+        if !self.is_given {
+            hints.push(
+                "the axes of the model were learned: lengths of a wrist, and with them its gains, \
+                 may be off by more than the errors say; fit with --urdf"
+                    .to_owned(),
+            );
+        }
+        let told = self.told();
+        let untold = self.joints.iter().zip(&told).filter(|(_, told)| !**told);
+        let untold: Vec<String> = untold.map(|(joint, _)| joint.clone()).collect();
+        if !untold.is_empty() {
+            hints.push(format!(
+                "the load hardly loads {}: their gains are not told to a tenth, and a profile leaves \
+                 their columns as they are; hold the load further out, and swing it",
+                list(&untold)
+            ));
+        }
+        hints
     }
 }
 
