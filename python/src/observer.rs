@@ -94,7 +94,7 @@ pub(crate) fn gains(
     }
     let (model, log) = (Arc::clone(&model.model), log.log.clone());
     let found = work(py, progress, move |observer| {
-        Ok(torquewise::payload::gains(&model, &log, mass, observer)?)
+        torquewise::payload::gains(&model, &log, mass, observer)
     })?;
     Ok((json(&found)?, found.hints()))
 }

@@ -98,49 +98,17 @@ impl Gains {
         let load = load_of(&sums, &prior, mass)?;
         let at = AtLoad::new(&sums, &load);
 
-        // Curvature of load and one over K together, scores of each stretch, and of the arm.
-        let (n, x) = (model.n_joints(), ColRef::from_slice(&load).as_mat());
-        let p = PER_BODY + n;
-        let mut curved = Mat::zeros(PER_BODY, PER_BODY);
-        prior.add_slopes(&load, STRENGTH, &mut [0.0; PER_BODY], &mut curved);
-        for (own, per) in sums.iter().zip(&at.per) {
-            curved += faer::Scale(per * per) * &own.gram;
-        }
-        curved[(0, 0)] *= HELD;
-        let mut whole = Mat::zeros(p, p);
-        whole.submatrix_mut(0, 0, PER_BODY, PER_BODY).copy_from(&curved);
-        for (joint, own) in sums.iter().enumerate() {
-            let pulled = &own.gram * x;
-            for k in 0..PER_BODY {
-                whole[(k, PER_BODY + joint)] = at.per[joint] * pulled[(k, 0)];
-                whole[(PER_BODY + joint, k)] = at.per[joint] * pulled[(k, 0)];
-            }
-            let squares = (x.transpose() * &pulled)[(0, 0)];
-            whole[(PER_BODY + joint, PER_BODY + joint)] = squares.max(f64::MIN_POSITIVE);
-        }
-        // What joints add up to, 10×m each, as the load and each gain feel it.
-        let felt = |of: &dyn Fn(usize) -> Mat<f64>| {
-            let all: Vec<Mat<f64>> = (0..n).map(of).collect();
-            Mat::from_fn(p, all[0].ncols(), |i, j| match i.checked_sub(PER_BODY) {
-                None => all.iter().zip(&at.per).map(|(own, per)| per * own[(i, j)]).sum::<f64>(),
-                Some(joint) => (0..PER_BODY).map(|k| load[k] * all[joint][(k, j)]).sum(),
-            })
-        };
-        let stretches: Vec<Vec<&Sums>> = pass.sums.iter().map(|own| own.all().collect()).collect();
-        let score = |stretch: usize| {
-            felt(&|joint| {
-                stretches[joint][stretch].score((faer::Scale(at.per[joint]) * x).as_ref())
-            })
-        };
-        let mut middle = scatter((0..stretches[0].len()).map(score));
+        let known = (sums.as_slice(), &prior, load.as_slice(), at.per.as_slice());
+        let mut middle = pass.scores(known);
         if !chain.covariance.is_empty() {
             let inertial: [f64; PER_BODY] = std::array::from_fn(|k| load[k]);
             let with = WithLoad::over(model, chain, recording, (&inertial, &at.per))?;
-            let arm = felt(&|joint| with.arm[joint].clone());
+            let arm = felt(&load, &at.per, &|joint| with.arm[joint].clone());
             middle += &arm * chain.covariance_matrix() * arm.transpose();
         }
+        let whole = curvature_of(known);
         let cost = Quadratic { hessian: &whole, right: &[] };
-        let factor = curvature(cost, &Prior::default(), 0.0, &vec![0.0; p])?;
+        let factor = curvature(cost, &Prior::default(), 0.0, &vec![0.0; whole.ncols()])?;
         let half = factor.solve_matrix(&middle);
         let covariance = factor.solve_matrix(&half.transpose().to_owned());
         let gain = |(joint, per): (usize, &f64)| {
@@ -185,6 +153,55 @@ impl Gains {
         }
         hints
     }
+}
+
+/// Sums of each joint, what is known of the load, the load, and one over each gain.
+type Known<'a> = (&'a [Sums], &'a Prior, &'a [f64], &'a [f64]);
+
+/// What joints add up to, 10×m each, as the load and each gain feel it: (10 + n)×m.
+fn felt(load: &[f64], per: &[f64], of: &dyn Fn(usize) -> Mat<f64>) -> Mat<f64> {
+    let all: Vec<Mat<f64>> = (0..per.len()).map(of).collect();
+    Mat::from_fn(PER_BODY + per.len(), all[0].ncols(), |i, j| match i.checked_sub(PER_BODY) {
+        None => all.iter().zip(per).map(|(own, per)| per * own[(i, j)]).sum::<f64>(),
+        Some(joint) => (0..PER_BODY).map(|k| load[k] * all[joint][(k, j)]).sum(),
+    })
+}
+
+impl Pass {
+    /// Scatter of the scores of stretches of load and gains together.
+    fn scores(&self, (_, _, load, per): Known<'_>) -> Mat<f64> {
+        let x = ColRef::from_slice(load).as_mat();
+        let stretches: Vec<Vec<&Sums>> = self.sums.iter().map(|own| own.all().collect()).collect();
+        let score = |stretch: usize| {
+            felt(load, per, &|joint| {
+                stretches[joint][stretch].score((faer::Scale(per[joint]) * x).as_ref())
+            })
+        };
+        scatter((0..stretches[0].len()).map(score))
+    }
+}
+
+/// Curvature of the cost of load and gains together.
+fn curvature_of((sums, prior, load, per): Known<'_>) -> Mat<f64> {
+    let (p, x) = (PER_BODY + per.len(), ColRef::from_slice(load).as_mat());
+    let mut curved = Mat::zeros(PER_BODY, PER_BODY);
+    prior.add_slopes(load, STRENGTH, &mut [0.0; PER_BODY], &mut curved);
+    for (own, per) in sums.iter().zip(per) {
+        curved += faer::Scale(per * per) * &own.gram;
+    }
+    curved[(0, 0)] *= HELD;
+    let mut whole = Mat::zeros(p, p);
+    whole.submatrix_mut(0, 0, PER_BODY, PER_BODY).copy_from(&curved);
+    for (joint, own) in sums.iter().enumerate() {
+        let pulled = &own.gram * x;
+        for k in 0..PER_BODY {
+            whole[(k, PER_BODY + joint)] = per[joint] * pulled[(k, 0)];
+            whole[(PER_BODY + joint, k)] = per[joint] * pulled[(k, 0)];
+        }
+        let squares = (x.transpose() * &pulled)[(0, 0)];
+        whole[(PER_BODY + joint, PER_BODY + joint)] = squares.max(f64::MIN_POSITIVE);
+    }
+    whole
 }
 
 /// The load of a known mass that explains most, with the best gains at each.
