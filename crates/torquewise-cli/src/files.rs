@@ -1,24 +1,20 @@
 //! Paths → texts, models and arms; texts → files, written whole or not at all.
 
 use crate::error::{CliError, Result};
-use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use std::{env, fs, io, mem, thread};
 use tempfile::TempDir;
 use torquewise::dynamics::{Arm, Friction, SimError};
+use torquewise::logs::is_log;
 use torquewise::model::{Model, number};
 use torquewise::motion::bounded_file;
 use torquewise::motion::whole_file::{self, destination, folder_of, keep_mode};
 use torquewise::twin;
 
-/// How names of logs end, beside which a model is JSON.
-const LOGS: [&str; 6] = ["csv", "parquet", "db3", "mcap", "npz", "mat"];
-
 pub(crate) fn read_model(file: &Path) -> Result<Model> {
-    let is_log = |end: &OsStr| LOGS.iter().any(|own| end == *own);
-    if file.extension().is_some_and(is_log) {
+    if is_log(file) {
         return Err(CliError::LogForModel(file.to_owned()));
     }
     Ok(Model::load(file)?)

@@ -2,40 +2,14 @@
 
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, MatRef, Side};
+use torquewise_regression::normal_equations::NormalEquations;
 
 /// Held at unit columns, so that one that repeats another has some coefficient.
 const RIDGE: f64 = 1e-10;
 
-/// What the equations c·x = r of one stretch of time add up to, p columns.
-#[derive(Clone, Debug)]
-pub(crate) struct Sums {
-    pub(crate) equations: usize,
-    /// Σ w c cᵀ, p×p.
-    pub(crate) gram: Mat<f64>,
-    /// Σ w c r, p×1.
-    pub(crate) right: Mat<f64>,
-    /// Σ w r².
-    pub(crate) squares: f64,
-}
-
-impl Sums {
-    pub(crate) fn none(columns: usize) -> Self {
-        let (gram, right) = (Mat::zeros(columns, columns), Mat::zeros(columns, 1));
-        Self { equations: 0, gram, right, squares: 0.0 }
-    }
-
-    pub(crate) fn and(mut self, other: &Self) -> Self {
-        self.equations += other.equations;
-        self.gram += &other.gram;
-        self.right += &other.right;
-        self.squares += other.squares;
-        self
-    }
-
-    /// What the sums leave at a solution, p×1.
-    pub(crate) fn score(&self, solution: MatRef<'_, f64>) -> Mat<f64> {
-        &self.right - &self.gram * solution
-    }
+/// What normal equations leave at a solution, p×1.
+pub(crate) fn score(of: &NormalEquations, solution: MatRef<'_, f64>) -> Mat<f64> {
+    &of.cross - &of.gram * solution
 }
 
 /// Σ s sᵀ of the scores of stretches, p×1 each, as many would scatter: p×p.
@@ -54,8 +28,8 @@ pub(crate) fn scatter(scores: impl Iterator<Item = Mat<f64>>) -> Mat<f64> {
 pub(crate) struct Stretches {
     most: usize,
     length: usize,
-    whole: Vec<Sums>,
-    rest: Sums,
+    whole: Vec<NormalEquations>,
+    rest: NormalEquations,
 }
 
 /// A solution with what is known of each coefficient.
@@ -76,34 +50,33 @@ impl Stretches {
     /// - `most`: stretches at most; where there are more, each two neighbours become one
     /// - `length`: equations of the first stretches
     pub(crate) fn new(columns: usize, most: usize, length: usize) -> Self {
-        Self { most, length, whole: Vec::new(), rest: Sums::none(columns) }
+        Self { most, length, whole: Vec::new(), rest: NormalEquations::zeros(columns, 1) }
     }
 
     /// Adds an equation.
     pub(crate) fn add(&mut self, columns: &[f64], response: f64, weight: f64) {
-        self.rest.equations += 1;
-        self.rest.squares += weight * response * response;
+        self.rest.rows += 1.0;
+        self.rest.energy[0] += weight * response * response;
         for (j, x) in columns.iter().enumerate() {
             let weighed = weight * x;
-            self.rest.right[(j, 0)] += weighed * response;
+            self.rest.cross[(j, 0)] += weighed * response;
             let own = self.rest.gram.col_as_slice_mut(j).iter_mut();
             own.zip(columns).for_each(|(sum, y)| *sum += weighed * y);
         }
-        if self.rest.equations < self.length {
+        if self.rest.rows < self.length as f64 {
             return;
         }
-        let none = Sums::none(columns.len());
+        let none = NormalEquations::zeros(columns.len(), 1);
         self.whole.push(std::mem::replace(&mut self.rest, none));
         if self.whole.len() >= self.most {
-            let joined = |pair: &[Sums]| pair[1..].iter().fold(pair[0].clone(), Sums::and);
-            self.whole = self.whole.chunks(2).map(joined).collect();
+            self.whole = self.whole.chunks(2).map(|pair| pair.iter().sum()).collect();
             self.length *= 2;
         }
     }
 
     /// Of each stretch.
-    pub(crate) fn all(&self) -> impl Iterator<Item = &Sums> {
-        self.whole.iter().chain(Some(&self.rest).filter(|rest| rest.equations > 0))
+    pub(crate) fn all(&self) -> impl Iterator<Item = &NormalEquations> {
+        self.whole.iter().chain(Some(&self.rest).filter(|rest| rest.rows > 0.0))
     }
 
     /// Stretches.
@@ -112,8 +85,8 @@ impl Stretches {
     }
 
     /// Sums over all stretches.
-    pub(crate) fn total(&self) -> Sums {
-        self.all().fold(Sums::none(self.rest.right.nrows()), Sums::and)
+    pub(crate) fn total(&self) -> NormalEquations {
+        self.whole.iter().chain([&self.rest]).sum()
     }
 
     /// Least squares; a column of nothing but zeros has a coefficient of zero.
@@ -121,7 +94,7 @@ impl Stretches {
     /// - returns: `None` where there is nothing to solve
     pub(crate) fn solved(&self) -> Option<Solved> {
         let total = self.total();
-        let p = total.right.nrows();
+        let p = total.cross.nrows();
         let size: Vec<f64> = (0..p).map(|k| total.gram[(k, k)].sqrt()).collect();
         let units = Mat::from_fn(p, p, |i, j| {
             let is_own =
@@ -132,10 +105,10 @@ impl Stretches {
         let inverse = units.llt(Side::Lower).ok()?.inverse();
         let per = |k: usize| if size[k] > 0.0 { 1.0 / size[k] } else { 0.0 };
         let inverse = Mat::from_fn(p, p, |i, j| per(i) * inverse[(i, j)] * per(j));
-        let values = &inverse * &total.right;
+        let values = &inverse * &total.cross;
         let covariance =
-            &inverse * scatter(self.all().map(|own| own.score(values.as_ref()))) * &inverse;
-        let explained = (values.transpose() * &total.right)[(0, 0)];
+            &inverse * scatter(self.all().map(|own| score(own, values.as_ref()))) * &inverse;
+        let explained = (values.transpose() * &total.cross)[(0, 0)];
         let free = |k: usize| if size[k] > 0.0 { per(k).powi(2) / inverse[(k, k)] } else { 0.0 };
         let free: Vec<f64> = (0..p).map(free).collect();
         Some(Solved {
@@ -143,7 +116,7 @@ impl Stretches {
             std_errors: (0..p).map(|k| covariance[(k, k)].max(0.0).sqrt()).collect(),
             values: values.col_as_slice(0).to_vec(),
             free,
-            left: (total.squares - explained).max(0.0),
+            left: (total.energy[0] - explained).max(0.0),
         })
     }
 }

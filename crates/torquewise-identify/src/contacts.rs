@@ -135,8 +135,8 @@ pub fn external_torques(
 impl Thresholds {
     /// The thresholds that free motion asks for.
     ///
-    /// - `is_free`: whether nothing touched the arm; else contacts are taken to be fewer than half
-    ///   of the peaks, whose median counts then, not their mean
+    /// - `is_free`: whether nothing touched the arm, so that its largest peak is no contact either;
+    ///   else contacts are taken to be fewer than half of the peaks
     ///
     /// # Errors
     /// As [`external_torques`]; [`IdentifyError::TooFewRows`] if it is too short to tell.
@@ -151,15 +151,14 @@ impl Thresholds {
         let Sample { of_joints: sample, rows, seconds } = Sample::of(model, free, bandwidth)?;
         let spreads: Vec<Spread> = sample.iter().map(|own| Spread::of(own, is_free)).collect();
         let level = |(own, spread): (&Vec<spread::Row>, &Spread)| {
-            let mut parts: Vec<f64> =
-                own.iter().map(|(x, at)| (x / spread.at(at)).powi(2)).collect();
+            let mut parts: Vec<f64> = own.iter().map(|row| spread.square(row)).collect();
             quantile(&mut parts, LEVEL)
         };
         let levels: Vec<f64> = sample.iter().zip(&spreads).map(level).collect();
         let mut peaks = vec![Peaks::default(); n];
         external_torques(model, free, bandwidth, &mut |row| {
             for (joint, own) in peaks.iter_mut().enumerate() {
-                let part = (row.torque[joint] / spreads[joint].at(&row.followed[joint])).powi(2);
+                let part = spreads[joint].square(&(row.torque[joint], row.followed[joint]));
                 own.take((row.trajectory, row.t), part - levels[joint]);
             }
             Ok(())
@@ -236,13 +235,7 @@ impl Sample {
             }
             all.rows += 1;
             if all.of_joints[0].len() > MOST_ROWS {
-                for own in &mut all.of_joints {
-                    let mut keep = false;
-                    own.retain(|_| {
-                        keep = !keep;
-                        keep
-                    });
-                }
+                all.of_joints.iter_mut().for_each(halve);
                 stride *= 2;
             }
             Ok(())
@@ -289,11 +282,7 @@ impl Peaks {
         self.skipped = 0;
         self.excess.push(excess);
         if self.excess.len() > MOST_ROWS {
-            let mut place = 0_usize;
-            self.excess.retain(|_| {
-                place += 1;
-                place % 2 == 1
-            });
+            halve(&mut self.excess);
             self.left_out = 2 * self.left_out + 1;
         }
     }
@@ -314,6 +303,15 @@ impl Peaks {
         let mean = quantile(&mut beyond, 0.5) / std::f64::consts::LN_2;
         (level, (kept * (self.left_out + 1)).max(1) as f64, mean, largest)
     }
+}
+
+/// Keeps the first of each two.
+fn halve<T>(values: &mut Vec<T>) {
+    let mut keep = false;
+    values.retain(|_| {
+        keep = !keep;
+        keep
+    });
 }
 
 fn quantile(values: &mut [f64], part: f64) -> f64 {

@@ -175,7 +175,7 @@ struct Slope {
 
 /// `None` if gravity hardly changes, or too little was recorded.
 fn slope(of: &Stretches) -> Option<Slope> {
-    if of.count() < LEAST_BATCHES || of.total().equations < 4 * COLUMNS {
+    if of.count() < LEAST_BATCHES || of.total().rows < 4.0 * COLUMNS as f64 {
         return None;
     }
     let solved = of.solved()?;

@@ -3,12 +3,13 @@
 mod gains;
 mod rows;
 
-use crate::clustered::{Stretches, Sums, scatter};
+use crate::clustered::{Stretches, scatter, score};
 use faer::{ColRef, Mat};
 use serde::Serialize;
 use torquewise_model::shaft_friction::Estimated;
 use torquewise_model::{LinkFrame, Model, ModelError, RigidChain};
 use torquewise_motion::Recording;
+use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_rigid::feasible::{Prior, Quadratic, curvature, minimise};
 use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::inertia::{plain_link, seen_from};
@@ -78,7 +79,7 @@ impl Payload {
         let chain = chain_of(model)?;
         model.check_joints(recording.joints())?;
         let pass = Pass::over(model, chain, recording)?;
-        let Sums { gram: information, right, .. } = pass.total();
+        let NormalEquations { gram: information, cross: right, .. } = pass.total();
         let right = right.col_as_slice(0);
         let cost = Quadratic { hessian: &information, right };
         let prior = Prior { bodies: vec![pass.nominal(&information, right)], ..Prior::default() };
@@ -87,8 +88,7 @@ impl Payload {
 
         let mut middle = pass.scatter(&solution);
         prior.add_slopes(&solution, STRENGTH, &mut [0.0; PER_BODY], &mut middle);
-        let half = factor.solve_matrix(&middle);
-        let own = factor.solve_matrix(&half.transpose().to_owned());
+        let own = factor.sandwiched(&middle);
         let inertial: [f64; PER_BODY] = std::array::from_fn(|k| solution[k]);
         let ones = vec![1.0; model.n_joints()];
         let with = WithLoad::over(model, chain, recording, (&inertial, &ones))?;
@@ -220,20 +220,19 @@ impl Pass {
     }
 
     /// All joints together, stretch by stretch.
-    fn stretches(&self) -> impl Iterator<Item = Sums> {
-        let all: Vec<Vec<&Sums>> = self.sums.iter().map(|own| own.all().collect()).collect();
+    fn stretches(&self) -> impl Iterator<Item = NormalEquations> {
+        let all: Vec<Vec<&NormalEquations>> =
+            self.sums.iter().map(|own| own.all().collect()).collect();
         let count = all.first().map_or(0, Vec::len);
-        (0..count).map(move |k| {
-            all.iter().fold(Sums::none(PER_BODY), |sum, stretches| sum.and(stretches[k]))
-        })
+        (0..count).map(move |k| all.iter().map(|stretches| stretches[k]).sum())
     }
 
-    fn total(&self) -> Sums {
-        self.stretches().fold(Sums::none(PER_BODY), |sum, own| sum.and(&own))
+    fn total(&self) -> NormalEquations {
+        self.stretches().collect::<Vec<_>>().iter().sum()
     }
 
     fn scatter(&self, load: &[f64]) -> Mat<f64> {
-        scatter(self.stretches().map(|own| own.score(ColRef::from_slice(load).as_mat())))
+        scatter(self.stretches().map(|own| score(&own, ColRef::from_slice(load).as_mat())))
     }
 
     /// A load that may well be: of the mass and centre that least squares say, if they say any, and
@@ -249,9 +248,7 @@ impl Pass {
         if let Ok(factor) = curvature(own, &Prior::default(), 0.0, &[0.0; 4]) {
             found[..4].copy_from_slice(&factor.solve(&right[..4]));
             let scatter = self.scatter(&found).submatrix(0, 0, 4, 4).to_owned();
-            let half = factor.solve_matrix(&scatter);
-            let covariance = factor.solve_matrix(&half.transpose().to_owned());
-            uncertain = covariance[(0, 0)].max(0.0).sqrt();
+            uncertain = factor.sandwiched(&scatter)[(0, 0)].max(0.0).sqrt();
         }
         let mass = found[0].max(uncertain).max(NOMINAL.1);
         let center = |k: usize| (found[k] / mass).clamp(-1.0, 1.0);

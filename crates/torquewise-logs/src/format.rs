@@ -26,12 +26,15 @@ impl Format {
         ("mat", Self::Mat),
     ];
 
+    fn named(extension: &str) -> Option<Self> {
+        let known = Self::NAMED.into_iter().find(|(name, _)| *name == extension);
+        known.map(|(_, format)| format)
+    }
+
     /// The format named by the extension of `file`, in upper or lower case.
     pub(crate) fn of(file: &Path) -> Result<Self> {
-        let extension = file.extension().map(|e| e.to_string_lossy().to_lowercase());
-        let extension = extension.unwrap_or_default();
-        let known = Self::NAMED.into_iter().find(|(name, _)| *name == extension);
-        let Some((_, format)) = known else {
+        let extension = extension(file);
+        let Some(format) = Self::named(&extension) else {
             let extension = shown(extension.as_bytes());
             return Err(LogError::UnknownExtension { file: file.into(), extension });
         };
@@ -41,6 +44,20 @@ impl Format {
             Err(LogError::NotBuilt { file: file.into(), extension })
         }
     }
+}
+
+fn extension(file: &Path) -> String {
+    file.extension().map(|own| own.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+/// Whether a file is a log by its name.
+pub fn is_log(file: &Path) -> bool {
+    Format::named(&extension(file)).is_some()
+}
+
+/// Whether a file is a bag of ROS 2 by its name.
+pub fn is_bag(file: &Path) -> bool {
+    matches!(Format::named(&extension(file)), Some(Format::Db3 | Format::Mcap))
 }
 
 #[cfg(test)]

@@ -68,6 +68,7 @@ pub mod log_writer;
 
 pub use conditioned::ConditionedLogs;
 pub use error::{LogError, Place};
+pub use format::{is_bag, is_log};
 pub use frame::Frame;
 pub use log_writer::{LogWriter, write_motion};
 pub use logs::Logs;

@@ -122,12 +122,16 @@ impl NormalEquations {
     pub fn add(&mut self, other: &Self, weight: f64) -> Result<(), SparseError> {
         expect("a Gram matrix", other.gram.ncols(), self.gram.ncols())?;
         expect("a cross product", other.cross.ncols(), self.cross.ncols())?;
+        self.take(other, weight);
+        Ok(())
+    }
+
+    fn take(&mut self, other: &Self, weight: f64) {
         for (sum, more) in [(&mut self.gram, &other.gram), (&mut self.cross, &other.cross)] {
             faer::zip!(sum, more).for_each(|faer::unzip!(sum, more)| *sum += weight * *more);
         }
         self.energy.iter_mut().zip(&other.energy).for_each(|(sum, more)| *sum += weight * more);
         self.rows += other.rows;
-        Ok(())
     }
 
     /// The normal equations in some of the columns.
@@ -257,6 +261,17 @@ impl NormalEquations {
         dependent.extend(solution.dependent.iter().map(|&i| used[i]));
         dependent.sort_unstable();
         Solution { values, dependent }
+    }
+}
+
+/// The sum of normal equations that were made for one design, of which none may be another.
+impl<'a> std::iter::Sum<&'a NormalEquations> for NormalEquations {
+    fn sum<I: Iterator<Item = &'a Self>>(mut all: I) -> Self {
+        let first = all.next().cloned().unwrap_or_else(|| Self::zeros(0, 1));
+        all.fold(first, |mut sum, own| {
+            sum.take(own, 1.0);
+            sum
+        })
     }
 }
 

@@ -233,6 +233,12 @@ impl Factored {
         solution.iter().zip(&self.scales).map(|(x, s)| x * s).collect()
     }
 
+    /// A⁻¹ B A⁻¹ of a symmetric B: the covariance of a solution whose scores scatter by B.
+    pub fn sandwiched(&self, scatter: &Mat<f64>) -> Mat<f64> {
+        let half = self.solve_matrix(scatter);
+        self.solve_matrix(&half.transpose().to_owned())
+    }
+
     /// A⁻¹ B.
     pub fn solve_matrix(&self, right: &Mat<f64>) -> Mat<f64> {
         let scaled =

@@ -32,7 +32,7 @@ pub fn payload(model: &Model, log: &Log, observer: Observer<'_>) -> Result<Paylo
 }
 
 /// Finds what a unit of each torque column is worth, from a log with a load of known mass and a model
-/// of the bare arm that was learned from the same columns (E25).
+/// of the bare arm that was learned from the same columns (E15).
 ///
 /// - `mass`: \[kg\]
 ///
@@ -40,6 +40,6 @@ pub fn payload(model: &Model, log: &Log, observer: Observer<'_>) -> Result<Paylo
 /// Those of [`payload`].
 pub fn gains(model: &Model, log: &Log, mass: f64, observer: Observer<'_>) -> Result<Gains> {
     let log = prepare(model, log)?;
-    let watched = Watched::new(log.rows(), observer, "weighing", (log.rows_hint(), 1));
+    let watched = Watched::new(log.rows(), observer, "weighing", (log.rows_hint(), 2));
     Ok(Gains::find(model, &watched, mass)?)
 }

@@ -76,7 +76,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let names: Vec<String> = std::iter::once("t".to_owned()).chain(names).collect();
     let mut table = TableWriter::create(&staged(&arguments.output)?, &Column::numbers(&names))?;
     let mut rows = 0;
-    let mut curves = vec![[(); 3].map(|()| Growing::default()); model.n_joints()];
+    let mut curves = vec![<[Growing; 3]>::default(); model.n_joints()];
     let (thresholds, found) =
         contacts(&model, &log, free.as_ref(), options, &watch(), &mut |t, external, most| {
             if external.iter().any(|x| x.is_nan()) {

@@ -11,7 +11,7 @@ use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 use torquewise::Log;
-use torquewise::logs::Profile;
+use torquewise::logs::{Profile, is_bag};
 use torquewise::model::shaft_friction::Estimated;
 use torquewise::model::{Model, number};
 use torquewise::payload::{gains, payload};
@@ -106,11 +106,8 @@ fn run_gains(arguments: &Arguments, model: &Model, log: &Log, mass: f64) -> Resu
     );
     let mut json = object(&found);
     if let Some(output) = &arguments.output {
-        let is_bag = arguments.logs.iter().any(|log| {
-            log.extension().is_some_and(|end| ["db3", "mcap"].iter().any(|bag| end == *bag))
-        });
         let usual = || {
-            if is_bag {
+            if arguments.logs.iter().any(|log| is_bag(log)) {
                 Profile { joints: model.joints.clone(), ..Profile::default() }
             } else {
                 Profile::usual([log.files.has_dq(), log.files.has_ddq()])

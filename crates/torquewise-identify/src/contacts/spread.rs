@@ -110,6 +110,11 @@ impl Spread {
         self.variance(at).max(f64::MIN_POSITIVE).sqrt()
     }
 
+    /// Torque beside its spread there, squared.
+    pub(super) fn square(&self, (torque, at): &Row) -> f64 {
+        (torque / self.at(at)).powi(2)
+    }
+
     /// \[N·m\].
     pub(super) fn at_rest(&self) -> f64 {
         self.coefficients[0].sqrt()

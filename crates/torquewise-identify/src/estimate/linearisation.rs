@@ -272,16 +272,17 @@ impl Linearisation {
         &self,
         motion: &Motion,
     ) -> Result<(Mat<f64>, Vec<f64>), IdentifyError> {
-        let rows = self.weighed(motion, motion)?;
-        let tangent = self.chain()?.tangent_of(&rows, &self.weights, &self.structure.free)?;
-        Ok((tangent.columns, tangent.weights))
+        self.tangent_columns(&self.weighed(motion, motion)?)
     }
 
     /// The same columns where nothing weighs.
     pub(crate) fn weightless_columns_of(&self, motion: &Motion) -> Result<Mat<f64>, IdentifyError> {
-        let rows = self.weighed(motion, motion)?.weightless();
-        let tangent = self.chain()?.tangent_of(&rows, &self.weights, &self.structure.free)?;
-        Ok(tangent.columns)
+        Ok(self.tangent_columns(&self.weighed(motion, motion)?.weightless())?.0)
+    }
+
+    fn tangent_columns(&self, rows: &Rows) -> Result<(Mat<f64>, Vec<f64>), IdentifyError> {
+        let tangent = self.chain()?.tangent_of(rows, &self.weights, &self.structure.free)?;
+        Ok((tangent.columns, tangent.weights))
     }
 }
 

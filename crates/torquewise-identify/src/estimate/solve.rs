@@ -128,8 +128,7 @@ impl Step<'_> {
         // The prior is as uncertain as it is weak.
         let spread = |mut middle: Mat<f64>| -> Mat<f64> {
             self.prior.add_slopes(&solution, strength, &mut vec![0.0; active.len()], &mut middle);
-            let half = factor.solve_matrix(&middle);
-            factor.solve_matrix(&half.transpose().to_owned())
+            factor.sandwiched(&middle)
         };
         let own = spread(self.scores(active));
         let by_region = spread(self.scores_by_region(active));

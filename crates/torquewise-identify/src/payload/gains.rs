@@ -2,13 +2,14 @@
 
 use super::rows::WithLoad;
 use super::{Pass, STRENGTH, chain_of};
-use crate::clustered::{Stretches, Sums, scatter};
+use crate::clustered::{Stretches, scatter, score};
 use crate::excitation::list;
 use faer::{ColRef, Mat};
 use serde::Serialize;
 use torquewise_model::Model;
 use torquewise_model::shaft_friction::Estimated;
 use torquewise_motion::Recording;
+use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_rigid::feasible::{Prior, Quadratic, curvature, minimise};
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
@@ -42,6 +43,8 @@ const HALVINGS: i32 = 20;
 
 /// Sums of each joint at a load, with the gains that are best there.
 struct AtLoad {
+    /// Its inertial parameters, 10.
+    load: Vec<f64>,
     /// One over K, n.
     per: Vec<f64>,
     /// Half the weighted squares that are left, but for a constant.
@@ -53,22 +56,69 @@ struct AtLoad {
 }
 
 impl AtLoad {
-    fn new(sums: &[Sums], load: &[f64]) -> Self {
-        let x = ColRef::from_slice(load).as_mat();
+    fn new(sums: &[NormalEquations], load: Vec<f64>) -> Self {
+        let x = ColRef::from_slice(&load).as_mat();
         let (mut slope, mut hessian) = (Mat::zeros(PER_BODY, 1), Mat::zeros(PER_BODY, PER_BODY));
         let (mut per, mut cost) = (Vec::new(), 0.0);
         for own in sums {
             let pulled = &own.gram * x;
             let squares = (x.transpose() * &pulled)[(0, 0)].max(f64::MIN_POSITIVE);
-            let along = (x.transpose() * &own.right)[(0, 0)];
+            let along = (x.transpose() * &own.cross)[(0, 0)];
             let gain = along / squares;
             cost -= 0.5 * along * gain;
-            slope += faer::Scale(gain) * (faer::Scale(gain) * &pulled - &own.right);
+            slope += faer::Scale(gain) * (faer::Scale(gain) * &pulled - &own.cross);
             let free = &own.gram - faer::Scale(1.0 / squares) * &pulled * pulled.transpose();
             hessian += faer::Scale(gain * gain) * free;
             per.push(gain);
         }
-        Self { per, cost, slope, hessian }
+        Self { load, per, cost, slope, hessian }
+    }
+
+    /// What joints add up to, 10×m each, as the load and each gain feel it: (10 + n)×m.
+    fn felt(&self, of: &dyn Fn(usize) -> Mat<f64>) -> Mat<f64> {
+        let all: Vec<Mat<f64>> = (0..self.per.len()).map(of).collect();
+        let rows = PER_BODY + self.per.len();
+        Mat::from_fn(rows, all[0].ncols(), |i, j| match i.checked_sub(PER_BODY) {
+            None => all.iter().zip(&self.per).map(|(own, per)| per * own[(i, j)]).sum::<f64>(),
+            Some(joint) => (0..PER_BODY).map(|k| self.load[k] * all[joint][(k, j)]).sum(),
+        })
+    }
+
+    /// Scatter of the scores of stretches of load and gains together.
+    fn scatter(&self, pass: &Pass) -> Mat<f64> {
+        let x = ColRef::from_slice(&self.load).as_mat();
+        let stretches: Vec<Vec<&NormalEquations>> =
+            pass.sums.iter().map(|own| own.all().collect()).collect();
+        let of = |stretch: usize| {
+            self.felt(&|joint| {
+                score(stretches[joint][stretch], (faer::Scale(self.per[joint]) * x).as_ref())
+            })
+        };
+        scatter((0..stretches[0].len()).map(of))
+    }
+
+    /// Curvature of the cost of load and gains together.
+    fn curvature(&self, sums: &[NormalEquations], prior: &Prior) -> Mat<f64> {
+        let p = PER_BODY + self.per.len();
+        let x = ColRef::from_slice(&self.load).as_mat();
+        let mut of_load = Mat::zeros(PER_BODY, PER_BODY);
+        prior.add_slopes(&self.load, STRENGTH, &mut [0.0; PER_BODY], &mut of_load);
+        for (own, per) in sums.iter().zip(&self.per) {
+            of_load += faer::Scale(per * per) * &own.gram;
+        }
+        of_load[(0, 0)] *= HELD;
+        let mut whole = Mat::zeros(p, p);
+        whole.submatrix_mut(0, 0, PER_BODY, PER_BODY).copy_from(&of_load);
+        for (joint, own) in sums.iter().enumerate() {
+            let (pulled, place) = (&own.gram * x, PER_BODY + joint);
+            for k in 0..PER_BODY {
+                whole[(k, place)] = self.per[joint] * pulled[(k, 0)];
+                whole[(place, k)] = whole[(k, place)];
+            }
+            let squares = (x.transpose() * &pulled)[(0, 0)];
+            whole[(place, place)] = squares.max(f64::MIN_POSITIVE);
+        }
+        whole
     }
 }
 
@@ -91,26 +141,22 @@ impl Gains {
         model.check_joints(recording.joints())?;
         let pass = Pass::over(model, chain, recording)?;
         let all = pass.total();
-        let free = pass.nominal(&all.gram, all.right.col_as_slice(0));
+        let free = pass.nominal(&all.gram, all.right());
         let nominal = free.map(|own| own * mass / free[0]);
         let prior = Prior { bodies: vec![nominal], ..Prior::default() };
-        let sums: Vec<Sums> = pass.sums.iter().map(Stretches::total).collect();
-        let load = load_of(&sums, &prior, mass)?;
-        let at = AtLoad::new(&sums, &load);
-
-        let known = (sums.as_slice(), &prior, load.as_slice(), at.per.as_slice());
-        let mut middle = pass.scores(known);
+        let sums: Vec<NormalEquations> = pass.sums.iter().map(Stretches::total).collect();
+        let at = best(&sums, &prior, mass)?;
+        let mut middle = at.scatter(&pass);
         if !chain.covariance.is_empty() {
-            let inertial: [f64; PER_BODY] = std::array::from_fn(|k| load[k]);
+            let inertial: [f64; PER_BODY] = std::array::from_fn(|k| at.load[k]);
             let with = WithLoad::over(model, chain, recording, (&inertial, &at.per))?;
-            let arm = felt(&load, &at.per, &|joint| with.arm[joint].clone());
+            let arm = at.felt(&|joint| with.arm[joint].clone());
             middle += &arm * chain.covariance_matrix() * arm.transpose();
         }
-        let whole = curvature_of(known);
+        let whole = at.curvature(&sums, &prior);
         let cost = Quadratic { hessian: &whole, right: &[] };
         let factor = curvature(cost, &Prior::default(), 0.0, &vec![0.0; whole.ncols()])?;
-        let half = factor.solve_matrix(&middle);
-        let covariance = factor.solve_matrix(&half.transpose().to_owned());
+        let covariance = factor.sandwiched(&middle);
         let gain = |(joint, per): (usize, &f64)| {
             let error = covariance[(PER_BODY + joint, PER_BODY + joint)].max(0.0).sqrt();
             Estimated { value: 1.0 / per, std_error: error / per.powi(2) }
@@ -155,85 +201,33 @@ impl Gains {
     }
 }
 
-/// Sums of each joint, what is known of the load, the load, and one over each gain.
-type Known<'a> = (&'a [Sums], &'a Prior, &'a [f64], &'a [f64]);
-
-/// What joints add up to, 10×m each, as the load and each gain feel it: (10 + n)×m.
-fn felt(load: &[f64], per: &[f64], of: &dyn Fn(usize) -> Mat<f64>) -> Mat<f64> {
-    let all: Vec<Mat<f64>> = (0..per.len()).map(of).collect();
-    Mat::from_fn(PER_BODY + per.len(), all[0].ncols(), |i, j| match i.checked_sub(PER_BODY) {
-        None => all.iter().zip(per).map(|(own, per)| per * own[(i, j)]).sum::<f64>(),
-        Some(joint) => (0..PER_BODY).map(|k| load[k] * all[joint][(k, j)]).sum(),
-    })
-}
-
-impl Pass {
-    /// Scatter of the scores of stretches of load and gains together.
-    fn scores(&self, (_, _, load, per): Known<'_>) -> Mat<f64> {
-        let x = ColRef::from_slice(load).as_mat();
-        let stretches: Vec<Vec<&Sums>> = self.sums.iter().map(|own| own.all().collect()).collect();
-        let score = |stretch: usize| {
-            felt(load, per, &|joint| {
-                stretches[joint][stretch].score((faer::Scale(per[joint]) * x).as_ref())
-            })
-        };
-        scatter((0..stretches[0].len()).map(score))
-    }
-}
-
-/// Curvature of the cost of load and gains together.
-fn curvature_of((sums, prior, load, per): Known<'_>) -> Mat<f64> {
-    let (p, x) = (PER_BODY + per.len(), ColRef::from_slice(load).as_mat());
-    let mut curved = Mat::zeros(PER_BODY, PER_BODY);
-    prior.add_slopes(load, STRENGTH, &mut [0.0; PER_BODY], &mut curved);
-    for (own, per) in sums.iter().zip(per) {
-        curved += faer::Scale(per * per) * &own.gram;
-    }
-    curved[(0, 0)] *= HELD;
-    let mut whole = Mat::zeros(p, p);
-    whole.submatrix_mut(0, 0, PER_BODY, PER_BODY).copy_from(&curved);
-    for (joint, own) in sums.iter().enumerate() {
-        let pulled = &own.gram * x;
-        for k in 0..PER_BODY {
-            whole[(k, PER_BODY + joint)] = per[joint] * pulled[(k, 0)];
-            whole[(PER_BODY + joint, k)] = per[joint] * pulled[(k, 0)];
-        }
-        let squares = (x.transpose() * &pulled)[(0, 0)];
-        whole[(PER_BODY + joint, PER_BODY + joint)] = squares.max(f64::MIN_POSITIVE);
-    }
-    whole
-}
-
 /// The load of a known mass that explains most, with the best gains at each.
-fn load_of(sums: &[Sums], prior: &Prior, mass: f64) -> Result<Vec<f64>, IdentifyError> {
-    let mut load = prior.bodies[0].to_vec();
-    let total = |load: &[f64], at: &AtLoad| {
-        prior.value(load).map_or(f64::INFINITY, |prior| at.cost + STRENGTH * prior)
+fn best(sums: &[NormalEquations], prior: &Prior, mass: f64) -> Result<AtLoad, IdentifyError> {
+    let total = |at: &AtLoad| {
+        prior.value(&at.load).map_or(f64::INFINITY, |prior| at.cost + STRENGTH * prior)
     };
-    let mut at = AtLoad::new(sums, &load);
-    let mut least = total(&load, &at);
+    let mut at = AtLoad::new(sums, prior.bodies[0].to_vec());
     for _ in 0..STEPS.0 {
-        let mut right = &at.hessian * ColRef::from_slice(&load).as_mat() - &at.slope;
+        let mut right = &at.hessian * ColRef::from_slice(&at.load).as_mat() - &at.slope;
         let hold: f64 =
             sums.iter().zip(&at.per).map(|(own, per)| HELD * per * per * own.gram[(0, 0)]).sum();
         at.hessian[(0, 0)] += hold;
         right[(0, 0)] += hold * mass;
         let cost = Quadratic { hessian: &at.hessian, right: right.col_as_slice(0) };
-        let next = minimise(cost, prior, STRENGTH, &load)?;
+        let next = minimise(cost, prior, STRENGTH, &at.load)?;
+        let least = total(&at);
         let step = |halved: i32| {
             let part = 0.5_f64.powi(halved);
-            let load: Vec<f64> =
-                load.iter().zip(&next).map(|(from, to)| from + part * (to - from)).collect();
-            let at = AtLoad::new(sums, &load);
-            let cost = total(&load, &at);
-            (cost < least).then_some((load, at, cost))
+            let way = at.load.iter().zip(&next).map(|(from, to)| from + part * (to - from));
+            let at = AtLoad::new(sums, way.collect());
+            (total(&at) < least).then_some(at)
         };
         let Some(better) = (0..HALVINGS).find_map(step) else { break };
-        let fell = least - better.2;
-        (load, at, least) = better;
-        if fell <= STEPS.1 * least.abs() {
+        at = better;
+        let left = total(&at);
+        if least - left <= STEPS.1 * left.abs() {
             break;
         }
     }
-    Ok(load)
+    Ok(at)
 }
