@@ -8,6 +8,7 @@ use mcap::WriteOptions;
 use std::fs;
 use std::io::{Cursor, Write};
 use std::iter;
+use std::ops::ControlFlow;
 use std::path::Path;
 use torquewise::dynamics::plan::{MotionKind, MotionPlan};
 use torquewise::dynamics::{Arm, simulate};
@@ -142,7 +143,8 @@ pub fn seeds(reader: &str) -> Result<Vec<Seed>> {
         "moments" => {
             let method = Method::Library(LibraryOptions::default());
             let plan = Plan { method, patterns: PatternPlan::default(), seed: 0 };
-            let bytes = summarise(&motion(400)?, &plan, "", &mut |_| ())?.to_bytes()?;
+            let bytes =
+                summarise(&motion(400)?, &plan, "", &|_| ControlFlow::Continue(()))?.to_bytes()?;
             let (header, body) = bytes.split_at(16);
             vec![Seed { parts: vec![header.to_vec(), body.to_vec()], pack: framed }]
         }

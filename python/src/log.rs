@@ -128,7 +128,7 @@ impl Log {
                 None => log.prepare(Rows::Filtered)?,
             };
             let mut all: Vec<(usize, Motion)> = Vec::new();
-            Watched::new(rows.rows(), observer, "reading", (rows.rows_hint(), 1)).read(
+            Watched::new(rows.rows(), observer, "reading", rows.rows_hint()).read(
                 &mut |trajectory, block| {
                     all.push((trajectory, block.clone()));
                     Ok(())
@@ -242,7 +242,7 @@ pub(crate) fn patterns<'py>(
     let (labels, found) = work(py, progress, move |observer| {
         let rows = log.prepare(Rows::Every)?;
         let watched =
-            Watched::new(rows.rows(), observer, "looking through the log", (rows.rows_hint(), 2));
+            Watched::new(rows.rows(), observer, "looking through the log", rows.rows_hint());
         let found = find_patterns(&survey(&watched)?, &plan)?;
         let mut labels: Vec<u8> = Vec::new();
         watched.read(&mut |_, block| {

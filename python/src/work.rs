@@ -11,7 +11,7 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 use torquewise::motion::whole_file;
-use torquewise::{Error, Event, Observer};
+use torquewise::{Error, Event, Observer, Progress};
 
 const LOOK: Duration = Duration::from_millis(50);
 
@@ -30,7 +30,7 @@ enum Told<T> {
 ///
 /// # Errors
 /// Those of the work; what Python raises on Ctrl-C, at once: the worker then ends at its next block
-/// of rows.
+/// of rows or round of a search.
 pub(crate) fn work<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -84,8 +84,9 @@ fn run<T: Send>(
 ) {
     let found = job(&|event| {
         // Whoever does not listen any more has stopped the work.
-        let is_heard = sender.send(Told::Event(event)).is_ok();
-        if is_heard && !stopped.load(Ordering::Relaxed) {
+        let is_quiet = event == Event::Stage(Progress::Working);
+        if (is_quiet || sender.send(Told::Event(event)).is_ok()) && !stopped.load(Ordering::Relaxed)
+        {
             ControlFlow::Continue(())
         } else {
             ControlFlow::Break(())

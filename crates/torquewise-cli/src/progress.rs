@@ -1,32 +1,68 @@
 //! Bars on the terminal that show what is done and how far it is.
 
 use indicatif::{ProgressBar, ProgressFinish, ProgressState, ProgressStyle};
-use std::cell::RefCell;
 use std::ops::ControlFlow;
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
-use torquewise::Event;
+use torquewise::{Event, Progress};
 
-pub(crate) fn watch() -> impl Fn(Event) -> ControlFlow<()> {
-    let shown = RefCell::new(bar("reading"));
+/// Shows each stage with a bar of its own: how far it is and the time left where that is known, else
+/// the time it took so far.
+pub(crate) fn watch() -> impl Fn(Event) -> ControlFlow<()> + Sync {
+    let shown = Mutex::new(Shown { bar: stage("reading"), rows: None, read: 0 });
     move |event| {
-        match event {
-            Event::Reading { doing, rows } => *shown.borrow_mut() = reading(doing, rows),
-            Event::Stage(stage) => shown.borrow().set_message(stage.to_string()),
-            Event::Rows(rows) => shown.borrow().inc(rows as u64),
-        }
+        shown.lock().unwrap_or_else(PoisonError::into_inner).show(event);
         ControlFlow::Continue(())
     }
 }
 
-/// A bar with the rate and the time left, where it is known how many rows there are.
-fn reading(doing: &str, rows: Option<u64>) -> ProgressBar {
-    let bar = bar(doing);
-    if let Some(rows) = rows {
-        bar.set_length(rows);
-        let template = "{spinner} {msg} {wide_bar} {percent} %, {per_sec}, {eta} left";
-        if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style.with_key("per_sec", rate));
+struct Shown {
+    bar: ProgressBar,
+    /// Rows of a pass, where that is known.
+    rows: Option<u64>,
+    /// Rows that were read in this stage.
+    read: u64,
+}
+
+impl Shown {
+    fn show(&mut self, event: Event) {
+        match event {
+            Event::Stage(Progress::Working) => {}
+            Event::Reading { doing, rows } => {
+                (self.bar, self.rows, self.read) = (stage(doing), rows, 0)
+            }
+            Event::Stage(told) => match told.share() {
+                Some((done, most)) => {
+                    if self.bar.length() != Some(most as u64) {
+                        self.bar = share_bar();
+                        self.bar.set_length(most as u64);
+                    }
+                    self.bar.set_message(told.to_string());
+                    self.bar.set_position(done as u64);
+                }
+                None => (self.bar, self.read) = (stage(&told.to_string()), 0),
+            },
+            Event::Rows(rows) => {
+                if self.read == 0 {
+                    self.bar = reading(&self.bar.message(), self.rows);
+                }
+                self.read += rows as u64;
+                self.bar.set_position(self.rows.map_or(self.read, |all| self.read % (all + 1)));
+            }
         }
+    }
+}
+
+/// A bar with the rate and the time left of a pass, where it is known how many rows there are.
+fn reading(doing: &str, rows: Option<u64>) -> ProgressBar {
+    let Some(rows) = rows else {
+        return shown(ProgressBar::no_length(), "{spinner} {msg}: {human_pos} rows, {elapsed}")
+            .with_message(doing.to_owned());
+    };
+    let bar = shown(ProgressBar::new(rows), "{spinner}").with_message(doing.to_owned());
+    let template = "{spinner} {msg} {wide_bar} {percent} %, {per_sec}, {eta} left";
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style.with_key("per_sec", rate));
     }
     bar
 }
@@ -36,11 +72,9 @@ fn rate(state: &ProgressState, out: &mut dyn std::fmt::Write) {
     let _ = write!(out, "{:.0} rows/s", state.per_sec());
 }
 
-/// A bar for rows of which nobody knows how many there are.
-fn bar(doing: &str) -> ProgressBar {
-    let bar = shown(ProgressBar::no_length(), "{spinner} {msg}: {human_pos} rows, {elapsed}");
-    bar.set_message(doing.to_owned());
-    bar
+/// What is done, where nobody knows how long it takes.
+fn stage(doing: &str) -> ProgressBar {
+    shown(ProgressBar::no_length(), "{spinner} {msg}, {elapsed}").with_message(doing.to_owned())
 }
 
 pub(crate) fn share_bar() -> ProgressBar {

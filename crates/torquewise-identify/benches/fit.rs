@@ -29,7 +29,9 @@ fn product_one_shot(bencher: Bencher<'_, '_>) {
 
 fn fit(bencher: Bencher<'_, '_>, plan: &Plan) {
     let log = log();
-    bencher.bench(|| reconstruct(&log, plan, &mut |_| {}).expect("a log that can be fitted"));
+    bencher.bench(|| {
+        reconstruct(&log, plan, torquewise_identify::UNWATCHED).expect("a log that can be fitted")
+    });
 }
 
 /// Positioning moves of the reference arm with the noise of case 3.

@@ -3,7 +3,7 @@
 
 use crate::plan::Plan;
 use crate::reconstruct::{Solution, solve};
-use crate::reconstruction::Progress;
+use crate::reconstruction::{Progress, Watch};
 use crate::rounds::Request;
 use crate::summary::summarise;
 use crate::unseen::{BLOCKS, Errors, even_blocks, held_out};
@@ -65,7 +65,7 @@ struct Tried {
 pub fn tune<L: RawRecording>(
     logs: &L,
     plan: &Plan,
-    progress: &mut dyn FnMut(Progress),
+    watch: Watch<'_>,
 ) -> Result<Tuned<L::Filtered>, IdentifyError> {
     let widest = logs.cutoffs().last().copied().unwrap_or_else(|| logs.first_cutoff());
     let mut cutoff = (WIDER * logs.first_cutoff()).min(widest);
@@ -73,12 +73,13 @@ pub fn tune<L: RawRecording>(
     let mut searches = 0;
     loop {
         let recording = logs.filtered(cutoff, delay).map_err(IdentifyError::Read)?;
-        let summary = summarise(&recording, plan, "", progress)?;
-        let Solution::Request(request) = solve(summary, plan, progress)? else {
+        let summary = summarise(&recording, plan, "", watch)?;
+        let Solution::Request(request) = solve(summary, plan, watch)? else {
             return Err(IdentifyError::NoLibrary);
         };
         searches += 1;
-        let Some(grid) = Grid::of(logs, &request)? else {
+        Progress::Bandwidth.tell(watch)?;
+        let Some(grid) = Grid::of(logs, &request, watch)? else {
             return Ok(Tuned { recording, request: *request, choices: Vec::new() });
         };
         let is_last = grid.is_near(cutoff) && is_same(grid.delay, delay);
@@ -96,8 +97,9 @@ pub fn tune<L: RawRecording>(
 pub fn tune_from<L: RawRecording>(
     logs: &L,
     request: Request,
+    watch: Watch<'_>,
 ) -> Result<Tuned<L::Filtered>, IdentifyError> {
-    if let Some(grid) = Grid::of(logs, &request)? {
+    if let Some(grid) = Grid::of(logs, &request, watch)? {
         return grid.tuned(logs, request);
     }
     let recording = logs.filtered(logs.first_cutoff(), no_delay(logs));
@@ -131,14 +133,18 @@ struct Grid {
 
 impl Grid {
     /// `None` where the logs are too short.
-    fn of(logs: &impl RawRecording, request: &Request) -> Result<Option<Self>, IdentifyError> {
+    fn of(
+        logs: &impl RawRecording,
+        request: &Request,
+        watch: Watch<'_>,
+    ) -> Result<Option<Self>, IdentifyError> {
         let none = no_delay(logs);
-        let mut cutoffs = cutoffs(logs, request, none)?;
+        let mut cutoffs = cutoffs(logs, (request, none), watch)?;
         let Some(cutoff) = lowest_near_best(&cutoffs) else { return Ok(None) };
-        let delays = at(logs, request, cutoff, &logs.delays())?;
+        let delays = at(logs, request, (cutoff, &logs.delays()), watch)?;
         let delay = clear_delay(&delays, none).unwrap_or(none);
         if !is_same(delay, none) {
-            cutoffs = self::cutoffs(logs, request, delay)?;
+            cutoffs = self::cutoffs(logs, (request, delay), watch)?;
         }
         let best = lowest_near_best(&cutoffs);
         Ok(best.map(|cutoff| Self { cutoffs, delays, cutoff, delay }))
@@ -216,11 +222,11 @@ fn clear_delay(tried: &[Tried], none: f64) -> Option<f64> {
 /// What cut-offs leave with a delay: every second one, then those beside the best.
 fn cutoffs(
     logs: &impl RawRecording,
-    request: &Request,
-    delay: f64,
+    (request, delay): (&Request, f64),
+    watch: Watch<'_>,
 ) -> Result<Vec<Tried>, IdentifyError> {
     let all = |cutoffs: Vec<f64>| -> Result<Vec<Tried>, IdentifyError> {
-        let found = cutoffs.par_iter().map(|&cutoff| at(logs, request, cutoff, &[delay]));
+        let found = cutoffs.par_iter().map(|&cutoff| at(logs, request, (cutoff, &[delay]), watch));
         Ok(found.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
     };
     let cutoffs = logs.cutoffs();
@@ -238,9 +244,10 @@ fn cutoffs(
 fn at(
     logs: &impl RawRecording,
     request: &Request,
-    cutoff: f64,
-    delays: &[f64],
+    (cutoff, delays): (f64, &[f64]),
+    watch: Watch<'_>,
 ) -> Result<Vec<Tried>, IdentifyError> {
+    Progress::Working.tell(watch)?;
     let band = logs.band(cutoff, delays).map_err(IdentifyError::Read)?;
     let Some(Band { motion, torques }) = band else { return Ok(Vec::new()) };
     let targets: Vec<_> = torques.iter().map(|torque| (&torque.filtered, &torque.raw)).collect();

@@ -25,6 +25,25 @@ pub(crate) fn joint_sums(energies: &Energies) -> Energies {
     sums
 }
 
+/// The products of sines and cosines that a harmonic of a joint sum is part of, each with the weight
+/// it has there.
+pub(crate) fn products_in(term: &EnergyTerm) -> Vec<(EnergyTerm, f64)> {
+    let Some(factor) = term.function.factors.first() else { return vec![(term.clone(), 1.0)] };
+    let mut products = vec![Term::one(factor.multiples.len())];
+    for (joint, multiple) in factor.multiples.iter().enumerate().filter(|(_, k)| **k != 0) {
+        let with = |product: &Term| {
+            [Trig::Cos, Trig::Sin].map(|trig| product.clone().times(trig, joint, multiple.abs(), 1))
+        };
+        products = products.iter().flat_map(with).collect();
+    }
+    let weighted = products.into_iter().filter_map(|function| {
+        let mut own = waves_of(1.0, &function).into_iter();
+        let (weight, _) = own.find(|(_, wave)| harmonic(wave) == term.function)?;
+        Some((EnergyTerm { place: term.place, function }, weight))
+    });
+    weighted.collect()
+}
+
 fn harmonic(wave: &Wave) -> Term {
     let multiples = wave.multiples().to_vec();
     let one = Term::one(multiples.len());
@@ -37,7 +56,7 @@ fn harmonic(wave: &Wave) -> Term {
 
 #[cfg(test)]
 mod tests {
-    use super::{Energies, joint_sums};
+    use super::{Energies, joint_sums, products_in};
     use torquewise_model::{EnergyTerm, Place, Term, Trig};
 
     fn term(place: Place, trigs: [Trig; 2]) -> EnergyTerm {
@@ -61,6 +80,23 @@ mod tests {
                     .sum()
             };
             assert!((value(&energies) - value(&sums)).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn a_harmonic_is_the_sum_of_its_products() {
+        let energies = Energies::from([
+            (term(Place::Potential, [Trig::Cos, Trig::Sin]), 1.5),
+            (term(Place::Potential, [Trig::Sin, Trig::Cos]), 0.7),
+        ]);
+        let sums = joint_sums(&energies);
+        assert_eq!(sums.len(), 2);
+        for (sum, coefficient) in &sums {
+            let own = |(product, weight): (EnergyTerm, f64)| {
+                weight * energies.get(&product).unwrap_or(&0.0)
+            };
+            let found: f64 = products_in(sum).into_iter().map(own).sum();
+            assert!((found - coefficient).abs() < 1e-15, "{}: {found}", sum.name());
         }
     }
 

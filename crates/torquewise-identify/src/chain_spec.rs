@@ -5,6 +5,7 @@ use crate::drive_terms::{DriveTerm, Gravity};
 use crate::learn::residual_rms;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
+use torquewise_rigid::search::Watch;
 use torquewise_rigid::{Chain, Rows, Search, fit, refine};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::{BLOCKS, CvScore, choose_worth, split};
@@ -42,6 +43,7 @@ pub(crate) fn trial(
     rows: &Rows,
     start: &Chain,
     rounds: usize,
+    watch: Watch<'_>,
 ) -> Result<CvScore, IdentifyError> {
     let search = Search { rounds, weighings: 1, ..spec.search.clone() };
     let errors = (0..BLOCKS)
@@ -51,7 +53,7 @@ pub(crate) fn trial(
             let rest = rows.select(&rest);
             let chain = match rounds {
                 0 => fit(&rest, start, &search)?,
-                _ => refine(&rest, start, &spec.free, &search)?,
+                _ => refine(&rest, start, &spec.free, &search, watch)?,
             };
             Ok(error(&chain, &rows.select(&held), rows))
         })

@@ -1,13 +1,13 @@
 //! From a chain that nothing moves any more to a model: its parameters, and equations that can be
 //! told from zero (E8) (E11).
 
-use crate::basis::{Energies, joint_sums};
+use crate::basis::{Energies, joint_sums, products_in};
 use crate::drifts;
 use crate::drive_terms::DriveTerm;
 use crate::estimate::{Linearisation, Solved};
 use crate::excitation::Finding;
 use crate::prune::prune;
-use crate::reconstruction::Reconstruction;
+use crate::reconstruction::{Progress, Reconstruction, Watch};
 use crate::torque_kind::{TorqueKind, torque_kind};
 use crate::unseen::{Errors, HeldOut, geometric_mean, held_out, regions, whole_logs};
 use crate::warning::Warning;
@@ -61,6 +61,7 @@ impl Fitted {
         survey: Survey,
         patterns: Patterns,
         seed: u64,
+        watch: Watch<'_>,
     ) -> Result<Reconstruction, IdentifyError> {
         let Self { solved, residual_rms, mut choices, found, searched_rms } = self;
         let mut training = survey.training(residual_rms);
@@ -70,7 +71,9 @@ impl Fitted {
         let residual_rms = &training.residual_rms;
         let covariance = faer::Scale(discrepancy(&training).powi(2)) * &solved.covariance;
         let (chain, friction) = parameters(&solved.at, &covariance);
-        let (terms, candidates) = equations(&chain, &friction, &survey, residual_rms, seed)?;
+        let (terms, candidates) =
+            equations(&chain, &friction, (&survey, residual_rms), seed, watch)?;
+        Progress::Working.tell(watch)?;
         choices.extend(solved.choice);
         let mut warnings = Warning::of_survey(&survey);
         warnings.extend(Warning::of_refit(&searched_rms, residual_rms, &survey.torque_std));
@@ -84,6 +87,7 @@ impl Fitted {
             choices,
         };
         let noise = &solved.at.noise;
+        Progress::Working.tell(watch)?;
         let kind = torque_kind(&solved.at.narrowed(), &survey.sample)?;
         warnings.extend(kind.map(|kind| {
             let joints = survey.joints.clone();
@@ -92,6 +96,7 @@ impl Fitted {
                 TorqueKind::Gains(gains) => Finding::Gains { joints, gains },
             })
         }));
+        Progress::Working.tell(watch)?;
         warnings.extend(drifts(&model, &survey.sample)?.into_iter().map(Warning::Drift));
         model.training.unexplained_rms = unexplained(&model, &survey, noise)?;
         let step =
@@ -208,9 +213,9 @@ fn energies(chain: &RigidChain) -> Result<Energies, IdentifyError> {
 fn equations(
     chain: &RigidChain,
     friction: &[Weighted<FrictionTerm>],
-    survey: &Survey,
-    residual_rms: &[f64],
+    (survey, residual_rms): (&Survey, &[f64]),
     seed: u64,
+    watch: Watch<'_>,
 ) -> Result<(Vec<Weighted<EnergyTerm>>, usize), IdentifyError> {
     let all = energies(chain)?;
     let candidates = all.len() + friction.len();
@@ -219,13 +224,27 @@ fn equations(
     // Parallel axes make sums shorter, others products.
     let as_sums = sums.len() < products.len();
     let kept = if as_sums { sums } else { products };
-    let in_basis = |all: Energies| if as_sums { joint_sums(&all) } else { all };
+    let products_in = |term: &EnergyTerm| {
+        if as_sums { products_in(term) } else { vec![(term.clone(), 1.0)] }
+    };
+    let parts: Vec<Vec<(EnergyTerm, f64)>> =
+        kept.iter().map(|(term, _)| products_in(term)).collect();
+    let products: Vec<EnergyTerm> =
+        parts.iter().flatten().map(|(product, _)| product.clone()).collect();
     let draws = draws(chain, friction, seed)?;
-    let draws = draws.into_par_iter().map(|chain| Ok(in_basis(energies(&chain)?)));
-    let draws = draws.collect::<Result<Vec<Energies>, IdentifyError>>()?;
-    let terms = kept.into_iter().map(|(term, coefficient)| {
-        let change =
-            |draw: &Energies| (draw.get(&term).copied().unwrap_or(0.0) - coefficient) / DRAW_SIZE;
+    let draws = draws.into_par_iter().map(|chain| {
+        Progress::Working.tell(watch)?;
+        Ok(chain.coefficients_of(&products)?)
+    });
+    let draws = draws.collect::<Result<Vec<Vec<f64>>, IdentifyError>>()?;
+    let mut first = 0;
+    let terms = kept.into_iter().zip(&parts).map(|((term, coefficient), parts)| {
+        let own = first..first + parts.len();
+        first = own.end;
+        let change = |draw: &Vec<f64>| {
+            let drawn: f64 = draw[own.clone()].iter().zip(parts).map(|(c, (_, by))| by * c).sum();
+            (drawn - coefficient) / DRAW_SIZE
+        };
         let square: f64 = draws.iter().map(|draw| change(draw).powi(2)).sum();
         let std_error = (square / draws.len().max(1) as f64).sqrt();
         Weighted { term, coefficient, std_error, inclusion: None }

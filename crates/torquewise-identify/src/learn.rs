@@ -4,13 +4,15 @@ use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, columns};
 use crate::estimate::{Linearisation, Structure};
 use crate::plan::{ChainOptions, FrictionKind};
+use crate::reconstruction::{Progress, Watch};
 use crate::regions::Regions;
 use crate::unseen::geometric_mean;
 use offers::Offer;
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
-use torquewise_rigid::search::all_parameters;
+use torquewise_rigid::search::{Stage, all_parameters};
 use torquewise_rigid::{Chain, ChainError, Geometry, Rows, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
@@ -73,10 +75,11 @@ pub(crate) fn learn(
     motion: &Motion,
     options: &ChainOptions,
     seed: u64,
+    watch: Watch<'_>,
 ) -> Result<Learned, IdentifyError> {
     let (n, friction) = (motion.n_joints(), options.friction);
     let balanced = balanced(motion, &options.counterbalanced)?;
-    let mut learner = ChainLearner::new(motion);
+    let mut learner = ChainLearner::new(motion, watch);
     let springs = balanced.iter().flat_map(|&joint| DriveTerm::counterbalance(n, joint));
     let mut drive: Vec<DriveTerm> = DriveTerm::rotors(n).into_iter().chain(springs).collect();
     let known = drive.clone();
@@ -108,6 +111,7 @@ pub(crate) fn learn(
             spec.drive = known;
         }
     }
+    Progress::Choices.tell(watch)?;
     learner.choose(&mut spec, &chain, &offers, &mut choices)?;
     for &joint in &balanced {
         let (what, chosen) = (offers::balance_of(motion, joint), "spring".to_owned());
@@ -121,6 +125,7 @@ pub(crate) fn learn(
         choices.retain(|choice: &Choice| choice.what != AXES);
         chain = learner.geometry(&mut spec, Some(chain), &mut choices)?;
     }
+    Progress::Refit.tell(watch)?;
     learner.finish((spec, offered), &chain, choices)
 }
 
@@ -148,15 +153,16 @@ struct ChainLearner<'a> {
     laws: FrictionLibrary,
     /// How often the geometry was found.
     found: Option<GeometryFound>,
+    watch: Watch<'a>,
 }
 
 impl<'a> ChainLearner<'a> {
-    fn new(motion: &'a Motion) -> Self {
+    fn new(motion: &'a Motion, watch: Watch<'a>) -> Self {
         let speed = |joint: usize| {
             motion.dq().col(joint).iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()))
         };
         let laws = FrictionLibrary::new((0..motion.n_joints()).map(speed).collect());
-        Self { motion, laws, found: None }
+        Self { motion, laws, found: None, watch }
     }
 
     fn rows(&self, spec: &ChainSpec, count: usize) -> Result<Rows, IdentifyError> {
@@ -193,7 +199,7 @@ impl<'a> ChainLearner<'a> {
         let spec = ChainSpec { free: Vec::new(), ..spec };
         let rows = self.rows(&spec, spec.search.final_rows)?;
         let start = Chain::at(geometry.clone());
-        let chain = refine(&rows, &start, &spec.free, &spec.search)?;
+        let chain = refine(&rows, &start, &spec.free, &spec.search, &self.searching())?;
         Ok((spec, chain))
     }
 
@@ -206,18 +212,23 @@ impl<'a> ChainLearner<'a> {
         known: Option<Chain>,
         choices: &mut Vec<Choice>,
     ) -> Result<Chain, IdentifyError> {
-        let found = search(&self.rows(spec, LAST_ROWS)?, &spec.search)?;
+        let found = search(&self.rows(spec, LAST_ROWS)?, &spec.search, &self.searching())?;
         let (times, starts_made) = (found.times, found.starts);
         let mut starts = found.chains;
         starts.dedup_by(|a, b| (a.cost - b.cost).abs() < SAME * b.cost);
         starts.extend(known);
         let rows = self.rows(spec, TRIAL_ROWS)?;
+        let searching = self.searching();
         let best = |label: &str, angle: f64, starts: &[Chain]| -> Result<_, IdentifyError> {
             let judged = |start: &Chain| {
                 let (geometry, free) = start.geometry.snapped(angle);
                 let (spec, start) =
                     (ChainSpec { free, ..spec.clone() }, Chain { geometry, ..start.clone() });
-                Ok((trial(label.to_owned(), &spec, &rows, &start, ROUNDS)?, spec, start))
+                Ok((
+                    trial(label.to_owned(), &spec, &rows, &start, ROUNDS, &searching)?,
+                    spec,
+                    start,
+                ))
             };
             let all = starts.par_iter().map(judged).collect::<Result<Vec<_>, IdentifyError>>()?;
             let best = all.into_iter().min_by(|a, b| a.0.error().total_cmp(&b.0.error()));
@@ -248,7 +259,19 @@ impl<'a> ChainLearner<'a> {
         self.found = Some(GeometryFound { times, starts: starts_made, unresolved });
         *spec = own;
         let rows = self.rows(spec, spec.search.final_rows)?;
-        Ok(refine(&rows, &start, &spec.free, &spec.search)?)
+        Ok(refine(&rows, &start, &spec.free, &spec.search, &self.searching())?)
+    }
+
+    /// Whoever watches, as a search tells of itself.
+    fn searching(&self) -> impl Fn(Stage) -> ControlFlow<()> + Sync + use<'a> {
+        let watch = self.watch;
+        let most = Search::default().starts;
+        move |stage| {
+            watch(match stage {
+                Stage::Round => Progress::Working,
+                Stage::Starts { made, agreeing } => Progress::Starts { made, most, agreeing },
+            })
+        }
     }
 
     /// Fits the chosen specification on a sample of many rows.
@@ -259,10 +282,10 @@ impl<'a> ChainLearner<'a> {
         choices: Vec<Choice>,
     ) -> Result<Learned, IdentifyError> {
         let rows = self.rows(&spec, LAST_ROWS)?;
-        let mut chain = refine(&rows, chain, &spec.free, &spec.search)?;
+        let mut chain = refine(&rows, chain, &spec.free, &spec.search, &self.searching())?;
         // A log without noise bears next to no ridge.
         let search = Search { ridge: NO_RIDGE, ..spec.search.clone() };
-        let exact = refine(&rows, &chain, &spec.free, &search)?;
+        let exact = refine(&rows, &chain, &spec.free, &search, &self.searching())?;
         let left = |chain: &Chain| geometric_mean(&chain.residual_rms);
         if left(&exact) < NOTHING * left(&chain) {
             chain = exact;

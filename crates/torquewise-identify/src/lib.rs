@@ -51,6 +51,7 @@ pub use reconstruct::{Solution, reconstruct, solve};
 pub use reconstruction::Reconstruction;
 pub use score::{Scores, score};
 pub use summary::{Summary, summarise};
+pub use torquewise_stepwise::progress::UNWATCHED;
 pub use torquewise_stepwise::{
     IdentifyError, LibraryKind, PatternPlan, Patterns, Survey, find_patterns, survey,
 };

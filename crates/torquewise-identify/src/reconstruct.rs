@@ -2,7 +2,7 @@
 //! chain.
 
 use crate::plan::{ChainOptions, Method, Plan};
-use crate::reconstruction::{Progress, Reconstruction};
+use crate::reconstruction::{Progress, Reconstruction, Watch};
 use crate::rounds::{Request, Round};
 use crate::score::score;
 use crate::summary::{Pass, Summary, summarise};
@@ -31,10 +31,10 @@ pub enum Solution {
 pub fn reconstruct(
     recording: &(impl Recording + ?Sized),
     plan: &Plan,
-    progress: &mut dyn FnMut(Progress),
+    watch: Watch<'_>,
 ) -> Result<Reconstruction, IdentifyError> {
-    let summary = summarise(recording, plan, "", progress)?;
-    rounds(recording, summary, plan, progress)
+    let summary = summarise(recording, plan, "", watch)?;
+    rounds(recording, summary, plan, watch)
 }
 
 /// The same where a chain was searched before, see [`tune`](crate::bandwidth::tune).
@@ -45,12 +45,12 @@ pub fn reconstruct_from(
     recording: &(impl Recording + ?Sized),
     request: Request,
     plan: &Plan,
-    progress: &mut dyn FnMut(Progress),
+    watch: Watch<'_>,
 ) -> Result<Reconstruction, IdentifyError> {
-    let mut summary = summarise(recording, plan, "", progress)?;
+    let mut summary = summarise(recording, plan, "", watch)?;
     let request = request.over(summary.rows());
     summary.pass = Some(Pass::over(recording, request)?);
-    rounds(recording, summary, plan, progress)
+    rounds(recording, summary, plan, watch)
 }
 
 /// Solves, and reads all rows again as long as that is asked for.
@@ -58,10 +58,10 @@ fn rounds(
     recording: &(impl Recording + ?Sized),
     mut summary: Summary,
     plan: &Plan,
-    progress: &mut dyn FnMut(Progress),
+    watch: Watch<'_>,
 ) -> Result<Reconstruction, IdentifyError> {
     loop {
-        match solve(summary.clone(), plan, progress)? {
+        match solve(summary.clone(), plan, watch)? {
             Solution::Model(mut found) => {
                 if !summary.settings().friction().is_empty() {
                     // Rows near reversals were left out of the sums, but not of what is told.
@@ -85,22 +85,18 @@ fn rounds(
 /// # Errors
 /// [`IdentifyError`]: too few rows, a library too large, missing torque, or a plan for a library of
 /// which nothing was summed.
-pub fn solve(
-    summary: Summary,
-    plan: &Plan,
-    progress: &mut dyn FnMut(Progress),
-) -> Result<Solution, IdentifyError> {
+pub fn solve(summary: Summary, plan: &Plan, watch: Watch<'_>) -> Result<Solution, IdentifyError> {
     let survey = summary.survey()?;
     survey.sample.require_tau()?;
     require_rows(&survey)?;
     match &plan.method {
         Method::Library(options) => {
             let sums = summary.library_sums()?;
-            let fit = stepwise::reconstruct(&survey, sums, options, plan.seed, progress)?;
-            let found = Reconstruction::of_library(survey, fit, plan.seed)?;
+            let fit = stepwise::reconstruct(&survey, sums, options, plan.seed, watch)?;
+            let found = Reconstruction::of_library(survey, fit, plan.seed, watch)?;
             Ok(Solution::Model(Box::new(found)))
         }
-        Method::Chain(options) => by_chain(&summary, survey, options, plan.seed, progress),
+        Method::Chain(options) => by_chain(&summary, survey, options, plan.seed, watch),
     }
 }
 
@@ -111,23 +107,24 @@ fn by_chain(
     survey: Survey,
     options: &ChainOptions,
     seed: u64,
-    progress: &mut dyn FnMut(Progress),
+    watch: Watch<'_>,
 ) -> Result<Solution, IdentifyError> {
     let settings = summary.settings();
     let Some(Pass { request, sums }) = summary.pass.as_ref() else {
-        let request = Request::first(&survey, options, settings.filtered, seed, progress)?;
+        let request = Request::first(&survey, options, settings.filtered, seed, watch)?;
         return Ok(Solution::Request(Box::new(request)));
     };
-    progress(Progress::Refit);
+    Progress::Refit.tell(watch)?;
     match request.clone().take(sums)? {
         Round::Again(request) => Ok(Solution::Request(request)),
         Round::Done(fitted) => {
             let patterns = find_patterns(&survey, &settings.patterns)?;
             let chain = SignTest::at(&fitted.solved.at, options.geometry.is_some())?;
-            let mut found = fitted.report(survey, patterns, seed)?;
+            Progress::Judging.tell(watch)?;
+            let mut found = fitted.report(survey, patterns, seed, watch)?;
             Warning::retain_founded(&mut found.warnings, &found.model);
-            found.doubt_torque(seed, |_| Ok(chain))?;
-            progress(Progress::Done);
+            found.doubt_torque(seed, watch, |_| Ok(chain))?;
+            Progress::Done.tell(watch)?;
             Ok(Solution::Model(Box::new(found)))
         }
     }

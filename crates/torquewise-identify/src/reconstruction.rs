@@ -13,7 +13,7 @@ use torquewise_stepwise::patterns::Patterns;
 use torquewise_stepwise::survey::{Survey, thinned};
 
 pub use torquewise_stepwise::fit::StepReport;
-pub use torquewise_stepwise::progress::Progress;
+pub use torquewise_stepwise::progress::{Progress, Watch};
 
 /// What was found, and how.
 #[derive(Clone, Debug)]
@@ -50,6 +50,7 @@ impl Reconstruction {
         survey: Survey,
         fit: LibraryFit,
         seed: u64,
+        watch: Watch<'_>,
     ) -> Result<Self, IdentifyError> {
         let warnings = Warning::of_library(&survey, &fit);
         let LibraryFit { mut model, patterns, noise, candidates, steps, dropped, .. } = fit;
@@ -57,7 +58,7 @@ impl Reconstruction {
             held_out_rms(&model, &survey.sample)?;
         let mut found =
             Self { model, survey, patterns, noise, candidates, steps, dropped, warnings };
-        found.doubt_torque(seed, |survey| SignTest::search(survey, seed))?;
+        found.doubt_torque(seed, watch, |survey| SignTest::search(survey, seed, watch))?;
         Ok(found)
     }
 
@@ -71,6 +72,7 @@ impl Reconstruction {
     pub(crate) fn doubt_torque(
         &mut self,
         seed: u64,
+        watch: Watch<'_>,
         chain: impl FnOnce(&Survey) -> Result<SignTest, IdentifyError>,
     ) -> Result<(), IdentifyError> {
         let training = &self.model.training;
@@ -90,14 +92,14 @@ impl Reconstruction {
         {
             return Ok(());
         }
-        if let Ok(Some(pair)) = swapped(&self.survey.sample, &missed, seed) {
+        if let Ok(Some(pair)) = swapped(&self.survey.sample, &missed, seed, watch) {
             let joints = pair.map(|joint| self.survey.joints[joint].clone());
             self.warnings.push(Warning::Excitation(Finding::Swapped { joints }));
             return Ok(());
         }
         // An arm of which no chain is found, for rows or joints, has nothing to compare with.
         let Ok(chain) = chain(&self.survey) else { return Ok(()) };
-        for joint in chain.wrong_signs(&self.survey.sample)? {
+        for joint in chain.wrong_signs(&self.survey.sample, watch)? {
             let joint = self.survey.joints[joint].clone();
             self.warnings.push(Warning::Excitation(Finding::WrongSign { joint }));
         }

@@ -8,7 +8,7 @@ use crate::estimate::{Linearisation, Next, Passes, Sizes, Structure, refine, wei
 use crate::fitted::Fitted;
 use crate::learn::{LAST_ROWS, Learned, learn};
 use crate::plan::ChainOptions;
-use crate::reconstruction::Progress;
+use crate::reconstruction::{Progress, Watch};
 use crate::regions::Regions;
 use serde::{Deserialize, Serialize};
 use torquewise_model::model::{Choice, GeometryFound};
@@ -58,15 +58,15 @@ impl Request {
         options: &ChainOptions,
         filtered: bool,
         seed: u64,
-        progress: &mut dyn FnMut(Progress),
+        watch: Watch<'_>,
     ) -> Result<Self, IdentifyError> {
-        progress(Progress::Geometry);
-        let learned = learn(&survey.sample, options, seed)?;
-        progress(Progress::Refit);
+        Progress::Geometry.tell(watch)?;
+        let learned = learn(&survey.sample, options, seed, watch)?;
+        Progress::Refit.tell(watch)?;
         let sizes = Sizes { torque: survey.torque_std.clone(), speed: survey.dq_peak.clone() };
         let sample = thinned(&survey.sample, LAST_ROWS);
         let start = linearised(&learned, &sample, (survey, &sizes), options, (filtered, seed))?;
-        let at = refine(&sample, &start, &sizes)?.widened(&learned.offered, &sample)?;
+        let at = refine(&sample, &start, &sizes, watch)?.widened(&learned.offered, &sample)?;
         let at = cut_for(at, survey.rows);
         let mut passes = Passes::over_all(at, MOST_PASSES);
         if options.geometry.is_some() {

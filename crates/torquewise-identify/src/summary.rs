@@ -3,7 +3,7 @@
 
 use crate::estimate::add_up;
 use crate::plan::{Method, Plan};
-use crate::reconstruction::Progress;
+use crate::reconstruction::{Progress, Watch};
 use crate::rounds::Request;
 use crate::settings::Settings;
 use serde::{Deserialize, Serialize};
@@ -69,11 +69,11 @@ pub fn summarise(
     recording: &(impl Recording + ?Sized),
     plan: &Plan,
     signals: &str,
-    progress: &mut dyn FnMut(Progress),
+    watch: Watch<'_>,
 ) -> Result<Summary, IdentifyError> {
     let (library, choices) = match &plan.method {
         Method::Library(options) => {
-            let (library, choices) = SummedLibrary::of(recording, options, progress)?;
+            let (library, choices) = SummedLibrary::of(recording, options, watch)?;
             (Some(library), choices)
         }
         Method::Chain(_) => (None, Vec::new()),
@@ -82,7 +82,7 @@ pub fn summarise(
     let basis = settings.basis()?;
     let mut all = Summary { choices, ..Summary::new(settings, basis.as_ref()) };
     for log in 0..recording.n_logs() {
-        progress(Progress::Survey);
+        Progress::Survey.tell(watch)?;
         let mut look = SurveySum::new(recording.joints());
         recording
             .read_log(log, &mut |trajectory, block| Ok(look.add(trajectory, block)?))
@@ -95,9 +95,9 @@ pub fn summarise(
         all.survey.merge(&look)?;
         all.logs += 1;
         if let Some(basis) = &basis {
-            progress(Progress::Patterns);
+            Progress::Patterns.tell(watch)?;
             let patterns = find_patterns(&survey, &all.settings.patterns)?;
-            progress(Progress::Sums);
+            Progress::Sums.tell(watch)?;
             let mut sorter = PatternAccumulator::new(basis, &patterns, &all.settings.parts());
             recording
                 .read_log(log, &mut |_, block| sorter.add(block))
@@ -121,11 +121,11 @@ pub fn summarise_again(
     plan: &Plan,
     signals: &str,
     request: &Request,
-    progress: &mut dyn FnMut(Progress),
+    watch: Watch<'_>,
 ) -> Result<Summary, IdentifyError> {
     request.check_joints(recording.joints())?;
-    let summary = summarise(recording, plan, signals, progress)?;
-    progress(Progress::Refit);
+    let summary = summarise(recording, plan, signals, watch)?;
+    Progress::Refit.tell(watch)?;
     Ok(Summary { pass: Some(Pass::over(recording, request.clone())?), ..summary })
 }
 

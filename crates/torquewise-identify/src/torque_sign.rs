@@ -3,11 +3,13 @@
 
 use crate::drive_terms::{DriveTerm, columns};
 use crate::estimate::{Linearisation, Structure};
+use crate::reconstruction::{Progress, Watch};
 use faer::Mat;
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 use torquewise_model::FrictionTerm;
 use torquewise_motion::Motion;
-use torquewise_rigid::search::{all_parameters, glance};
+use torquewise_rigid::search::{Stage, all_parameters, glance};
 use torquewise_rigid::{Chain, ChainError, Geometry, Kinematics, Rows, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
@@ -58,13 +60,18 @@ impl SignTest {
     ///
     /// # Errors
     /// [`IdentifyError::Chain`] if there is none.
-    pub(crate) fn search(survey: &Survey, seed: u64) -> Result<Self, IdentifyError> {
+    pub(crate) fn search(
+        survey: &Survey,
+        seed: u64,
+        watch: Watch<'_>,
+    ) -> Result<Self, IdentifyError> {
         let laws = FrictionLibrary::new(survey.dq_peak.clone());
         let rotors = DriveTerm::rotors(survey.joints.len()).into_iter();
         let drive: Vec<DriveTerm> = rotors.chain(DriveTerm::friction(laws.linear())).collect();
         let motion = thinned(&survey.sample, ROWS);
         let extras = columns(&drive, &motion, None);
-        let found = search(&rows(&motion, &extras)?, &Search { seed, ..Search::default() })?;
+        let settings = Search { seed, ..Search::default() };
+        let found = search(&rows(&motion, &extras)?, &settings, &searching(watch))?;
         let geometry = found.chains.into_iter().next().map(|chain| chain.geometry);
         let geometry = geometry.ok_or(ChainError::Singular)?;
         Ok(Self { geometry, free: all_parameters(survey.joints.len()), drive })
@@ -78,7 +85,11 @@ impl SignTest {
     ///
     /// # Errors
     /// [`IdentifyError::Chain`] if a chain is of another arm than the sample.
-    pub(crate) fn wrong_signs(mut self, sample: &Motion) -> Result<Vec<usize>, IdentifyError> {
+    pub(crate) fn wrong_signs(
+        mut self,
+        sample: &Motion,
+        watch: Watch<'_>,
+    ) -> Result<Vec<usize>, IdentifyError> {
         let motion = thinned(sample, ROWS);
         let n = motion.n_joints();
         self.drive.extend(mirrored(&self.drive));
@@ -88,7 +99,8 @@ impl SignTest {
             let rows = joints_of(signs).fold(rows.clone(), Rows::turned);
             let rounds = if free.is_empty() { 0 } else { Search::default().rounds };
             let search = Search { rounds, ..Search::default() };
-            let chain = refine(&rows, &Chain::at(geometry.clone()), free, &search).ok();
+            let chain =
+                refine(&rows, &Chain::at(geometry.clone()), free, &search, &searching(watch)).ok();
             let left = |chain: &Chain| self.left(chain, &rows, &motion, &extras);
             Tried { signs, left: chain.as_ref().map_or(f64::INFINITY, left), chain }
         };
@@ -201,6 +213,7 @@ pub(crate) fn swapped(
     sample: &Motion,
     missed: &[usize],
     seed: u64,
+    watch: Watch<'_>,
 ) -> Result<Option<[usize; 2]>, IdentifyError> {
     let (motion, n) = (thinned(sample, FEW), sample.n_joints());
     let pairs = (0..n).flat_map(|a| (a + 1..n).map(move |b| [a, b]));
@@ -214,10 +227,18 @@ pub(crate) fn swapped(
     let drive: Vec<DriveTerm> = DriveTerm::rotors(n).into_iter().chain(friction).collect();
     let rows = rows(&motion, &columns(&drive, &motion, None))?;
     let look = Search { seed, starts: STARTS, glance_rows: FEW, ..Search::default() };
-    let left = pairs.into_iter().map(|pair| (pair, glance(&rows.clone().swapped(pair), &look)));
+    let searching = searching(watch);
+    let left = pairs
+        .into_iter()
+        .map(|pair| (pair, glance(&rows.clone().swapped(pair), &look, &searching)));
     let best = left.min_by(|a, b| a.1.total_cmp(&b.1));
-    let as_it_is = glance(&rows, &look);
+    let as_it_is = glance(&rows, &look, &searching);
     Ok(best.filter(|(_, left)| *left <= HALF * as_it_is).map(|(pair, _)| pair))
+}
+
+/// Whoever watches, asked at each round of a search whether it is still wanted.
+fn searching(watch: Watch<'_>) -> impl Fn(Stage) -> ControlFlow<()> + Sync {
+    move |_| watch(Progress::Working)
 }
 
 /// A chain with the torque of some joints turned round.

@@ -4,6 +4,7 @@ use crate::estimate::{LEAST_RESIDUAL, Linearisation};
 use crate::regions::Regions;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
+use rayon::prelude::*;
 use torquewise_motion::Motion;
 use torquewise_stepwise::error::IdentifyError;
 
@@ -202,7 +203,7 @@ impl<'a> Unseen<'a> {
             }
             sums
         };
-        let around = blocks.iter().map(|block| sums(&block.around)).collect();
+        let around = blocks.par_iter().map(|block| sums(&block.around)).collect();
         let all = sums(&all_of(m));
         Some(Self { targets, blocks, joints, all, around })
     }

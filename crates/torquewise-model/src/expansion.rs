@@ -41,60 +41,77 @@ pub fn energy_terms(
     geometry: &Geometry,
     inertial: &[f64],
 ) -> Result<Vec<(EnergyTerm, f64)>, ModelError> {
+    let mut terms = Vec::new();
+    for (place, grid) in grids(geometry, inertial, |_| true)? {
+        grid.list(|function, coefficient| {
+            // A constant of V is no torque.
+            if place != Place::Potential || !function.factors.is_empty() {
+                terms.push((EnergyTerm { place, function }, coefficient));
+            }
+        });
+    }
+    Ok(terms)
+}
+
+/// What coefficients some of these terms have, 0 for a term that is none of them.
+///
+/// # Errors
+/// As [`energy_terms`].
+pub fn coefficients_of(
+    wanted: &[EnergyTerm],
+    geometry: &Geometry,
+    inertial: &[f64],
+) -> Result<Vec<f64>, ModelError> {
+    let mut found = vec![0.0; wanted.len()];
+    let places = |place: Place| wanted.iter().any(|term| term.place == place);
+    for (place, grid) in grids(geometry, inertial, places)? {
+        let coefficients = grid.coefficients();
+        for (found, term) in found.iter_mut().zip(wanted).filter(|(_, term)| term.place == place) {
+            *found = grid.position_of(&term.function).map_or(0.0, |at| coefficients[at]);
+        }
+    }
+    Ok(found)
+}
+
+/// Values of V(q) and of each entry of M(q) that is asked for.
+fn grids(
+    geometry: &Geometry,
+    inertial: &[f64],
+    wanted: impl Fn(Place) -> bool,
+) -> Result<Vec<(Place, Grid)>, ModelError> {
     let n = geometry.n_joints();
     check_joints(n)?;
     let kinematics = Kinematics::new(geometry);
     let turns: Vec<usize> = (0..n).map(|joint| geometry.coupling().multiples_of(joint)).collect();
-    let mut terms = potential_terms(&kinematics, inertial, turns.clone());
-    terms.extend(inertia_terms(&kinematics, inertial, &turns));
-    Ok(terms)
-}
-
-fn potential_terms(
-    kinematics: &Kinematics,
-    inertial: &[f64],
-    harmonics: Vec<usize>,
-) -> Vec<(EnergyTerm, f64)> {
-    let grid = Grid::of(harmonics, |q| kinematics.potential_energy(q, inertial));
-    let mut terms = Vec::new();
-    grid.list(|function, coefficient| {
-        // A constant of V is no torque.
-        if !function.factors.is_empty() {
-            terms.push((EnergyTerm { place: Place::Potential, function }, coefficient));
-        }
-    });
-    terms
-}
-
-fn inertia_terms(
-    kinematics: &Kinematics,
-    inertial: &[f64],
-    turns: &[usize],
-) -> Vec<(EnergyTerm, f64)> {
-    let n = kinematics.n_joints();
+    let mut grids = Vec::new();
+    if wanted(Place::Potential) {
+        let value = |q: &[f64]| kinematics.potential_energy(q, inertial);
+        grids.push((Place::Potential, Grid::of(turns.clone(), value)));
+    }
     // The first angle of a chain turns the whole arm: M does not depend on it.
     let own = |joint: usize| usize::from(joint > 0);
     let harmonics: Vec<usize> =
         turns.iter().enumerate().map(|(joint, turns)| 2 * (turns - 1 + own(joint))).collect();
-    let mut moved = Moved::default();
-    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); n * n];
-    for q in Grid::points(&harmonics) {
-        kinematics.mass_matrix(&q, inertial, &mut moved, |i, j, value| {
-            columns[i * n + j].push(value);
-        });
+    let first = grids.len();
+    let mut places = vec![None; n * n];
+    for (i, j) in (0..n).flat_map(|i| (i..n).map(move |j| (i, j))) {
+        if wanted(Place::Inertia(i, j)) {
+            places[i * n + j] = Some(grids.len());
+            let grid = Grid { harmonics: harmonics.clone(), values: Vec::new() };
+            grids.push((Place::Inertia(i, j), grid));
+        }
     }
-    let mut terms = Vec::new();
-    for i in 0..n {
-        for j in i..n {
-            let values = std::mem::take(&mut columns[i * n + j]);
-            let grid = Grid { harmonics: harmonics.clone(), values };
-            grid.list(|function, coefficient| {
-                let place = Place::Inertia(i, j);
-                terms.push((EnergyTerm { place, function }, coefficient));
+    if grids.len() > first {
+        let mut moved = Moved::default();
+        for q in Grid::points(&harmonics) {
+            kinematics.mass_matrix(&q, inertial, &mut moved, |i, j, value| {
+                if let Some(grid) = places[i * n + j] {
+                    grids[grid].1.values.push(value);
+                }
             });
         }
     }
-    terms
+    Ok(grids)
 }
 
 impl Grid {
@@ -132,14 +149,24 @@ impl Grid {
                 let base = 2 * most + 1;
                 (*digit, rest) = (rest % base, rest / base);
             }
-            let mut function = Term::one(digits.len());
-            for (joint, digit) in digits.into_iter().enumerate().filter(|(_, digit)| *digit > 0) {
-                let trig = if digit % 2 == 1 { Trig::Cos } else { Trig::Sin };
-                let multiple = i8::try_from(digit.div_ceil(2)).unwrap_or(i8::MAX);
-                function = function.times(trig, joint, multiple, 1);
-            }
-            put(function, coefficient);
+            put(function_of(&digits), coefficient);
         }
+    }
+
+    /// Where the coefficient of a function stands, if it is one of those listed.
+    fn position_of(&self, function: &Term) -> Option<usize> {
+        let mut digits = vec![0; self.harmonics.len()];
+        for factor in &function.factors {
+            let joint = factor.multiples.iter().position(|k| *k > 0)?;
+            let multiple = usize::try_from(factor.multiples[joint]).ok()?;
+            digits[joint] = 2 * multiple - usize::from(factor.function == Trig::Cos);
+        }
+        let is_listed = function_of(&digits) == *function
+            && digits.iter().zip(&self.harmonics).all(|(digit, most)| *digit <= 2 * most);
+        let bases = self.harmonics.iter().map(|most| 2 * most + 1);
+        let position =
+            digits.iter().zip(bases).fold(0, |place, (digit, base)| place * base + digit);
+        is_listed.then_some(position)
     }
 
     /// Coefficients of 1, cos, sin, cos 2, sin 2 … of each joint, the last joint running fastest: a
@@ -164,6 +191,17 @@ impl Grid {
         }
         values
     }
+}
+
+/// The product of 1, cos, sin, cos 2, sin 2 … of each joint.
+fn function_of(digits: &[usize]) -> Term {
+    let mut function = Term::one(digits.len());
+    for (joint, digit) in digits.iter().enumerate().filter(|(_, digit)| **digit > 0) {
+        let trig = if digit % 2 == 1 { Trig::Cos } else { Trig::Sin };
+        let multiple = i8::try_from(digit.div_ceil(2)).unwrap_or(i8::MAX);
+        function = function.times(trig, joint, multiple, 1);
+    }
+    function
 }
 
 /// Rows of the real discrete Fourier transform of `base` points: 1, cos, sin, cos 2, sin 2 …

@@ -173,6 +173,19 @@ impl RigidChain {
         Ok(all)
     }
 
+    /// The coefficients that some of these terms have, without listing the others.
+    ///
+    /// # Errors
+    /// As [`Self::energy_terms`].
+    pub fn coefficients_of(&self, terms: &[EnergyTerm]) -> Result<Vec<f64>, ModelError> {
+        let mut found = crate::expansion::coefficients_of(terms, &self.axes()?, &self.inertial())?;
+        for (own, coefficient) in self.drives.iter().flat_map(Drive::energy_terms) {
+            let same = found.iter_mut().zip(terms).filter(|(_, term)| **term == own);
+            same.for_each(|(found, _)| *found += coefficient);
+        }
+        Ok(found)
+    }
+
     /// Number of parameters of its covariance, with so many laws of friction.
     pub fn n_parameters(&self, friction: usize) -> usize {
         PER_BODY * self.links.len() + self.drives.len() + friction + self.fitted.len()

@@ -6,7 +6,9 @@ use crate::results::{Cell, Spread};
 use crate::scenario::{Scenario, outside};
 use cpu_time::ThreadTime;
 use faer::Mat;
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use torquewise_identify::{Plan, reconstruct, score};
 use torquewise_model::{EnergyTerm, Form, Model, Stage, Torque, Weighted};
@@ -156,11 +158,22 @@ fn attempt(trial: &TrialPlan, test_seed: u64) -> Result<Trial> {
     let log = trial.scenario.record(&trial.scenario.simulate()?)?;
     let Scenario { arm, seconds, noise, seed } = &trial.scenario;
     let named = || within(format!("{arm}, {seconds} s, noise {noise}, seed {seed}"));
-    let (start, mut entered) = (now(), Vec::new());
-    let mut enter = |work| entered.push((now(), work));
-    let found = reconstruct(&log, &trial.plan, &mut enter).map_err(named())?;
+    let (start, entered) = (now(), Mutex::new(Vec::new()));
+    let enter = |work| {
+        if work != Work::Working {
+            entered.lock().unwrap_or_else(PoisonError::into_inner).push((now(), work));
+        }
+        ControlFlow::Continue(())
+    };
+    let found = reconstruct(&log, &trial.plan, &enter).map_err(named())?;
     let total = now().saturating_sub(start);
-    let is_regression = |work| matches!(work, Work::Geometry | Work::Sums | Work::Step(_));
+    let is_regression = |work| {
+        matches!(
+            work,
+            Work::Geometry | Work::Starts { .. } | Work::Choices | Work::Sums | Work::Step(_)
+        )
+    };
+    let entered = entered.into_inner().unwrap_or_else(PoisonError::into_inner);
     let parts = entered.windows(2).filter(|pair| is_regression(pair[0].1));
     let regression: Duration = parts.map(|pair| pair[1].0.saturating_sub(pair[0].0)).sum();
     let scores = score(&found.model, &outside(arm, test_seed)?).map_err(named())?;

@@ -30,6 +30,9 @@ pub enum ChainError {
     #[error("the normal equations of the chain cannot be solved")]
     #[diagnostic(help("look for joints that never move and for values that are not finite"))]
     Singular,
+    /// Whoever watched stopped the work.
+    #[error("stopped")]
+    Stopped,
     /// More joints than the recursion holds.
     #[error("a chain of {joints} joints is too long; at most {most} joints")]
     TooManyJoints {

@@ -5,6 +5,7 @@ use crate::geometry::Geometry;
 use crate::inertial_fit::{InertialFit, weigh};
 use crate::recursion::{Lanes, MOST_JOINTS, Moved, N_LANES, PER_BODY};
 use crate::rows::Rows;
+use crate::search::{Stage, Watch, tell};
 use crate::usual_arm::UsualArm;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -88,11 +89,13 @@ impl Target<'_> {
         start: &Geometry,
         free: &[usize],
         rounds: usize,
+        watch: Watch<'_>,
     ) -> Result<Fitted, ChainError> {
         let mut best = self.fit(start)?;
         let size = self.rows.torque.len() as f64;
         let mut damping = 1e-2;
         for _ in 0..rounds {
+            tell(watch, Stage::Round)?;
             let changes = self.changes(&best.geometry, &best.masses.coefficients, free);
             let mut curvature = best.masses.projected(&changes);
             let mut slope = vec![0.0; free.len()];

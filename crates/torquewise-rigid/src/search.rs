@@ -11,6 +11,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use simba::simd::SimdValue;
+use std::ops::ControlFlow;
 
 /// How a chain is looked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -156,6 +157,34 @@ const SAME: f64 = 0.02;
 /// A residual below this part of the torque is nothing, when arms are compared.
 const NOTHING: f64 = 1e-3;
 
+/// How far a search or a refinement is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// A round of refinement begins.
+    Round,
+    /// Starts were made.
+    Starts {
+        /// So many.
+        made: usize,
+        /// So many of them led to the best arm.
+        agreeing: usize,
+    },
+}
+
+/// Is told how far a search is, from several threads, and stops it by breaking.
+pub type Watch<'a> = &'a (dyn Fn(Stage) -> ControlFlow<()> + Sync + 'a);
+
+/// Nobody watches.
+pub const UNWATCHED: Watch<'static> = &|_| ControlFlow::Continue(());
+
+/// Fails where the work is not wanted any more.
+pub(crate) fn tell(watch: Watch<'_>, stage: Stage) -> Result<(), ChainError> {
+    match watch(stage) {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(ChainError::Stopped),
+    }
+}
+
 /// What a search came to.
 #[derive(Clone, Debug)]
 pub struct Found {
@@ -172,8 +201,9 @@ pub struct Found {
 /// The same seed gives the same chains at any number of threads.
 ///
 /// # Errors
-/// [`ChainError::TooFewRows`], or [`ChainError::Singular`] if no start can be fitted.
-pub fn search(rows: &Rows, search: &Search) -> Result<Found, ChainError> {
+/// [`ChainError::TooFewRows`], [`ChainError::Singular`] if no start can be fitted, or
+/// [`ChainError::Stopped`].
+pub fn search(rows: &Rows, search: &Search, watch: Watch<'_>) -> Result<Found, ChainError> {
     let n = rows.n_joints();
     let needed = PER_BODY * n;
     if rows.len() < needed {
@@ -183,11 +213,11 @@ pub fn search(rows: &Rows, search: &Search) -> Result<Found, ChainError> {
     let (glance, start) = (rows.thinned(search.glance_rows), rows.thinned(search.start_rows));
     let free = all_parameters(n);
     let made = |place: usize| {
-        let fitted = right_angles(&glance, &weights, search, place)?;
+        let fitted = right_angles(&glance, &weights, (search, place), watch)?;
         // A joint whose torque is mostly noise must not dominate the others.
         let first = Chain::new(&fitted, &glance, &weights);
         let weighed = Search { weighings: START_WEIGHINGS, ..search.clone() };
-        Some((place, refine(&start, &first, &free, &weighed).ok()?))
+        Some((place, refine(&start, &first, &free, &weighed, watch).ok()?))
     };
     let rank = |chain: &Chain| score(chain, &start, LEAST_RESIDUAL);
     let mut found: Vec<(usize, Chain)> = Vec::new();
@@ -198,13 +228,15 @@ pub fn search(rows: &Rows, search: &Search) -> Result<Found, ChainError> {
         found.extend(batch.into_par_iter().filter_map(made).collect::<Vec<_>>());
         found.sort_by(|a, b| rank(&a.1).total_cmp(&rank(&b.1)).then(a.0.cmp(&b.0)));
         times = found.iter().filter(|own| are_same(&own.1, &found[0].1, &start)).count();
+        tell(watch, Stage::Starts { made: starts, agreeing: times })?;
     }
     found.truncate(search.finalists.max(1));
     let finals = rows.thinned(search.final_rows);
     let mut chains: Vec<Chain> = found
         .into_par_iter()
-        .filter_map(|(_, chain)| refine(&finals, &chain, &free, search).ok())
+        .filter_map(|(_, chain)| refine(&finals, &chain, &free, search, watch).ok())
         .collect();
+    tell(watch, Stage::Round)?;
     let rank = |chain: &Chain| score(chain, &finals, LEAST_RESIDUAL);
     chains.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     if chains.is_empty() { Err(ChainError::Singular) } else { Ok(Found { chains, times, starts }) }
@@ -217,12 +249,12 @@ fn are_same(a: &Chain, b: &Chain, rows: &Rows) -> bool {
 }
 
 /// What the best of the starts leaves of few rows, before any is refined: a first look at a
-/// coupling, or at torques in another order. Geometric mean over the joints of the residual's part of the torque; infinite where no
-/// start can be fitted.
-pub fn glance(rows: &Rows, search: &Search) -> f64 {
+/// coupling, or at torques in another order. Geometric mean over the joints of the residual's part
+/// of the torque; infinite where no start can be fitted, or the work is stopped.
+pub fn glance(rows: &Rows, search: &Search, watch: Watch<'_>) -> f64 {
     let (weights, glance) = (first_weights(rows), rows.thinned(search.glance_rows));
     let left = (0..search.starts).into_par_iter().filter_map(|place| {
-        let fitted = right_angles(&glance, &weights, search, place)?;
+        let fitted = right_angles(&glance, &weights, (search, place), watch)?;
         Some(score(&Chain::new(&fitted, &glance, &weights), rows, LEAST_RESIDUAL))
     });
     let least = left.reduce_with(f64::min).unwrap_or(f64::INFINITY);
@@ -243,12 +275,13 @@ fn score(chain: &Chain, rows: &Rows, least: f64) -> f64 {
 ///
 /// # Errors
 /// [`ChainError::Shape`] if the start is of another arm or has no such parameter,
-/// [`ChainError::Singular`].
+/// [`ChainError::Singular`], [`ChainError::Stopped`].
 pub fn refine(
     rows: &Rows,
     start: &Chain,
     free: &[usize],
     search: &Search,
+    watch: Watch<'_>,
 ) -> Result<Chain, ChainError> {
     let (found, expected) =
         (start.geometry.parameters().len(), all_parameters(rows.n_joints()).len());
@@ -265,7 +298,7 @@ pub fn refine(
     for _ in 0..search.weighings {
         let (usual, strength) = (UsualArm::near(&geometry), search.prior);
         let target = Target { rows, weights: &weights, ridge: search.ridge, usual, strength };
-        let fitted = target.descend(&geometry, free, search.rounds)?;
+        let fitted = target.descend(&geometry, free, search.rounds, watch)?;
         let found = Chain::new(&fitted, rows, &weights);
         weights = weights_of(&found.residual_rms, &first);
         geometry = found.geometry.clone();
@@ -279,7 +312,7 @@ pub fn refine(
 /// # Errors
 /// [`ChainError::Shape`] if the start is of another arm, [`ChainError::Singular`].
 pub fn fit(rows: &Rows, start: &Chain, search: &Search) -> Result<Chain, ChainError> {
-    refine(rows, start, &[], &Search { rounds: 0, ..search.clone() })
+    refine(rows, start, &[], &Search { rounds: 0, ..search.clone() }, UNWATCHED)
 }
 
 /// One over the noise of each joint; the first guess where there is no residual.
@@ -292,7 +325,12 @@ pub(crate) fn weights_of(residual_rms: &[f64], first: &[f64]) -> Vec<f64> {
 
 /// The start of a place: each axis in turn takes the right angle that explains most, until none
 /// changes.
-fn right_angles(rows: &Rows, weights: &[f64], search: &Search, place: usize) -> Option<Fitted> {
+fn right_angles(
+    rows: &Rows,
+    weights: &[f64],
+    (search, place): (&Search, usize),
+    watch: Watch<'_>,
+) -> Option<Fitted> {
     let n = rows.n_joints();
     let mut random = ChaCha8Rng::seed_from_u64(search.seed);
     random.set_stream(place as u64);
@@ -313,6 +351,7 @@ fn right_angles(rows: &Rows, weights: &[f64], search: &Search, place: usize) -> 
             order.swap(k, random.random_range(0..=k));
         }
         for joint in order {
+            tell(watch, Stage::Round).ok()?;
             for direction in RIGHT_ANGLES {
                 let mut other = best.geometry.clone();
                 if joint == 0 {

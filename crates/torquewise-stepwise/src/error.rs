@@ -52,6 +52,8 @@ pub enum IdentifyError {
     #[error("no chain of rigid bodies could be learned: {0}")]
     #[diagnostic(forward(0))]
     Chain(#[from] torquewise_rigid::ChainError),
+    #[error("stopped")]
+    Stopped,
     #[error("the numbers of the log cannot be worked with")]
     #[diagnostic(help(
         "check that its units are rad, s and N·m and that every signal is measured"

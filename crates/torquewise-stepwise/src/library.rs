@@ -7,7 +7,7 @@ use crate::model_selection::choose_laws;
 use crate::noise::{NoiseFloor, NoiseSum};
 use crate::patterns::{LEAST_SHARE, PatternPlan, Patterns};
 use crate::plan::{LibraryKind, LibraryOptions, Regression};
-use crate::progress::Progress;
+use crate::progress::{Progress, Watch};
 use crate::rows::{PatternSums, clear_of_reversals, samples_of};
 use crate::survey::survey;
 use serde::{Deserialize, Serialize};
@@ -51,13 +51,13 @@ impl SummedLibrary {
     pub fn of(
         recording: &(impl Recording + ?Sized),
         options: &LibraryOptions,
-        progress: &mut dyn FnMut(Progress),
+        watch: Watch<'_>,
     ) -> Result<(Self, Vec<Choice>), IdentifyError> {
         let LibraryOptions { library: kind, regression, friction, .. } = *options;
         if friction == FrictionKind::None {
             return Ok((Self { kind, regression, friction: Vec::new() }, Vec::new()));
         }
-        progress(Progress::Survey);
+        Progress::Survey.tell(watch)?;
         let survey = survey(recording)?;
         survey.sample.require_tau()?;
         let (friction, choices) = choose_laws(&survey, options)?;

@@ -1,8 +1,10 @@
-//! The stage that work under way is in, for whoever watches.
+//! How far work under way is, for whoever watches it and may stop it.
 
+use crate::error::IdentifyError;
 use std::fmt;
+use std::ops::ControlFlow;
 
-/// A stage of the work, told when it begins.
+/// A stage of the work, told when it begins, or how far it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
     /// The log is looked through.
@@ -11,14 +13,59 @@ pub enum Progress {
     Patterns,
     /// The geometry of the arm is learned (E8).
     Geometry,
+    /// Starts of a search for the geometry were made.
+    Starts {
+        /// So many.
+        made: usize,
+        /// So many at most: fewer where enough of them agree.
+        most: usize,
+        /// So many of them led to the best arm.
+        agreeing: usize,
+    },
+    /// Friction, springs and shared shafts are chosen (E13).
+    Choices,
+    /// Cut-offs and delays of a filter are tried (E12).
+    Bandwidth,
     /// Normal equations are summed.
     Sums,
     /// Terms are selected in a step, counted from 1.
     Step(usize),
     /// The kept terms are fitted on all rows.
     Refit,
+    /// The model is judged on rows held out.
+    Judging,
+    /// The stage goes on: told often, so that work can be stopped.
+    Working,
     /// All is done.
     Done,
+}
+
+/// Is told how far work is, and stops it by breaking, from then on whenever it is called. It is
+/// called from several threads.
+pub type Watch<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync + 'a);
+
+/// Nobody watches.
+pub const UNWATCHED: Watch<'static> = &|_| ControlFlow::Continue(());
+
+impl Progress {
+    /// Tells whoever watches.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Stopped`] if the work is not wanted any more.
+    pub fn tell(self, watch: Watch<'_>) -> Result<(), IdentifyError> {
+        match watch(self) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(IdentifyError::Stopped),
+        }
+    }
+
+    /// What is done of how much, at most, where that is known.
+    pub fn share(self) -> Option<(usize, usize)> {
+        match self {
+            Self::Starts { made, most, .. } => Some((made, most)),
+            _ => None,
+        }
+    }
 }
 
 impl fmt::Display for Progress {
@@ -27,9 +74,17 @@ impl fmt::Display for Progress {
             Self::Survey => out.write_str("looking through the log"),
             Self::Patterns => out.write_str("clustering"),
             Self::Geometry => out.write_str("learning the geometry"),
+            Self::Starts { made, most, agreeing } => write!(
+                out,
+                "learning the geometry, {made} of at most {most} starts, best found {agreeing} times"
+            ),
+            Self::Choices => out.write_str("choosing friction"),
+            Self::Bandwidth => out.write_str("trying cut-offs of the filter"),
             Self::Sums => out.write_str("summing"),
             Self::Step(step) => write!(out, "selecting terms, step {step}"),
             Self::Refit => out.write_str("fitting all rows"),
+            Self::Judging => out.write_str("judging on rows held out"),
+            Self::Working => out.write_str("working"),
             Self::Done => out.write_str("done"),
         }
     }

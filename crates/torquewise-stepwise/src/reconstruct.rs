@@ -9,7 +9,7 @@ use crate::model_selection::{ModelSelection, select_model};
 use crate::noise::NoiseFloor;
 use crate::patterns::find_patterns;
 use crate::plan::{LibraryOptions, Regression};
-use crate::progress::Progress;
+use crate::progress::{Progress, Watch};
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
 use crate::step::{self, Step, plan_steps};
 use crate::survey::Survey;
@@ -37,7 +37,7 @@ pub fn reconstruct(
     mut sums: LibrarySums,
     options: &LibraryOptions,
     seed: u64,
-    progress: &mut dyn FnMut(Progress),
+    watch: Watch<'_>,
 ) -> Result<LibraryFit, IdentifyError> {
     // Activation index I(q̇), I(q̈), and clusters in their plane (6) (7).
     let mut patterns = find_patterns(survey, &sums.patterns)?;
@@ -62,14 +62,14 @@ pub fn reconstruct(
     let (steps, unassigned) = plan_steps(candidates, options.regression, &patterns.present);
     let mut found = PartialModel::new(survey, candidates, choices);
     for (number, step) in (1..).zip(&steps) {
-        progress(Progress::Step(number));
+        Progress::Step(number).tell(watch)?;
         let rows = &sums.sums[step.pattern.map_or(0, |pattern| pattern as usize)];
         let grams = rows.grams(&basis.prepared, &step.columns);
         found.take_step(step, rows.rows, &grams, &options.selector)?;
     }
 
     // All kept terms on all rows (E6), less the bias that noise leaves (E7).
-    progress(Progress::Refit);
+    Progress::Refit.tell(watch)?;
     let noise = sums.still.clone().unwrap_or_else(|| survey.noise.clone());
     let bias =
         if options.noise_correction { noise.clone() } else { NoiseFloor::none(noise.q.len()) };
@@ -80,7 +80,7 @@ pub fn reconstruct(
     let plan = RefitPlan { survey, options: &options, noise: &bias, seed };
     let refitted = refit(candidates, &kept, &whole, &plan)?;
 
-    progress(Progress::Done);
+    Progress::Done.tell(watch)?;
     let is_missing = |pattern: &Pattern| is_stepwise && !patterns.present.contains(pattern);
     let missing = Pattern::ALL.into_iter().filter(is_missing).collect();
     let dependent: BTreeSet<usize> =

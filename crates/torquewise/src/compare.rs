@@ -52,7 +52,7 @@ pub fn compare(
     let [stepwise, sindy] = options.plans_to_compare()?;
     let contend = |plan| -> Result<Contender> {
         let fit = fit_plan(train, None, plan, observer)?;
-        let scores = score(&fit.model, &Watched::new(test, NOBODY, "predicting", (None, 1)))?;
+        let scores = score(&fit.model, &Watched::new(test, NOBODY, "predicting", None))?;
         Ok(Contender::new(fit, &scores))
     };
     Ok(Comparison { stepwise: contend(&stepwise)?, sindy: contend(&sindy)? })

@@ -113,6 +113,7 @@ impl From<IdentifyError> for Error {
     fn from(source: IdentifyError) -> Self {
         match source {
             IdentifyError::Read(inner) => inner.into(),
+            IdentifyError::Stopped => Self::Interrupted,
             own => Self::Identify(own),
         }
     }

@@ -72,7 +72,7 @@ pub fn evaluate<'a>(model: &Model, log: impl Into<Source<'a>>) -> Result<Evaluat
     match log.into() {
         Source::Log(log) => evaluate_prepared(model, &prepare(model, log)?, NOBODY),
         Source::Recording(recording) => {
-            scored(model, &Watched::new(recording, NOBODY, "predicting", (None, 1)))
+            scored(model, &Watched::new(recording, NOBODY, "predicting", None))
         }
     }
 }
@@ -96,7 +96,7 @@ pub fn evaluate_prepared(
     log: &Prepared,
     observer: Observer<'_>,
 ) -> Result<Evaluation> {
-    let watched = Watched::new(log.rows(), observer, "predicting", (log.rows_hint(), 1));
+    let watched = Watched::new(log.rows(), observer, "predicting", log.rows_hint());
     let mut evaluation = scored(model, &watched)?;
     let raw = log.raw_torque()?;
     let raw = raw.map(|(motion, noise)| score(model, &motion).map(|scores| (scores, noise)));

@@ -53,12 +53,11 @@ pub fn contacts(
     let free = free.map(prepared).transpose()?;
     let is_free = free.is_some();
     let calm = free.as_ref().unwrap_or(&rows);
-    let watched = Watched::new(calm.rows(), observer, "setting thresholds", (calm.rows_hint(), 3));
+    let watched = Watched::new(calm.rows(), observer, "setting thresholds", calm.rows_hint());
     let numbers = (options.bandwidth, options.false_alarms_per_hour);
     let thresholds = Thresholds::of_free_motion(model, &watched, numbers, is_free)?;
     let mut detector = ContactDetector::new(model);
-    let watched =
-        Watched::new(rows.rows(), observer, "looking for contacts", (rows.rows_hint(), 1));
+    let watched = Watched::new(rows.rows(), observer, "looking for contacts", rows.rows_hint());
     let mut last = None;
     external_torques(model, &watched, options.bandwidth, &mut |row| {
         if last.is_some_and(|own| own != row.trajectory) {

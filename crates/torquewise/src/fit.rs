@@ -1,12 +1,14 @@
 //! From logs to a model: the one call that chooses what is fitted, conditions, fits and judges.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::evaluate::{Evaluation, evaluate};
 use crate::log::{Filter, Log, Rows, Source};
 use crate::observe::{Event, NOBODY, Observer, Watched};
 use crate::options::{Facts, FitOptions};
 use crate::prepared::Prepared;
 use std::ops::Deref;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 use torquewise_identify::bandwidth::{Tuned, tune};
 use torquewise_identify::disagreement::disagreements;
@@ -15,6 +17,7 @@ use torquewise_identify::verdict::Verdict;
 use torquewise_identify::{IdentifyError, Method, Plan, Reconstruction, Warning, reconstruct};
 use torquewise_motion::Recording;
 use torquewise_stepwise::Progress;
+use torquewise_stepwise::progress::Watch;
 
 /// A fit to be run: what it reads, and what is asked for.
 ///
@@ -80,7 +83,7 @@ impl<'a> Fit<'a> {
         let Some(log) = &fit.log else { return Ok(fit) };
         fit.found.model.training.filter = log.filter();
         if log.logs().paths().len() > 1 {
-            let watched = Watched::new(log.rows(), self.observer, "comparing the logs", (None, 1));
+            let watched = Watched::new(log.rows(), self.observer, "comparing the logs", None);
             let at_odds = disagreements(&fit.found.model, &watched, &|k| log.file_of(k))?;
             fit.found.warnings.extend(at_odds.into_iter().map(Warning::Disagreement));
         }
@@ -134,7 +137,7 @@ pub(crate) fn fit_plan(
     plan: &Plan,
     observer: Observer<'_>,
 ) -> Result<FitResult> {
-    let watched = Watched::new(recording, observer, "reading", (rows, 2));
+    let watched = Watched::new(recording, observer, "reading", rows);
     let (found, seconds, step_seconds) =
         timed(observer, |progress| reconstruct(&watched, plan, progress))?;
     Ok(FitResult { found, log: None, seconds, step_seconds })
@@ -154,7 +157,7 @@ fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<Fit
     let ((log, found), seconds, step_seconds) = timed(observer, |progress| {
         let Tuned { recording, request, choices } = tune(raw.as_ref(), &by_chain, progress)?;
         let log = Prepared::Conditioned(Box::new(recording));
-        let watched = Watched::new(log.rows(), observer, "reading", (rows, 2));
+        let watched = Watched::new(log.rows(), observer, "reading", rows);
         let mut found = match &plan.method {
             Method::Chain(_) => reconstruct_from(&watched, request, plan, progress)?,
             Method::Library(_) => reconstruct(&watched, plan, progress)?,
@@ -168,15 +171,25 @@ fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<Fit
 /// Does some work, and takes the time of it and of its steps \[s\].
 pub(crate) fn timed<T>(
     observer: Observer<'_>,
-    work: impl FnOnce(&mut dyn FnMut(Progress)) -> Result<T, IdentifyError>,
+    work: impl FnOnce(Watch<'_>) -> Result<T, IdentifyError>,
 ) -> Result<(T, f64, Vec<f64>)> {
-    let mut events: Vec<(Progress, Instant)> = Vec::new();
+    let events: Mutex<Vec<(Progress, Instant)>> = Mutex::new(Vec::new());
+    let is_stopped = AtomicBool::new(false);
     let start = Instant::now();
-    let done = work(&mut |stage| {
-        // Whoever breaks is asked again at the next block.
-        let _ = observer(Event::Stage(stage));
-        events.push((stage, Instant::now()));
-    })?;
+    let done = work(&|stage| {
+        if !matches!(stage, Progress::Working | Progress::Starts { .. } | Progress::Choices) {
+            events.lock().unwrap_or_else(PoisonError::into_inner).push((stage, Instant::now()));
+        }
+        let told = observer(Event::Stage(stage));
+        is_stopped.fetch_or(told.is_break(), Ordering::Relaxed);
+        told
+    });
+    if is_stopped.into_inner() {
+        // Whatever came of it: a part that was stopped may be taken for one that failed.
+        return Err(Error::Interrupted);
+    }
+    let done = done?;
+    let events = events.into_inner().unwrap_or_else(PoisonError::into_inner);
     let mut step_seconds: Vec<f64> = Vec::new();
     for pair in events.windows(2) {
         let spent = pair[1].1.duration_since(pair[0].1).as_secs_f64();
@@ -186,4 +199,41 @@ pub(crate) fn timed<T>(
         }
     }
     Ok((done, start.elapsed().as_secs_f64(), step_seconds))
+}
+
+#[cfg(test)]
+mod tests {
+    #![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+    use crate::dynamics::{Arm, MotionPlan, simulate};
+    use crate::{Error, Event, Fit};
+    use std::ops::ControlFlow;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    /// Calls that are under way in other threads, or of parts that were begun.
+    const FEW: usize = 40;
+
+    #[test]
+    fn a_fit_ends_soon_after_its_observer_breaks() {
+        let plan = MotionPlan { seconds: 40.0, rate: 50.0, seed: 1, ..MotionPlan::default() };
+        let motion = simulate(&Arm::builtin("generic-4").unwrap(), &plan).unwrap().motion;
+        let calls_until = |last: usize| {
+            let calls = AtomicUsize::new(0);
+            let observer = |_: Event| {
+                let is_last = calls.fetch_add(1, Ordering::Relaxed) >= last;
+                if is_last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            let fit = Fit::new(&motion).observer(&observer).run();
+            (fit.map(drop), calls.into_inner())
+        };
+
+        let (whole, all) = calls_until(usize::MAX);
+        whole.unwrap();
+        for tenths in [1, 3, 5, 7, 9] {
+            let last = tenths * all / 10;
+            let (stopped, calls) = calls_until(last);
+            assert!(matches!(stopped, Err(Error::Interrupted)), "{tenths}: {stopped:?}");
+            assert!(calls < last + FEW, "{calls} calls, stopped at {last} of {all}");
+        }
+    }
 }

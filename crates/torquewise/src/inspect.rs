@@ -66,7 +66,7 @@ pub struct Inspection {
 /// # }
 /// ```
 pub fn inspect(log: &Prepared, observer: Observer<'_>) -> Result<Inspection> {
-    let watched = Watched::new(log.rows(), observer, "looking through the log", (None, 1));
+    let watched = Watched::new(log.rows(), observer, "looking through the log", None);
     let survey = survey(&watched)?;
     let patterns = find_patterns(&survey, &PatternPlan::default())?;
     let mut counts = [0; 3];

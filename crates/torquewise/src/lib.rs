@@ -84,6 +84,7 @@ pub use torquewise_sim::excite;
 pub use torquewise_stepwise as stepwise;
 pub use torquewise_stepwise as survey;
 pub use torquewise_stepwise::FrictionKind;
+pub use torquewise_stepwise::Progress;
 
 /// The guides, whose programs are compiled as tests.
 #[cfg(doctest)]

@@ -12,7 +12,7 @@ pub enum Event {
     Reading {
         /// What for, such as `predicting`.
         doing: &'static str,
-        /// Rows in all passes.
+        /// Rows of a pass.
         rows: Option<u64>,
     },
     /// So many rows were read since the last event.
@@ -21,8 +21,9 @@ pub enum Event {
     Stage(Progress),
 }
 
-/// Is told what is done; work stops with [`Error::Interrupted`] where it breaks.
-pub type Observer<'a> = &'a (dyn Fn(Event) -> ControlFlow<()> + 'a);
+/// Is told what is done, from several threads; work stops with [`Error::Interrupted`] where it
+/// breaks, which it does from then on.
+pub type Observer<'a> = &'a (dyn Fn(Event) -> ControlFlow<()> + Sync + 'a);
 
 /// Nobody watches.
 pub const NOBODY: Observer<'static> = &|_| ControlFlow::Continue(());
@@ -36,15 +37,15 @@ pub struct Watched<'a> {
 impl<'a> Watched<'a> {
     /// Tells `observer` what the rows are read for, and of each block.
     ///
-    /// - `rows`: how many there are, if that is known, and how often they will be read
+    /// - `rows`: how many there are, if that is known
     pub fn new(
         recording: &'a dyn Recording,
         observer: Observer<'a>,
         doing: &'static str,
-        rows: (Option<u64>, u64),
+        rows: Option<u64>,
     ) -> Self {
         // Whoever wants to stop is asked again at the first block.
-        let _ = observer(Event::Reading { doing, rows: rows.0.map(|one| one * rows.1) });
+        let _ = observer(Event::Reading { doing, rows });
         Self { recording, observer }
     }
 

@@ -24,7 +24,7 @@ pub fn page(
     observer: Observer<'_>,
 ) -> Result<Option<String>> {
     let look = |log: &Prepared| {
-        let rows = (log.rows_hint(), 2);
+        let rows = log.rows_hint();
         let watched = Watched::new(log.rows(), observer, "looking at the residuals", rows);
         diagnose(&fit.model, &fit.patterns, &watched)
     };

@@ -27,7 +27,7 @@ pub use torquewise_identify::payload::{Gains, Payload};
 /// ```
 pub fn payload(model: &Model, log: &Log, observer: Observer<'_>) -> Result<Payload> {
     let log = prepare(model, log)?;
-    let watched = Watched::new(log.rows(), observer, "weighing", (log.rows_hint(), 2));
+    let watched = Watched::new(log.rows(), observer, "weighing", log.rows_hint());
     Ok(Payload::find(model, &watched)?)
 }
 
@@ -40,6 +40,6 @@ pub fn payload(model: &Model, log: &Log, observer: Observer<'_>) -> Result<Paylo
 /// Those of [`payload`].
 pub fn gains(model: &Model, log: &Log, mass: f64, observer: Observer<'_>) -> Result<Gains> {
     let log = prepare(model, log)?;
-    let watched = Watched::new(log.rows(), observer, "weighing", (log.rows_hint(), 2));
+    let watched = Watched::new(log.rows(), observer, "weighing", log.rows_hint());
     Ok(Gains::find(model, &watched, mass)?)
 }

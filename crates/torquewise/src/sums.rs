@@ -47,14 +47,12 @@ pub fn sum_up(
         return Err(Error::FrictionOfSums);
     }
     let log = log.prepare(Rows::Filtered)?;
-    let watched = Watched::new(log.rows(), observer, "summing", (log.rows_hint(), 2));
-    let mut told = |stage| {
-        // Whoever breaks is asked again at the next block.
-        let _ = observer(Event::Stage(stage));
-    };
+    let watched = Watched::new(log.rows(), observer, "summing", log.rows_hint());
+    let watch = |stage| observer(Event::Stage(stage));
+    let signals = conditioning(&log);
     let summary = match request {
-        None => summarise(&watched, &plan, &conditioning(&log), &mut told)?,
-        Some(request) => summarise_again(&watched, &plan, &conditioning(&log), request, &mut told)?,
+        None => summarise(&watched, &plan, &signals, &watch)?,
+        Some(request) => summarise_again(&watched, &plan, &signals, request, &watch)?,
     };
     Ok((summary.filtered_by(log.filter()), log))
 }

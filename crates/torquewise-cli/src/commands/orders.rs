@@ -64,7 +64,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         interaction: arguments.interaction.into(),
         patterns: arguments.patterns.plan()?,
     };
-    let curves = orders(&Watched::new(logs.rows(), &watch(), "trying orders", (None, 1)), &plan)?;
+    let curves = orders(&Watched::new(logs.rows(), &watch(), "trying orders", None), &plan)?;
     let mut text: Vec<String> =
         curves.iter().map(|curve| curve_text(curve, log.joints())).collect();
     if let Some(file) = &arguments.output {

@@ -37,7 +37,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let log = arguments.filter.open(&arguments.logs)?;
     let logs = arguments.filter.prepare(&log, Rows::Every)?;
     let found = {
-        let (shown, rows) = (watch(), (logs.rows_hint(), 1));
+        let (shown, rows) = (watch(), logs.rows_hint());
         let watched = Watched::new(logs.rows(), &shown, "looking through the log", rows);
         find_patterns(&survey(&watched)?, &arguments.patterns.plan()?)?
     };
@@ -48,7 +48,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 /// Labels all rows, beyond the sample that was clustered.
 fn label_rows(logs: &Prepared, found: &Patterns, file: Option<&Path>) -> Result<[u64; 3]> {
     let mut table = PatternTable::create(file)?;
-    Watched::new(logs.rows(), &watch(), "labelling rows", (logs.rows_hint(), 1))
+    Watched::new(logs.rows(), &watch(), "labelling rows", logs.rows_hint())
         .read(&mut |_, block| Ok(table.append(&found.label(block))?))?;
     Ok(table.finish()?)
 }

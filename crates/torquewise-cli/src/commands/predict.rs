@@ -69,7 +69,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut largest = vec![0.0_f64; model.n_joints()];
     let mut rows = 0;
     let mut path = written.torque.path();
-    Watched::new(logs.rows(), &watch(), "predicting", (logs.rows_hint(), 1)).read(
+    Watched::new(logs.rows(), &watch(), "predicting", logs.rows_hint()).read(
         &mut |trajectory, block| {
             rows += block.n_rows();
             range.add(block);

@@ -132,7 +132,7 @@ const MOST_NOISY_ROWS: f64 = 2e7;
 fn write_log(file: &Path, recording: &dyn Recording) -> Result<()> {
     let mut writer = LogWriter::create(&staged(file)?, recording.joints(), true)?;
     let shown = watch();
-    let write = Watched::new(recording, &shown, "writing", (None, 1));
+    let write = Watched::new(recording, &shown, "writing", None);
     write.read(&mut |_, block| Ok(writer.append(block)?))?;
     Ok(writer.finish()?)
 }

@@ -32,7 +32,9 @@ pub(crate) fn three_joints(folder: &Path) -> Value {
         timed("lasso", || lasso_path(&all, &lasso).expect("settings within range"));
     write(&folder.join("energy3_lambdas.f64"), path.iter().map(|point| point.lambda));
     let plan = Plan::from(LibraryOptions { bags: 0, ..LibraryOptions::default() });
-    let (found, fit) = timed("fit", || reconstruct(&motion, &plan, &mut |_| {}).expect("a log"));
+    let (found, fit) = timed("fit", || {
+        reconstruct(&motion, &plan, torquewise_identify::UNWATCHED).expect("a log")
+    });
     json!({
         "rows": ROWS,
         "candidates": candidates.len(),
@@ -50,7 +52,9 @@ pub(crate) fn six_joints(folder: &Path) -> Value {
     let (motion, test) = (moves("generic-6", FEW_ROWS, 2), test("generic-6"));
     write_files(folder, "energy6", &motion, &test);
     let plan = Plan::from(ChainOptions { friction: FrictionKind::None, ..ChainOptions::default() });
-    let (found, fit) = timed("fit", || reconstruct(&motion, &plan, &mut |_| {}).expect("a log"));
+    let (found, fit) = timed("fit", || {
+        reconstruct(&motion, &plan, torquewise_identify::UNWATCHED).expect("a log")
+    });
     json!({
         "rows": FEW_ROWS,
         "candidates": energy_library(motion.n_joints(), None).len(),

@@ -17,8 +17,10 @@ pub(crate) fn run(folder: &Path) -> Value {
     let candidates =
         Candidates::new(N, options.library, options.regression, Vec::new()).expect("a library");
     let plan = options.into();
-    let (found, seconds) =
-        timed("fit", || reconstruct(&motion, &plan, &mut |_| {}).expect("a log of three patterns"));
+    let (found, seconds) = timed("fit", || {
+        reconstruct(&motion, &plan, torquewise_identify::UNWATCHED)
+            .expect("a log of three patterns")
+    });
 
     write_motion(&folder.join("steps.f64"), &motion);
     write_motion(&folder.join("steps_test.f64"), &test);

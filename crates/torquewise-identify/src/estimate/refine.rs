@@ -5,6 +5,7 @@ use super::nominal::Sizes;
 use super::pass::add_up;
 use super::solve::Solved;
 use super::step::{Step, Tuning, weights};
+use crate::reconstruction::{Progress, Watch};
 use crate::unseen::geometric_mean;
 use serde::{Deserialize, Serialize};
 use torquewise_motion::Recording;
@@ -137,6 +138,7 @@ pub(crate) fn refine(
     recording: &(impl Recording + ?Sized),
     start: &Linearisation,
     sizes: &Sizes,
+    watch: Watch<'_>,
 ) -> Result<Linearisation, IdentifyError> {
     let linear = start.linear_indices();
     let sums = add_up(recording, start)?;
@@ -151,6 +153,7 @@ pub(crate) fn refine(
         }
         let mut passes = Passes::over_sample(at);
         at = loop {
+            Progress::Working.tell(watch)?;
             let sums = add_up(recording, &passes.at)?;
             match passes.take(&sums, sizes)? {
                 Next::Pass(next) => passes = next,

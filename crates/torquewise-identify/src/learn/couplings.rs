@@ -40,8 +40,8 @@ impl ChainLearner<'_> {
             let found = self.geometry(&mut with, None, &mut made)?;
             let rows = self.rows(spec, TRIAL_ROWS)?;
             let trials = [
-                trial("none".to_owned(), &best, &rows, &chain, ROUNDS)?,
-                trial(label, &with, &rows, &found, ROUNDS)?,
+                trial("none".to_owned(), &best, &rows, &chain, ROUNDS, &self.searching())?,
+                trial(label, &with, &rows, &found, ROUNDS, &self.searching())?,
             ];
             if trials[1].error() > COUPLING_GAIN * trials[0].error()
                 || record("coupling", &trials, choices) == 0
@@ -67,11 +67,14 @@ impl ChainLearner<'_> {
             known.coupled().iter().all(|k| (k.joint, k.driver) != (own.joint, own.driver))
         };
         let candidates: Vec<Coupled> = pairs.filter(is_new).collect();
+        let searching = self.searching();
         let left: Vec<f64> = candidates
             .par_iter()
-            .map(|&own| glance(&rows, &Search { coupling: known.with(own), ..look.clone() }))
+            .map(|&own| {
+                glance(&rows, &Search { coupling: known.with(own), ..look.clone() }, &searching)
+            })
             .collect();
-        let without = glance(&rows, &look);
+        let without = glance(&rows, &look, &searching);
         let best = candidates.into_iter().zip(left).min_by(|a, b| a.1.total_cmp(&b.1));
         Ok(best.filter(|(_, left)| *left <= PROMISING * without).map(|(own, _)| {
             (label(own), Search { coupling: known.with(own), ..spec.search.clone() })

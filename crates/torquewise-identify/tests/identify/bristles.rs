@@ -38,7 +38,7 @@ fn log(kind: MotionKind, seconds: f64, seed: u64) -> Motion {
 
 fn fit(motion: &Motion, friction: FrictionKind) -> Reconstruction {
     let plan = Plan::from(ChainOptions { friction, ..ChainOptions::default() });
-    reconstruct(motion, &plan, &mut |_| {}).unwrap()
+    reconstruct(motion, &plan, torquewise_identify::UNWATCHED).unwrap()
 }
 
 /// RMS error of each joint at the rows at which it is slow \[N·m\].

@@ -47,7 +47,7 @@ pub(crate) fn plan(friction: FrictionKind) -> Plan {
 }
 
 pub(crate) fn fit(motion: &Motion, friction: FrictionKind) -> Reconstruction {
-    reconstruct(motion, &plan(friction), &mut |_| {}).unwrap()
+    reconstruct(motion, &plan(friction), torquewise_identify::UNWATCHED).unwrap()
 }
 
 /// Half width of the smooth sign of a joint that moves so: that of the learner, since a sharper one

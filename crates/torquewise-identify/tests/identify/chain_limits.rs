@@ -61,7 +61,8 @@ fn too_few_rows_for_a_chain_are_named() {
     let arm = Arm::builtin("generic-6").unwrap();
     let log = sines(&arm, 1.1, 1);
 
-    let error = reconstruct(&log, &plan(FrictionKind::Linear), &mut |_| {}).unwrap_err();
+    let error =
+        reconstruct(&log, &plan(FrictionKind::Linear), torquewise_identify::UNWATCHED).unwrap_err();
 
     assert!(matches!(error, IdentifyError::Chain(_)), "{error}");
     assert!(error.to_string().contains("55 rows of 6 joints"), "{error}");

@@ -45,7 +45,7 @@ fn with_friction(log: Motion, viscous: f64, dry: f64) -> Motion {
 }
 
 fn found(logs: &[Motion]) -> Vec<Disagreement> {
-    let model = reconstruct(logs, &Plan::default(), &mut |_| ()).unwrap().model;
+    let model = reconstruct(logs, &Plan::default(), torquewise_identify::UNWATCHED).unwrap().model;
     disagreements(&model, logs, &|k| format!("log {k}")).unwrap()
 }
 
@@ -108,7 +108,8 @@ fn logs_of_one_arm_agree_whatever_their_motion_and_friction() {
 fn one_log_agrees_with_itself_though_it_has_gaps() {
     let moves = |hand, seed| log(hand, 40.0, MotionKind::Moves, seed);
     let logs = [moves(3.0, 1), moves(4.0, 2)];
-    let model = reconstruct(&logs[..], &Plan::default(), &mut |_| ()).unwrap().model;
+    let model =
+        reconstruct(&logs[..], &Plan::default(), torquewise_identify::UNWATCHED).unwrap().model;
 
     assert_eq!(disagreements(&model, &logs[..], &|_| "one".into()).unwrap(), []);
     assert_ne!(disagreements(&model, &logs[..], &|k| k.to_string()).unwrap(), []);
@@ -117,7 +118,7 @@ fn one_log_agrees_with_itself_though_it_has_gaps() {
 #[test]
 fn a_log_without_torque_is_refused() {
     let bare = log(3.0, 40.0, MotionKind::Moves, 1);
-    let model = reconstruct(&bare, &Plan::default(), &mut |_| ()).unwrap().model;
+    let model = reconstruct(&bare, &Plan::default(), torquewise_identify::UNWATCHED).unwrap().model;
     let without = Motion::new(Signals { tau: None, ..bare.into_signals() }).unwrap();
 
     assert!(disagreements(&model, &without, &|_| String::new()).is_err());

@@ -44,7 +44,8 @@ fn the_model_of_a_planned_log_predicts_sines_it_has_not_seen() {
         let planned = excite(&limits, &plan, &mut |_, _| {}).unwrap();
         let log = planned.recordings.each_ref().map(|recording| executed(&arm, recording));
 
-        let found = reconstruct(&log[..], &FitPlan::default(), &mut |_| {}).unwrap();
+        let found =
+            reconstruct(&log[..], &FitPlan::default(), torquewise_identify::UNWATCHED).unwrap();
 
         assert_eq!(found.patterns.present, Pattern::ALL, "creeping: {slow_sweeps}");
         let unseen = MotionPlan { kind: MotionKind::Sines, seconds: 20.0, rate: 100.0, seed: 77 };

@@ -91,7 +91,7 @@ fn rubbing(arm: &Arm, states: &[[Vec<f64>; 3]], noise: f64) -> Motion {
 fn fit(library: LibraryKind, friction: FrictionKind) -> Reconstruction {
     let arm = Arm::builtin("puma560-3").unwrap();
     let plan = LibraryOptions { library, friction, ..LibraryOptions::default() }.into();
-    reconstruct(&recordings(&arm), &plan, &mut |_| {}).unwrap()
+    reconstruct(&recordings(&arm), &plan, torquewise_identify::UNWATCHED).unwrap()
 }
 
 /// Largest error of the friction of each joint over its true size, between two speeds.
@@ -160,7 +160,7 @@ fn an_empty_half_is_left_out() {
     let plan =
         LibraryOptions { friction: FrictionKind::Stribeck, ..LibraryOptions::default() }.into();
 
-    let found = reconstruct(&log.select(&forward), &plan, &mut |_| {}).unwrap();
+    let found = reconstruct(&log.select(&forward), &plan, torquewise_identify::UNWATCHED).unwrap();
 
     assert!(found.model.friction.iter().all(|w| w.coefficient.is_finite()));
     let third = found.model.friction.iter().filter(|w| w.term.acts_on(2));

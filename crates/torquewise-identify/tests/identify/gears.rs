@@ -41,7 +41,7 @@ fn log(seed: u64, gear: impl Fn(usize, f64, f64) -> f64) -> Motion {
 
 fn fit(motion: &Motion, friction: FrictionKind) -> Reconstruction {
     let plan = Plan::from(ChainOptions { friction, ..ChainOptions::default() });
-    reconstruct(motion, &plan, &mut |_| {}).unwrap()
+    reconstruct(motion, &plan, torquewise_identify::UNWATCHED).unwrap()
 }
 
 #[test]

@@ -46,7 +46,8 @@ fn reconstruct_simulated(rows: usize) {
     let log = SimulatedLog::new(&arm, &plan).expect("a plan within bounds");
     assert_eq!(log.n_rows(), rows);
 
-    let found = reconstruct(&log, &Plan::default(), &mut |_| {}).expect("a clean log");
+    let found =
+        reconstruct(&log, &Plan::default(), torquewise_identify::UNWATCHED).expect("a clean log");
 
     assert_eq!(found.survey.rows, rows);
 }

@@ -50,7 +50,7 @@ fn random_states_of_the_reference_arm_predict_held_out_states() {
     let Some(text) = oracle("puma560-3.csv") else { return };
     let (train, test) = (half(&text, 3, 0), half(&text, 3, 1));
 
-    let found = reconstruct(&train, &Plan::default(), &mut |_| {}).unwrap();
+    let found = reconstruct(&train, &Plan::default(), torquewise_identify::UNWATCHED).unwrap();
 
     let scores = score(&found.model, &test).unwrap();
     assert_eq!(found.model.form.n_coefficients(), 23);

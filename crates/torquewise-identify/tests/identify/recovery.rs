@@ -24,7 +24,7 @@ fn outside(arm: &Arm) -> Motion {
 }
 
 fn fit(motion: &Motion, plan: &Plan) -> Reconstruction {
-    reconstruct(motion, plan, &mut |_| {}).unwrap()
+    reconstruct(motion, plan, torquewise_identify::UNWATCHED).unwrap()
 }
 
 fn nrmse(found: &Reconstruction, test: &Motion) -> Vec<f64> {

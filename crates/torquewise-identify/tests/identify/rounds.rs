@@ -78,7 +78,7 @@ fn plan() -> Plan {
 }
 
 fn fit(motion: &Motion) -> Reconstruction {
-    reconstruct(motion, &plan(), &mut |_| {}).unwrap()
+    reconstruct(motion, &plan(), torquewise_identify::UNWATCHED).unwrap()
 }
 
 /// The harmonics of sums of angles up to twice each, of all joints.
@@ -201,7 +201,7 @@ fn fit_filtered(seed: u64) -> Reconstruction {
     let logs = Logs::open(&[path]).unwrap();
     let rows = ConditionedLogs::new(logs, &Conditioning::default()).unwrap();
     eprintln!("cut-off {:?}", rows.report.cutoff);
-    reconstruct(&rows, &self::plan(), &mut |_| {}).unwrap()
+    reconstruct(&rows, &self::plan(), torquewise_identify::UNWATCHED).unwrap()
 }
 
 /// Counts how many intervals of 90 % hold the truth, over many logs: of energy terms, of friction.
@@ -299,16 +299,19 @@ fn by_files(parts: &[Motion], orders: &[[usize; 3]]) -> String {
         order[1..].iter().for_each(|&k| all.merge(&read(&parts[k])).unwrap());
         read(&all)
     };
-    let first = parts.iter().map(|log| summarise(log, &plan(), "", &mut |_| {}).unwrap());
+    let first = parts
+        .iter()
+        .map(|log| summarise(log, &plan(), "", torquewise_identify::UNWATCHED).unwrap());
     let mut all = merged(first.collect(), orders[0]);
     for round in 1.. {
-        match solve(all, &plan(), &mut |_| {}).unwrap() {
+        match solve(all, &plan(), torquewise_identify::UNWATCHED).unwrap() {
             Solution::Model(found) => return to_json(&found.model).unwrap(),
             Solution::Request(request) => {
                 let request = Request::from_bytes(&request.to_bytes().unwrap()).unwrap();
-                let again = parts
-                    .iter()
-                    .map(|log| summarise_again(log, &plan(), "", &request, &mut |_| {}).unwrap());
+                let again = parts.iter().map(|log| {
+                    summarise_again(log, &plan(), "", &request, torquewise_identify::UNWATCHED)
+                        .unwrap()
+                });
                 all = merged(again.collect(), orders[round % orders.len()]);
             }
         }
@@ -320,7 +323,9 @@ fn by_files(parts: &[Motion], orders: &[[usize; 3]]) -> String {
 fn rounds_through_files_in_any_order_give_the_model_of_a_fit_byte_for_byte() {
     let parts = [log(20.0, 1, 2), log(31.0, 2, 2), log(12.0, 3, 2)];
 
-    let fitted = to_json(&reconstruct(&parts[..], &plan(), &mut |_| {}).unwrap().model).unwrap();
+    let fitted =
+        to_json(&reconstruct(&parts[..], &plan(), torquewise_identify::UNWATCHED).unwrap().model)
+            .unwrap();
 
     assert!(by_files(&parts, &[[2, 0, 1], [0, 1, 2], [1, 2, 0]]) == fitted, "two models");
 }
@@ -340,11 +345,13 @@ fn a_seed_gives_the_same_bits_at_one_and_three_threads() {
 fn a_request_of_other_logs_does_not_add_up() {
     let parts = [log(12.0, 1, 2), log(12.0, 2, 2)];
     let [one, other] = parts.each_ref().map(|log| {
-        let summary = summarise(log, &plan(), "", &mut |_| {}).unwrap();
-        let Solution::Request(request) = solve(summary, &plan(), &mut |_| {}).unwrap() else {
+        let summary = summarise(log, &plan(), "", torquewise_identify::UNWATCHED).unwrap();
+        let Solution::Request(request) =
+            solve(summary, &plan(), torquewise_identify::UNWATCHED).unwrap()
+        else {
             panic!("a chain asks for a pass");
         };
-        summarise_again(log, &plan(), "", &request, &mut |_| {}).unwrap()
+        summarise_again(log, &plan(), "", &request, torquewise_identify::UNWATCHED).unwrap()
     });
 
     let error = one.clone().merge(&other).unwrap_err();

@@ -16,7 +16,7 @@ fn fit(arm: &Arm, case: u8) -> Reconstruction {
     let clean = motion(arm, MotionKind::Moves, 200.0, 1);
     let noisy = add_noise(&clean, &Noise::case(case).unwrap(), 1).unwrap();
     let plan = Plan::from(ChainOptions { friction: FrictionKind::None, ..ChainOptions::default() });
-    reconstruct(&noisy, &plan, &mut |_| {}).unwrap()
+    reconstruct(&noisy, &plan, torquewise_identify::UNWATCHED).unwrap()
 }
 
 /// NRMSE \[%\] of each joint on another motion without noise, and its RMSE \[N·m\].

@@ -175,11 +175,13 @@ fn fit(fine: &Motion, rows: &Rows, searched: Option<Request>) -> (Model, Request
     let raw = RawLogs::new(logs, &Conditioning::default(), true).unwrap();
     let plan: Plan = ChainOptions::default().into();
     let tuned = match searched {
-        Some(request) => tune_from(&raw, request),
-        None => tune(&raw, &plan, &mut |_| {}),
+        Some(request) => tune_from(&raw, request, torquewise_identify::UNWATCHED),
+        None => tune(&raw, &plan, torquewise_identify::UNWATCHED),
     };
     let Tuned { recording, request, .. } = tuned.unwrap();
-    let found = reconstruct_from(&recording, request.clone(), &plan, &mut |_| {}).unwrap();
+    let found =
+        reconstruct_from(&recording, request.clone(), &plan, torquewise_identify::UNWATCHED)
+            .unwrap();
     (found.model, request)
 }
 

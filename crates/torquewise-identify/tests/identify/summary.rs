@@ -25,7 +25,9 @@ fn logs() -> Vec<Motion> {
 }
 
 fn parts(logs: &[Motion], plan: &Plan) -> Vec<Summary> {
-    logs.iter().map(|log| summarise(log, plan, "", &mut |_| {}).unwrap()).collect()
+    logs.iter()
+        .map(|log| summarise(log, plan, "", torquewise_identify::UNWATCHED).unwrap())
+        .collect()
 }
 
 fn merged<'a>(parts: impl IntoIterator<Item = &'a Summary>) -> Summary {
@@ -36,7 +38,7 @@ fn merged<'a>(parts: impl IntoIterator<Item = &'a Summary>) -> Summary {
 }
 
 fn model(summary: Summary, plan: &Plan) -> String {
-    match solve(summary, plan, &mut |_| {}).unwrap() {
+    match solve(summary, plan, torquewise_identify::UNWATCHED).unwrap() {
         Solution::Model(found) => to_json(&found.model).unwrap(),
         Solution::Request(request) => panic!("{} is asked for", request.name()),
     }
@@ -47,7 +49,9 @@ fn any_order_and_any_grouping_solves_to_the_model_of_a_fit() {
     let logs = logs();
     for plan in [Plan::default(), Plan::product(), Plan::sindy()] {
         let parts = parts(&logs, &plan);
-        let fitted = to_json(&reconstruct(&logs[..], &plan, &mut |_| {}).unwrap().model).unwrap();
+        let fitted =
+            to_json(&reconstruct(&logs[..], &plan, torquewise_identify::UNWATCHED).unwrap().model)
+                .unwrap();
 
         let one = merged([3, 1, 7, 0, 6, 2, 5, 4].map(|k| &parts[k]));
         let (left, right) = (merged([6, 0, 5].map(|k| &parts[k])), merged(&parts[1..5]));
@@ -64,7 +68,9 @@ fn threads_leave_no_trace() {
     let logs = logs();
     let bytes = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| summarise(&logs[..], &Plan::default(), "", &mut |_| {}).unwrap())
+        pool.install(|| {
+            summarise(&logs[..], &Plan::default(), "", torquewise_identify::UNWATCHED).unwrap()
+        })
     };
 
     assert_eq!(bytes(1), bytes(3));
@@ -85,7 +91,7 @@ fn parts_of_other_settings_do_not_add_up() {
     let log = &logs()[..1];
     let refused = |signals: &str, plan: &Plan, word: &str| {
         let mut one = parts(log, &Plan::default()).remove(0);
-        let other = summarise(&log[0], plan, signals, &mut |_| {}).unwrap();
+        let other = summarise(&log[0], plan, signals, torquewise_identify::UNWATCHED).unwrap();
         let error = one.merge(&other).unwrap_err();
         assert!(matches!(error, IdentifyError::Apart { what, .. } if what == word), "{error}");
     };
@@ -120,7 +126,7 @@ fn logs_of_one_pattern_each_are_fitted_together() {
     let stage = |k: usize| staged.select(&(k * third..(k + 1) * third).collect::<Vec<_>>());
     let stages = [stage(0), stage(1), stage(2)];
 
-    let found = reconstruct(&stages[..], &Plan::default(), &mut |_| {}).unwrap();
+    let found = reconstruct(&stages[..], &Plan::default(), torquewise_identify::UNWATCHED).unwrap();
 
     let sines = MotionPlan { kind: MotionKind::Sines, seconds: 20.0, rate: 100.0, seed: 77 };
     let test = simulate(&arm, &sines).unwrap().motion;
@@ -163,7 +169,8 @@ fn the_slowest_motion_of_a_short_log_is_not_standstill() {
     let arm = Arm::builtin("planar-2").unwrap();
     let strokes: Vec<Motion> = (0..20).map(|seed| stroke(&arm, seed)).collect();
 
-    let found = reconstruct(&strokes[..], &Plan::default(), &mut |_| {}).unwrap();
+    let found =
+        reconstruct(&strokes[..], &Plan::default(), torquewise_identify::UNWATCHED).unwrap();
 
     let training = &found.model.training;
     for (residual, spread) in training.residual_rms.iter().zip(&training.torque_std) {
@@ -175,7 +182,7 @@ fn the_slowest_motion_of_a_short_log_is_not_standstill() {
 fn moments_for_a_chain_hold_no_sums_of_a_library() {
     let summary = parts(&logs()[..1], &Plan::chain()).remove(0);
 
-    let error = solve(summary, &Plan::default(), &mut |_| {}).unwrap_err();
+    let error = solve(summary, &Plan::default(), torquewise_identify::UNWATCHED).unwrap_err();
 
     assert!(matches!(error, IdentifyError::NoLibrary), "{error}");
 }

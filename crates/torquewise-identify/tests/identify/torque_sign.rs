@@ -20,7 +20,12 @@ fn named(arm: &str, turned: &[usize], friction: f64) -> Vec<String> {
             tau[(row, joint)] = sign * own;
         }
     }
-    let found = reconstruct(&Motion::new(signals).unwrap(), &Plan::default(), &mut |_| {}).unwrap();
+    let found = reconstruct(
+        &Motion::new(signals).unwrap(),
+        &Plan::default(),
+        torquewise_identify::UNWATCHED,
+    )
+    .unwrap();
     let wrong = |warning: &Warning| match warning {
         Warning::Excitation(Finding::WrongSign { joint }) => Some(joint.clone()),
         _ => None,
@@ -54,7 +59,8 @@ fn said(arm: &str, plan: &Plan, spoil: impl Fn(&Arm, &mut Signals)) -> Vec<Findi
         }
     }
     spoil(&arm, &mut signals);
-    let found = reconstruct(&Motion::new(signals).unwrap(), plan, &mut |_| {}).unwrap();
+    let found =
+        reconstruct(&Motion::new(signals).unwrap(), plan, torquewise_identify::UNWATCHED).unwrap();
     let findings = found.warnings.into_iter().filter_map(|warning| match warning {
         Warning::Excitation(finding) => Some(finding),
         _ => None,

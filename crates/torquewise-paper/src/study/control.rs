@@ -110,7 +110,8 @@ fn learn(plant: &Plant, settings: &Settings) -> Result<Model> {
     let logs = planned.recordings.par_iter().map(recorded).collect::<Result<Vec<_>>>()?;
     let options = LibraryOptions { friction: FrictionKind::Stribeck, ..LibraryOptions::default() };
     let experiment = "on the recordings of an arm with friction";
-    let found = reconstruct(&logs[..], &options.into(), &mut |_| {}).map_err(within(experiment))?;
+    let found = reconstruct(&logs[..], &options.into(), torquewise_identify::UNWATCHED)
+        .map_err(within(experiment))?;
     Ok(found.model)
 }
 

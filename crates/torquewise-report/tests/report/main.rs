@@ -20,7 +20,7 @@ fn log(arm: &str, seconds: f64) -> Motion {
 /// What is found in such a log of two joints, changed, with its diagnosis.
 fn fitted(seconds: f64, change: impl Fn(&mut Reconstruction)) -> (Reconstruction, Diagnosis) {
     let log = log("planar-2", seconds);
-    let mut found = reconstruct(&log, &Plan::default(), &mut |_| ()).unwrap();
+    let mut found = reconstruct(&log, &Plan::default(), torquewise_identify::UNWATCHED).unwrap();
     change(&mut found);
     let diagnosis = diagnose(&found.model, &found.patterns, &log).unwrap();
     (found, diagnosis)
