@@ -132,7 +132,7 @@ class Inspection:
             return self.__dict__["facts"][name]
         except KeyError:
             raise AttributeError(
-                f"an inspection has no {name}: it has {', '.join(self.facts)}"
+                f"an inspection has no {name}: it has {', '.join(self.__dict__.get('facts', ()))}"
             ) from None
 
     def __repr__(self):
