@@ -59,7 +59,7 @@ impl Survey {
             let [low, high] = self.q_range[k];
             let tau = self.torque_mean[k].hypot(self.torque_std[k]);
             let all = [("q", low), ("q", high), ("dq", self.dq_peak[k]), ("ddq", self.ddq_peak[k])];
-            let beyond = |(_, found): &(_, f64)| !(found.abs() < LARGEST);
+            let beyond = |(_, found): &(_, f64)| found.is_nan() || found.abs() >= LARGEST;
             if let Some((signal, found)) = all.into_iter().chain([("tau", tau)]).find(beyond) {
                 return Err(IdentifyError::NoMotion { signal, joint: joint.clone(), found });
             }
