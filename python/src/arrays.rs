@@ -4,9 +4,10 @@ use crate::errors::{value_error, wrong};
 use faer::{Mat, MatRef};
 use numpy::ndarray::{Array2, Array3, ArrayView1, ArrayView2, Axis, Slice};
 use numpy::{
-    AllowTypeChange, PyArray1, PyArray2, PyArray3, PyArrayLike1, PyArrayLike2, PyArrayMethods,
+    PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArray,
     PyUntypedArrayMethods,
 };
+use pyo3::intern;
 use pyo3::prelude::*;
 use torquewise::logs;
 use torquewise::motion::{Motion, Signals};
@@ -99,7 +100,7 @@ pub(crate) enum Rows<'py> {
     /// n numbers.
     One(Vec<f64>),
     /// m×n numbers.
-    Many(PyArrayLike2<'py, f64, AllowTypeChange>),
+    Many(PyReadonlyArray2<'py, f64>),
 }
 
 impl<'py> FromPyObject<'_, 'py> for Rows<'py> {
@@ -107,20 +108,19 @@ impl<'py> FromPyObject<'_, 'py> for Rows<'py> {
 
     fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         // What a controller gives a thousand times a second.
-        if let Ok(one) = object.cast::<PyArray1<f64>>()
+        if object.is_exact_instance_of::<PyUntypedArray>()
+            && let Ok(one) = object.cast::<PyArray1<f64>>()
             && let Ok(numbers) = one.to_vec()
         {
             return Ok(Self::One(numbers));
         }
-        if let Ok(one) = object.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>() {
-            return Ok(Self::One(one.as_array().iter().copied().collect()));
+        let py = object.py();
+        let arrays = py.import(intern!(py, "torquewise._arrays"))?;
+        let found = arrays.call_method1(intern!(py, "states"), (object,))?;
+        match found.cast::<PyArray1<f64>>() {
+            Ok(one) => Ok(Self::One(one.readonly().as_array().to_vec())),
+            Err(_) => Ok(Self::Many(found.cast::<PyArray2<f64>>()?.try_readonly()?)),
         }
-        object.extract().map(Self::Many).or_else(|_| {
-            wrong(
-                "expected numbers of one state, one for each joint, or of several states in rows, \
-                 one column for each joint",
-            )
-        })
     }
 }
 
@@ -153,21 +153,54 @@ pub(crate) fn matrices<'py>(
     PyArray3::from_owned_array(py, values)
 }
 
+/// Where rows of states are wanted, a single one stands for all.
+pub(crate) fn same_rows<const K: usize>(
+    inputs: [(&str, &Rows<'_>); K],
+    n: usize,
+) -> PyResult<[Mat<f64>; K]> {
+    let mut longest: Option<(&str, usize)> = None;
+    for (name, own) in &inputs {
+        let view = own.view();
+        check_columns(name, &view, n)?;
+        let rows = view.nrows();
+        match longest {
+            Some((first, most)) if most != 1 && rows != 1 && rows != most => {
+                return wrong(format!(
+                    "{name} has {rows} rows, {first} has {most}: give as many states of each, or one"
+                ));
+            }
+            Some((_, most)) if most != 1 || rows == 1 => {}
+            _ => longest = Some((name, rows)),
+        }
+    }
+    let rows = longest.map_or(0, |(_, rows)| rows);
+    Ok(inputs.map(|(_, own)| {
+        let view = own.view();
+        let last = view.nrows().saturating_sub(1);
+        Mat::from_fn(rows, n, |row, joint| view[(row.min(last), joint)])
+    }))
+}
+
 pub(crate) fn motion(
     joints: &[String],
-    t: Option<Vec<f64>>,
-    [q, dq, ddq]: [ArrayView2<'_, f64>; 3],
-    tau: Option<ArrayView2<'_, f64>>,
+    t: Vec<f64>,
+    [q, dq, ddq]: [Mat<f64>; 3],
+    tau: Option<Mat<f64>>,
 ) -> PyResult<Motion> {
-    let signals = Signals {
-        joints: joints.to_vec(),
-        t: t.unwrap_or_else(|| (0..q.nrows()).map(|row| row as f64).collect()),
-        q: mat(q),
-        dq: mat(dq),
-        ddq: mat(ddq),
-        tau: tau.map(mat),
-    };
+    let signals = Signals { joints: joints.to_vec(), t, q, dq, ddq, tau };
     Motion::new(signals).map_err(value_error)
+}
+
+/// Rows of a result: n numbers where all inputs were of one state.
+pub(crate) fn rows_of<'py, const K: usize>(
+    py: Python<'py>,
+    mat: MatRef<'_, f64>,
+    inputs: [&Rows<'_>; K],
+) -> Bound<'py, PyAny> {
+    if inputs.iter().all(|own| matches!(own, Rows::One(_))) {
+        return PyArray1::from_iter(py, mat.row(0).iter().copied()).into_any();
+    }
+    array(py, mat).into_any()
 }
 
 pub(crate) fn check_columns(name: &str, view: &ArrayView2<'_, f64>, n: usize) -> PyResult<()> {

@@ -1,6 +1,6 @@
 //! Logs of an arm: files of any format, or arrays.
 
-use crate::arrays::{ArrayFrame, Rows as ArrayRows, Shared, array, motion};
+use crate::arrays::{ArrayFrame, Rows as ArrayRows, Shared, array, mat, motion};
 use crate::errors::{raised, value_error, wrong};
 use crate::model::{self, Model};
 use crate::work::work;
@@ -186,8 +186,8 @@ pub(crate) fn write_log(
     ddq: ArrayRows<'_>,
     tau: Option<ArrayRows<'_>>,
 ) -> PyResult<()> {
-    let signals = [&q, &dq, &ddq].map(ArrayRows::view);
-    let motion = motion(&joints, Some(t), signals, tau.as_ref().map(ArrayRows::view))?;
+    let signals = [&q, &dq, &ddq].map(|own| mat(own.view()));
+    let motion = motion(&joints, t, signals, tau.as_ref().map(|own| mat(own.view())))?;
     logs::write_motion(&path, &motion).map_err(log_error)
 }
 

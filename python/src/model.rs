@@ -1,12 +1,11 @@
 //! The learned equations of motion.
 
-use crate::arrays::{Rows, array, check_columns, motion};
+use crate::arrays::{Rows, array, motion, rows_of, same_rows};
 use crate::errors::{choice, model_error, raised, value_error, wrong};
 use crate::friction_state::FrictionState;
 use crate::log::Log;
 use crate::states::Answer;
 use crate::work::work;
-use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyType};
 use std::path::PathBuf;
@@ -49,11 +48,9 @@ impl Model {
     }
 
     fn motion(&self, [q, dq, ddq]: [&Rows<'_>; 3]) -> PyResult<Motion> {
-        let views = [q.view(), dq.view(), ddq.view()];
-        for (name, view) in ["q", "dq", "ddq"].iter().zip(&views) {
-            check_columns(name, view, self.n())?;
-        }
-        motion(&self.model.joints, None, views, None)
+        let signals = same_rows([("q", q), ("dq", dq), ("ddq", ddq)], self.n())?;
+        let t = (0..signals[0].nrows()).map(|row| row as f64).collect();
+        motion(&self.model.joints, t, signals, None)
     }
 }
 
@@ -118,11 +115,12 @@ impl Model {
         ddq: Rows<'py>,
         follow: bool,
     ) -> Answer<'py> {
-        let inputs = [("q", &q), ("dq", &dq), ("ddq", &ddq)];
-        if !follow || !self.has_memory() || matches!(q, Rows::One(_)) {
-            return self.at_each(py, inputs, |torque, [q, dq, ddq]| torque.at(q, dq, ddq));
+        let inputs = [&q, &dq, &ddq];
+        if !follow || !self.has_memory() || inputs.iter().all(|own| matches!(own, Rows::One(_))) {
+            let named = [("q", &q), ("dq", &dq), ("ddq", &ddq)];
+            return self.at_each(py, named, |torque, [q, dq, ddq]| torque.at(q, dq, ddq));
         }
-        let motion = self.motion([&q, &dq, &ddq])?;
+        let motion = self.motion(inputs)?;
         let tau = py.detach(|| self.torque.over(&motion)).map_err(model_error)?;
         Ok(array(py, tau.as_ref()).into_any())
     }
@@ -165,8 +163,8 @@ impl Model {
         self.at_each(py, inputs, Torque::forward_dynamics)
     }
 
-    /// The torque of a trajectory in parts: a dict of inertia, coriolis, gravity and friction, m×n
-    /// each [N·m].
+    /// The torque of a trajectory in parts: a dict of inertia, coriolis, gravity and friction, each of
+    /// the shape of :meth:`torque` [N·m].
     fn parts<'py>(
         &self,
         py: Python<'py>,
@@ -174,7 +172,8 @@ impl Model {
         dq: Rows<'py>,
         ddq: Rows<'py>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let motion = self.motion([&q, &dq, &ddq])?;
+        let inputs = [&q, &dq, &ddq];
+        let motion = self.motion(inputs)?;
         let parts = py.detach(|| self.torque.parts(&motion)).map_err(model_error)?;
         let all = [
             ("inertia", parts.inertia),
@@ -182,13 +181,12 @@ impl Model {
             ("gravity", parts.gravity),
             ("friction", parts.friction),
         ];
-        all.map(|(name, values)| (name, array(py, values.as_ref()))).into_py_dict(py)
+        all.map(|(name, values)| (name, rows_of(py, values.as_ref(), inputs))).into_py_dict(py)
     }
 
-    /// Bounds of the torque of a trajectory, low and high, m×n each [N·m]: `percent` of measured
-    /// torques should lie between them. For models of a chain.
+    /// Bounds of the torque of a trajectory, low and high, each of the shape of :meth:`torque` [N·m]:
+    /// `percent` of measured torques should lie between them. For models of a chain.
     #[pyo3(signature = (q, dq, ddq, percent=95.0))]
-    #[expect(clippy::type_complexity, reason = "a pair of arrays")]
     fn interval<'py>(
         &self,
         py: Python<'py>,
@@ -196,19 +194,20 @@ impl Model {
         dq: Rows<'py>,
         ddq: Rows<'py>,
         percent: f64,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         if !(percent > 0.0 && percent < 100.0) {
             return wrong("percent is above 0 and below 100");
         }
-        let motion = self.motion([&q, &dq, &ddq])?;
+        let inputs = [&q, &dq, &ddq];
+        let motion = self.motion(inputs)?;
         let bounds = py.detach(|| {
             let motion = self.torque.path().follow(0, &motion).into_owned();
             let interval = Interval::new(&self.model, &motion, percent)?;
             let total = self.torque.over(&motion)?;
             Ok(interval.bounds(&motion, &total)?)
         });
-        let [low, high] = bounds.map_err(raised)?;
-        Ok((array(py, low.as_ref()), array(py, high.as_ref())))
+        let [low, high] = bounds.map_err(raised)?.map(|own| rows_of(py, own.as_ref(), inputs));
+        Ok((low, high))
     }
 
     /// Where a motion leaves the range of the log that the model was learned from: sentences.

@@ -1,7 +1,7 @@
 //! Quantities of a model at one state, or at each of several.
 
-use crate::arrays::{Rows, array, check_columns, mat, matrices};
-use crate::errors::{model_error, wrong};
+use crate::arrays::{Rows, array, matrices, same_rows};
+use crate::errors::model_error;
 use crate::model::Model;
 use faer::Mat;
 use numpy::PyArray1;
@@ -22,8 +22,9 @@ impl Model {
             let found = of(&self.torque, one).map_err(model_error)?;
             return Ok(PyArray1::from_vec(py, found).into_any());
         }
-        let (rows, inputs) = self.many(inputs)?;
         let n = self.n();
+        let inputs = same_rows(inputs, n)?;
+        let rows = inputs.first().map_or(0, Mat::nrows);
         let found = py.detach(|| {
             let mut all = Mat::zeros(rows, n);
             for row in 0..rows {
@@ -46,30 +47,13 @@ impl Model {
             let found = of(&self.torque, one).map_err(model_error)?;
             return Ok(array(py, found.as_ref()).into_any());
         }
-        let (rows, inputs) = self.many(inputs)?;
+        let inputs = same_rows(inputs, self.n())?;
+        let rows = inputs.first().map_or(0, Mat::nrows);
         let found = py.detach(|| {
             let at = |row| of(&self.torque, state_of(&inputs, row).each_ref().map(Vec::as_slice));
             (0..rows).map(at).collect::<Result<Vec<_>, _>>()
         });
         Ok(matrices(py, &found.map_err(model_error)?, self.n()).into_any())
-    }
-
-    fn many<const K: usize>(
-        &self,
-        inputs: [(&str, &Rows<'_>); K],
-    ) -> PyResult<(usize, [Mat<f64>; K])> {
-        let rows = inputs.first().map_or(0, |(_, rows)| rows.view().nrows());
-        for (name, own) in &inputs {
-            let view = own.view();
-            check_columns(name, &view, self.n())?;
-            if view.nrows() != rows {
-                let (own, first) = (view.nrows(), inputs[0].0);
-                return wrong(format!(
-                    "{name} has {own} rows, {first} has {rows}: give as many states of each"
-                ));
-            }
-        }
-        Ok((rows, inputs.map(|(_, rows)| mat(rows.view()))))
     }
 }
 

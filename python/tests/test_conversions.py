@@ -83,6 +83,65 @@ def test_several_logs_are_trajectories(train, test):
     assert [len(own["t"]) for own in log.trajectories()] == [6000, 1000]
 
 
+def test_times_of_frames_are_seconds(train, model):
+    times = pd.Timestamp("2026-03-01", tz="Europe/Berlin") + pd.to_timedelta(train["t"], unit="s")
+    signals = {key: own for key, own in columns(train).items() if key != "t"}
+    frame = pd.DataFrame(signals)
+
+    for table in (
+        frame.set_index(pd.DatetimeIndex(times)),
+        frame.set_index(pd.TimedeltaIndex(times - times[0])),
+        frame.set_index(pd.Index(train["t"], name="t")),
+        frame.assign(t=times),
+        pl.DataFrame({"t": pl.Series(times.tz_localize(None)), **signals}),
+        pa.table({"t": pa.array(times.tz_localize(None)), **signals}),
+    ):
+        (own,) = torquewise.read_log(table).trajectories()
+        assert np.allclose(own["t"], train["t"], rtol=0, atol=1e-6)
+        assert np.array_equal(own["tau"], train["tau"])
+
+
+@pytest.mark.parametrize("make", [dict, pd.DataFrame, pl.DataFrame, pa.table])
+def test_columns_that_are_no_numbers_are_named_or_left_out(make):
+    rows = {"t": np.arange(9.0), "q1": np.zeros(9), "mode": ["auto"] * 9}
+    assert torquewise.read_log(make(rows)).joints == ["joint1"]
+
+    for values in ([True] * 9, ["0.5"] * 9):
+        with pytest.raises(torquewise.LogError, match="column q1 holds .* not numbers"):
+            torquewise.read_log(make({**rows, "q1": np.array(values)}))
+
+
+def test_signals_of_objects_or_many_dimensions_are_named():
+    t = np.arange(9.0)
+    with pytest.raises(torquewise.LogError, match="column q holds object"):
+        torquewise.read_log(t=t, q=np.zeros((9, 2)).astype(object))
+    with pytest.raises(ValueError, match=r"dq is of shape \(9, 2, 1\)"):
+        torquewise.read_log(t=t, q=np.zeros((9, 2)), dq=np.zeros((9, 2, 1)))
+    with pytest.raises(ValueError, match="t is of shape"):
+        torquewise.read_log(t=t[:, None], q=np.zeros((9, 2)))
+
+
+def test_masked_values_have_no_number(train):
+    q = np.ma.array(train["q"])
+    assert torquewise.read_log({**train, "q": q}).trajectories()
+    q[1234, 1] = np.ma.masked
+
+    with pytest.raises(torquewise.LogError, match="row 1235.*q2"):
+        torquewise.read_log({**train, "q": q}).trajectories()
+    (own,) = torquewise.read_log({**train, "q": q}, repair=True).trajectories()
+    assert len(own["t"]) == len(train["t"]) - 1
+
+
+def test_options_that_would_be_ignored_are_refused(train, tmp_path):
+    with pytest.raises(torquewise.UsageError, match="rate and t"):
+        torquewise.read_log(train, rate=50)
+    torquewise.write_log(tmp_path / "log.csv", train)
+    with pytest.raises(torquewise.UsageError, match="rate: not for files"):
+        torquewise.read_log(tmp_path / "log.csv", rate=50)
+    with pytest.raises(torquewise.UsageError, match="filter: not for an opened log"):
+        torquewise.fit(torquewise.read_log(train), filter="none")
+
+
 def test_joint_names_are_kept(train):
     assert torquewise.read_log(train, joints=["hip", "knee"]).joints == ["hip", "knee"]
 

@@ -76,6 +76,28 @@ def test_the_package_is_clean(command, tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_an_option_that_is_none_fails_a_check_of_types(tmp_path):
+    pytest.importorskip("mypy")
+    program = tmp_path / "program.py"
+    program.write_text(
+        "import torquewise\n"
+        'torquewise.fit("log.csv", library="chain", seed=1, filter=8.0)\n'
+        'torquewise.fit("log.csv", librari="chain")\n'
+        'torquewise.fit("log.csv", library="chian")\n'
+        'torquewise.Summary.of("log.csv", sed=1)\n'
+    )
+    environment = {
+        **os.environ,
+        "MYPY_CACHE_DIR": str(tmp_path / "cache"),
+        "MYPYPATH": str(ROOT / "python/package"),
+    }
+    command = [sys.executable, "-m", "mypy", "--ignore-missing-imports", str(program)]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment)
+
+    lines = re.findall(r"program\.py:(\d+): error", done.stdout)
+    assert lines == ["3", "4", "5"], done.stdout + done.stderr
+
+
 def test_the_pages_are_built(tmp_path):
     pytest.importorskip("mkdocs")
     command = [

@@ -61,7 +61,7 @@ def test_arrays_that_do_not_fit_the_model(model):
         model.torque(np.zeros((5, 3)), np.zeros((5, 3)), np.zeros((5, 3)))
     with pytest.raises(ValueError, match="as many states"):
         model.torque(np.zeros((5, 2)), np.zeros((4, 2)), np.zeros((5, 2)))
-    with pytest.raises(ValueError, match="numbers of one state"):
+    with pytest.raises(ValueError, match="numbers of one or several states"):
         model.gravity("abc")
 
 

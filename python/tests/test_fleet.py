@@ -101,6 +101,67 @@ def test_bad_files_are_named_and_the_rest_is_as_before(client, logs, one, tmp_pa
     assert all(own.reason for own in found.bad) and "missing.parquet" not in found.bad[-1].reason
 
 
+def test_files_whose_name_tells_no_robot_are_left_out(client, logs):
+    options = {"by": ["robot"], "name": "{robot}/week0{week}.parquet", **OPTIONS}
+    found = fleet.fit(logs[6:12], client, **options)
+
+    assert [own.path for own in found.bad] == logs[10:12]
+    assert all("is not called as" in own.reason for own in found.bad)
+    assert found.model == torquewise.fit(logs[6:10], progress=False, **OPTIONS).model
+
+    known = fleet.fit(
+        logs[:2], client, by=["robot"], name=lambda path: {"robot": "a"} if "00" in path else {}
+    )
+    assert "does not tell 'robot'" in known.bad[0].reason
+
+
+@pytest.mark.parametrize("size", [4.8e301, 1e12])
+@pytest.mark.parametrize("signal", ["q", "dq", "ddq", "tau"])
+def test_numbers_of_no_arm_are_the_fault_of_their_file(signal, size, logs, tmp_path):
+    own = torquewise.simulate("puma560-3", seconds=20, rate=100, seed=5)
+    own[signal][900:910, 1] = size
+    bad = str(tmp_path / "bad.parquet")
+    torquewise.write_log(bad, own)
+
+    part = fleet.summarise([logs[0], bad, logs[1]], fleet.Plan(OPTIONS), None, {})
+
+    assert [file.path for file in part.bad] == [bad] and part.sums is not None
+    assert len(part.bad[0].reason) < 300
+
+
+def test_a_damaged_file_does_not_stop_a_fleet(client, logs, one, tmp_path):
+    """Bytes in the midst of a Parquet file are others, which its format may not notice."""
+    noise, bad = np.random.default_rng(0), []
+    content = open(logs[0], "rb").read()
+    for number in range(3):
+        damaged = bytearray(content)
+        place = int(len(content) * (0.2 + 0.25 * number))
+        damaged[place : place + 200] = noise.bytes(200)
+        path = tmp_path / f"damaged{number}.parquet"
+        path.write_bytes(damaged)
+        bad.append(str(path))
+
+    found = fleet.fit([*logs[:14], *bad], client, **OPTIONS)
+
+    assert [own.path for own in found.bad] == bad and found.model == one
+
+
+def test_a_damaged_pilot_does_not_stop_a_fleet(client, tmp_path):
+    paths = []
+    for seed in range(3):
+        own = torquewise.simulate("planar-2", seconds=30, rate=200, seed=seed)
+        if seed == 1:
+            own["q"][3000:3020] = 4.8e301
+        signals = {f"{key}{k + 1}": own[key][:, k] for key in ("q", "tau") for k in range(2)}
+        paths.append(str(tmp_path / f"log{seed}.csv"))
+        table = np.column_stack([own["t"], *signals.values()])
+        np.savetxt(paths[-1], table, delimiter=",", header=",".join(["t", *signals]), comments="")
+
+    found = fleet.fit(paths, client, friction="none")
+
+    assert [file.path for file in found.bad] == [paths[1]]
+
+
 def test_a_file_that_changes_during_a_run_is_left_out(logs, tmp_path):
     path = make(tmp_path / "log.parquet", 1)
     plan = fleet.Plan(OPTIONS)

@@ -5,6 +5,7 @@ import pickle
 import time
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import torquewise
@@ -23,6 +24,53 @@ def test_rows_are_the_states_one_by_one(model):
     assert np.allclose(model.torque(q, dq, ddq), one_by_one, rtol=0, atol=1e-12)
     assert model.mass_matrix(q).shape == (50, 2, 2)
     assert np.array_equal(model.mass_matrix(q)[7], model.mass_matrix(q[7]))
+
+
+def test_frames_with_default_columns_are_rows_of_states(model):
+    q, dq, ddq = states(2)
+    frame = pd.DataFrame
+
+    assert np.array_equal(model.torque(frame(q), frame(dq), frame(ddq)), model.torque(q, dq, ddq))
+    assert np.array_equal(model.mass_matrix(frame(q)), model.mass_matrix(q))
+    assert np.array_equal(model.gravity(frame(q).astype(np.float32)), model.gravity(q.astype("f4")))
+
+
+@pytest.mark.parametrize("method", ["torque", "parts", "interval"])
+def test_one_state_many_and_none_have_results_of_their_shape(method, chain):
+    def shapes(*state):
+        found = getattr(chain, method)(*state)
+        if isinstance(found, dict):
+            found = tuple(found.values())
+        return {own.shape for own in (found if isinstance(found, tuple) else [found])}
+
+    q, dq, ddq = states(3)
+
+    assert shapes(q[0], dq[0], ddq[0]) == {(3,)}
+    assert shapes(q, dq, ddq) == {(50, 3)}
+    assert shapes(q[:0], dq[:0], ddq[:0]) == {(0, 3)}
+
+
+def test_one_state_stands_for_as_many_as_the_others_are(model):
+    q, dq, ddq = states(2)
+    still = np.zeros(2)
+
+    assert np.array_equal(model.torque(q, still, ddq), model.torque(q, 0 * dq, ddq))
+    assert np.array_equal(model.coriolis(q[0], dq), model.coriolis(np.tile(q[0], (50, 1)), dq))
+
+
+@pytest.mark.parametrize(
+    "make, complaint",
+    [
+        (lambda q: np.ma.masked_greater(q, 0.5), r"value at \[\d+, \d+\] is masked"),
+        (lambda q: q.astype(object), "object, not numbers"),
+        (lambda q: q > 0, "bool, not numbers"),
+        (lambda q: q[None], "3 dimensions"),
+    ],
+    ids=["masked", "objects", "booleans", "three dimensions"],
+)
+def test_arrays_that_are_no_states_are_refused(make, complaint, model):
+    with pytest.raises(ValueError, match=complaint):
+        model.gravity(make(states(2)[0]))
 
 
 def test_the_parts_make_the_whole(model):

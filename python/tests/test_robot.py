@@ -1,5 +1,8 @@
 """Loads, contacts, twins, plans, inspection, figures and reports."""
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 
@@ -123,6 +126,22 @@ def test_a_report_is_a_page_for_a_notebook(fit, test, tmp_path):
     assert page.startswith("<!") and "joint2" in page
     assert fit._repr_html_().startswith("<iframe srcdoc=")
     assert fit.summary()["joints"] == ["joint1", "joint2"]
+
+
+def test_results_are_pickled(fit, test, train):
+    for own in (fit, pickle.loads(pickle.dumps(fit))):
+        again = copy.deepcopy(own)
+        assert again.model == fit.model and repr(again) == repr(fit)
+        assert again.summary() == fit.summary() and again.because == fit.because
+        assert again._repr_html_() and again.evaluate(test).rows == 1000
+        with pytest.raises(torquewise.FitError, match="keeps no rows"):
+            again.report()
+
+    inspection = torquewise.inspect(train)
+    assert pickle.loads(pickle.dumps(inspection)) == copy.copy(inspection) == inspection
+    found = pickle.loads(pickle.dumps(fit.evaluate(test)))
+    for errors in (found.rmse, found.nrmse_percent, found.r2, found.raw_nrmse_percent):
+        assert errors.shape == (2,) and errors.dtype == np.float64
 
 
 def test_figures_are_drawn(model, chain, test, train):

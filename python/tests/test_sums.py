@@ -25,6 +25,14 @@ def test_sums_of_parts_give_the_model_of_all_in_any_order(train):
     assert sums[0].merge(sums[1]).rows == 4000 and sums[0].logs == 1
 
 
+def test_the_same_sums_do_not_count_twice(train):
+    first, second = (Summary.of(own) for own in parts(train, 2))
+
+    for others in ([first], [second, second], [pickle.loads(pickle.dumps(first))]):
+        with pytest.raises(ValueError, match="same sums twice"):
+            first.merge(*others)
+
+
 def test_a_log_is_added(train):
     first, second = parts(train, 2)
 

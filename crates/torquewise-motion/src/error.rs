@@ -50,7 +50,7 @@ pub enum MotionError {
     #[error("the first part of the log is evenly stamped, but not the part around row {row}")]
     #[diagnostic(help("plan from a part that shows it, or cut the trajectory at gaps"))]
     Uneven { row: usize },
-    #[error("no low-pass filter with a cut-off of {cutoff} Hz at {rate} Hz")]
+    #[error("no low-pass filter with a cut-off of {cutoff:?} Hz at {rate} Hz")]
     #[diagnostic(help("the cut-off must be above 0 and below half the rate"))]
     Cutoff { cutoff: f64, rate: f64 },
     #[error("no filter of order {order}")]

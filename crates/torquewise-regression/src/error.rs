@@ -15,7 +15,7 @@ pub enum SparseError {
     #[error("column {column} of a problem with {columns}")]
     #[diagnostic(help("count columns from 0"))]
     Column { column: usize, columns: usize },
-    #[error("{found} is too large for a sum of rows")]
+    #[error("{found:e} is too large for a sum of rows")]
     #[diagnostic(help("check the units of the log"))]
     OutOfRange { found: f64 },
     #[error("the normal equations cannot be solved")]

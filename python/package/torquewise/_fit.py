@@ -4,53 +4,93 @@ from __future__ import annotations
 
 import html
 import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._log import Path, Progress, read_log
 from ._model import Model
 from ._progress import shown
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+class LogOptions(TypedDict, total=False):
+    """Keywords of :func:`torquewise.read_log`."""
+
+    t: ArrayLike | None
+    q: ArrayLike | None
+    dq: ArrayLike | None
+    ddq: ArrayLike | None
+    tau: ArrayLike | None
+    rate: float | None
+    joints: Sequence[str] | None
+    profile: Path | None
+    topic: str | None
+    repair: bool
+    filter: Literal["auto", "none"] | float
+    delay: float | None
+
+
+class FitOptions(LogOptions, total=False):
+    """Keywords of :func:`torquewise.fit`, those of the log among them."""
+
+    library: Literal["energy", "product", "chain"] | None
+    method: Literal["stepwise", "sindy"] | None
+    friction: Literal["none", "linear", "stribeck", "auto"] | None
+    urdf: Path | None
+    lock: Sequence[str] | None
+    gravity: Sequence[float] | None
+    counterbalance: Sequence[str] | None
+    select: str | None
+    threshold: float | None
+    n_bootstrap: int | None
+    interaction: int | None
+    trig_order: int | None
+    gravity_order: int | None
+    noise_correction: bool | None
+    activation: str | None
+    clusters: int | None
+    seed: int | None
+
+
 #: Keywords of :func:`fit` that are about the log, not about the fit.
-OF_LOG = (
-    "t",
-    "q",
-    "dq",
-    "ddq",
-    "tau",
-    "rate",
-    "joints",
-    "profile",
-    "topic",
-    "repair",
-    "filter",
-    "delay",
-)
+OF_LOG = LogOptions.__optional_keys__
 
 
-@dataclass
+def split(options: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Options of the log, and those of the fit."""
+    of_log = {key: own for key, own in options.items() if key in OF_LOG}
+    return of_log, {key: own for key, own in options.items() if key not in OF_LOG}
+
+
+@dataclass(eq=False)
 class Evaluation:
     """Errors of a model on a log, joint by joint."""
 
     joints: list[str]
     rows: int
-    rmse: list[float]
+    rmse: NDArray[np.float64]
     """RMSE [N·m] of each joint, in the band of the model."""
-    nrmse_percent: list[float]
-    """RMSE of each joint, of the standard deviation of its torque [%]."""
-    r2: list[float]
-    raw_nrmse_percent: list[float]
+    nrmse_percent: NDArray[np.float64]
+    """RMSE of each joint, of the standard deviation of its torque [%]; NaN where that never changes."""
+    r2: NDArray[np.float64]
+    raw_nrmse_percent: NDArray[np.float64]
     """The same against torque as it was measured."""
     notes: list[str] = field(default_factory=list)
 
     @classmethod
     def _of(cls, text, notes):
         found = json.loads(text)
-        of = lambda key: [joint.get(key) for joint in found["joints"]]
+        of = lambda key: np.array([joint.get(key) for joint in found["joints"]], dtype=float)
         return cls(
-            of("name"),
+            [joint["name"] for joint in found["joints"]],
             found["rows"],
             of("rmse"),
             of("nrmse_percent"),
@@ -62,13 +102,38 @@ class Evaluation:
     def __repr__(self):
         lines = [f"{'joint':<20} {'RMSE [N·m]':>12} {'NRMSE [%]':>10} {'R²':>9}"]
         for name, rmse, nrmse, r2 in zip(self.joints, self.rmse, self.nrmse_percent, self.r2):
-            nrmse = float("inf") if nrmse is None else nrmse
-            lines.append(f"{name:<20} {rmse:>12.4g} {nrmse:>10.4g} {_number(r2):>9}")
+            lines.append(f"{name:<20} {rmse:>12.4g} {nrmse:>10.4g} {r2:>9.6f}")
         return "\n".join(lines)
 
 
-def _number(value):
-    return "–" if value is None else f"{value:.6f}"
+@dataclass
+class _Kept:
+    """What a pickled fit keeps of its engine: all but the rows."""
+
+    model: _core.Model
+    verdict: str | None
+    because: list[str]
+    warnings: list[str]
+    notes: list[str]
+    seconds: float
+    logs: list[str]
+    text: str
+    """The summary, as JSON."""
+    words: str
+
+    @classmethod
+    def of(cls, core: _core.Fit | _Kept) -> _Kept:
+        facts = core.verdict, core.because, core.warnings, core.notes, core.seconds, core.logs
+        return cls(Model(core.model), *facts, core._summary(), repr(core))
+
+    def _summary(self) -> str:
+        return self.text
+
+    def _report(self, date: str, test: Any = None, progress: Any = None) -> bytes:
+        raise _core.FitError("a pickled fit keeps no rows: write its report before")
+
+    def __repr__(self) -> str:
+        return self.words
 
 
 class Fit:
@@ -77,9 +142,12 @@ class Fit:
     model: Model
     """The learned equations of motion."""
 
-    def __init__(self, core: _core.Fit):
+    def __init__(self, core: _core.Fit | _Kept):
         self._core = core
         self.model = Model(core.model)
+
+    def __reduce__(self) -> tuple[type[Fit], tuple[_Kept]]:
+        return type(self), (_Kept.of(self._core),)
 
     @property
     def verdict(self) -> str | None:
@@ -155,7 +223,7 @@ class Fit:
         )
 
 
-def fit(log: Any = None, *, progress: Progress = None, **options: Any) -> Fit:
+def fit(log: Any = None, *, progress: Progress = None, **options: Unpack[FitOptions]) -> Fit:
     """Reconstructs the equations of motion from logs of one arm.
 
     log
@@ -184,10 +252,10 @@ def fit(log: Any = None, *, progress: Progress = None, **options: Any) -> Fit:
     Options of :func:`read_log` are taken too. The model is the same, byte for byte, as that of the
     command line. Ctrl-C ends it at once.
     """
-    of_log = {key: options.pop(key) for key in OF_LOG if key in options}
+    of_log, of_fit = split(options)
     log = read_log(log, **of_log)
     with shown(progress) as told:
-        return Fit(_core.fit(log, options, told))
+        return Fit(_core.fit(log, of_fit, told))
 
 
 @dataclass
@@ -211,12 +279,16 @@ class Comparison:
         return "\n".join(lines)
 
 
-def compare(log: Any, test: Any, *, progress: Progress = None, **options: Any) -> Comparison:
+def compare(
+    log: Any, test: Any, *, progress: Progress = None, **options: Unpack[FitOptions]
+) -> Comparison:
     """Fits stepwise reconstruction and one-shot SINDy to a log, and judges both by another."""
-    of_log = {key: options.pop(key) for key in OF_LOG if key in options}
-    options.pop("method", None)
-    shared = {key: options[key] for key in ("trig_order", "seed") if key in options}
-    stepwise = fit(log, progress=progress, method="stepwise", **options, **of_log)
-    sindy = fit(log, progress=progress, method="sindy", **shared, **of_log)
+    of_log, of_fit = split(options)
+    of_fit.pop("method", None)
+    shared = {key: of_fit[key] for key in ("trig_order", "seed") if key in of_fit}
+    by_steps: Any = {**of_fit, **of_log, "method": "stepwise"}
+    stepwise = fit(log, progress=progress, **by_steps)
+    one_shot: Any = {**shared, **of_log, "method": "sindy"}
+    sindy = fit(log, progress=progress, **one_shot)
     tests = [found.evaluate(test, progress=progress, **of_log) for found in (stepwise, sindy)]
     return Comparison(stepwise, sindy, *tests)

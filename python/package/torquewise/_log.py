@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,11 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
+from ._arrays import numbers
 from ._progress import shown
 
 SIGNALS = ("q", "dq", "ddq", "tau")
 
 Path = str | os.PathLike
+Columns = Iterator[tuple[str, list[NDArray[np.float64]]]]
 Progress = bool | Callable[[str, int, int | None], object] | None
 
 
@@ -49,12 +52,13 @@ def read_log(
     log
         A path of a ``.csv``, ``.parquet``, ``.db3``, ``.mcap``, ``.npz`` or ``.mat`` file or of the
         folder of a bag; a dict of arrays with the keys t, q, dq, ddq, tau (each m×n, or columns q1,
-        q2, …); a table of pandas, polars or pyarrow with such columns; a list of any of these, one
-        trajectory each. Arrays of float64 are not copied.
+        q2, …); a table of pandas, polars or pyarrow with such columns, t perhaps as its index; a list
+        of paths or of tables, one trajectory each; or a log that is open. Arrays of float64 are not
+        copied, dates and times as t are counted from the first.
     t, q, dq, ddq, tau
         Arrays instead of `log`: t [s] of m numbers, the others m×n. All but q may be missing.
     rate
-        Rows per second [Hz], where there is no t.
+        Rows per second [Hz] of arrays, where there is no t.
     joints
         Names of the joints of arrays, base to tip; joint1 … without.
     profile, topic
@@ -64,8 +68,6 @@ def read_log(
     filter, delay
         ``"auto"``, ``"none"`` or a cut-off [Hz]; seconds by which torque lags, chosen by a fit without.
     """
-    if isinstance(log, Log):
-        return log
     if log is None:
         if q is None:
             raise ValueError("no log: give a path, a table, or arrays with q")
@@ -80,10 +82,17 @@ def read_log(
         "filter": filter,
         "delay": delay,
     }
+    if isinstance(log, Log):
+        usual = {"repair": False, "filter": "auto"}
+        given = {**options, "rate": rate, "joints": joints}
+        _refuse([key for key, own in given.items() if own != usual.get(key)], "an opened log")
+        return log
     logs = log if isinstance(log, (list, tuple)) else [log]
     if not logs:
         raise ValueError("no log: the list is empty")
     if all(isinstance(own, (str, os.PathLike)) for own in logs):
+        own = [name for name, value in (("rate", rate), ("joints", joints)) if value is not None]
+        _refuse(own, "files, whose profile says it")
         return Log([os.fspath(own) for own in logs], **options)
     many = len(logs) > 1
     frames = [
@@ -91,6 +100,11 @@ def read_log(
         for k, own in enumerate(logs, 1)
     ]
     return Log(frames, **options)
+
+
+def _refuse(options: list[str], what: str) -> None:
+    if options:
+        raise _core.UsageError(f"{', '.join(options)}: not for {what}")
 
 
 def write_log(path: Path, log: Mapping[str, Any], *, joints: Sequence[str] | None = None) -> None:
@@ -118,7 +132,7 @@ class Inspection:
             return self.__dict__["facts"][name]
         except KeyError:
             raise AttributeError(
-                f"an inspection has no {name}: it has {', '.join(self.facts)}"
+                f"an inspection has no {name}: it has {', '.join(self.__dict__.get('facts', ()))}"
             ) from None
 
     def __repr__(self):
@@ -189,9 +203,11 @@ def patterns(
     return Patterns(*found)
 
 
-def _frame(table, rate, joints):
+def _frame(table: Any, rate: float | None, joints: Sequence[str] | None) -> _core.ArrayFrame:
     columns = dict(_columns(table))
-    if "t" not in columns and rate is not None:
+    if rate is not None:
+        if "t" in columns:
+            raise _core.UsageError("rate and t: give one of them")
         if not columns:
             raise ValueError("the table has no columns of numbers")
         rows = sum(len(part) for part in next(iter(columns.values())))
@@ -201,8 +217,11 @@ def _frame(table, rate, joints):
     return _core.ArrayFrame(list(columns.items()), list(joints) if joints is not None else None)
 
 
-def _columns(table):
-    """Names and arrays of float64 of the columns of a table, in parts where it has parts."""
+def _columns(table: Any) -> Columns:
+    """Names and arrays of float64 of the columns of a table, in parts where it has parts.
+
+    Columns that are no numbers are left out, unless they are called as a signal.
+    """
     if isinstance(table, Mapping):
         return _of_mapping(table)
     kind = type(table).__module__.partition(".")[0]
@@ -218,42 +237,58 @@ def _columns(table):
         return _of_arrow(table)
     raise TypeError(
         f"{type(table).__name__} is no log: give a path, a dict of arrays with t, q, …, or a table of "
-        "pandas, polars or pyarrow"
+        "pandas, polars or pyarrow; in a list, all paths or all tables"
     )
 
 
-def _of_mapping(table):
+def _of_mapping(table: Mapping[str, Any]) -> Columns:
     for name, values in table.items():
         if values is None or name == "joints":
             continue
-        values = np.asarray(values)
-        if values.dtype.kind not in "fiu":
+        found = _numbers(name, values)
+        if found is None:
             continue
-        values = values.astype(np.float64, copy=False)
-        if values.ndim == 1:
-            yield (name if name not in SIGNALS else f"{name}1"), [values]
-        elif values.ndim == 2:
-            for k in range(values.shape[1]):
-                yield f"{name}{k + 1}", [values[:, k]]
+        if found.ndim == 1:
+            yield (name if name not in SIGNALS else f"{name}1"), [found]
+        elif found.ndim == 2 and name != "t":
+            for k in range(found.shape[1]):
+                yield f"{name}{k + 1}", [found[:, k]]
+        elif _is_signal(name):
+            wanted = "m numbers" if name == "t" else "m×n numbers"
+            raise ValueError(f"{name} is of shape {found.shape}: expected {wanted}")
 
 
-def _of_pandas(table):
+def _of_pandas(table: Any) -> Columns:
     for name in table.columns:
         column = table[name]
-        if column.dtype.kind in "fiu":
+        if getattr(column.dtype, "kind", "O") in "fiu":
             yield str(name), [column.to_numpy(dtype=np.float64, na_value=np.nan)]
+        elif (found := _numbers(str(name), _of_zone(column.array))) is not None:
+            yield str(name), [found]
+    kind = getattr(table.index.dtype, "kind", "O")
+    if "t" not in table.columns and (table.index.name == "t" or kind in "mM"):
+        found = _numbers("t", _of_zone(table.index))
+        assert found is not None
+        yield "t", [found]
 
 
-def _of_polars(table):
+def _of_zone(values: Any) -> Any:
+    """Times of a zone as those of UTC, which NumPy knows; others as they are."""
+    return values.tz_convert(None) if getattr(values, "tz", None) is not None else values
+
+
+def _of_polars(table: Any) -> Columns:
     import polars as pl
 
     for column in table.iter_columns():
         if column.dtype.is_numeric():
             parts = column.cast(pl.Float64).get_chunks()
             yield column.name, [part.to_numpy() for part in parts]
+        elif (found := _numbers(column.name, column.to_numpy())) is not None:
+            yield column.name, [found]
 
 
-def _of_arrow(table):
+def _of_arrow(table: Any) -> Columns:
     try:
         import pyarrow as pa
     except ImportError:
@@ -264,3 +299,27 @@ def _of_arrow(table):
         if pa.types.is_floating(column.type) or pa.types.is_integer(column.type):
             chunks = column.cast(pa.float64()).chunks
             yield name, [chunk.to_numpy(zero_copy_only=False) for chunk in chunks]
+        elif (found := _numbers(name, column.to_numpy())) is not None:
+            yield name, [found]
+
+
+def _numbers(name: str, values: Any) -> NDArray[np.float64] | None:
+    """A column as float64, time in seconds; None where it is none of numbers and no signal."""
+    try:
+        return numbers(_seconds(values) if name == "t" else values)
+    except ValueError as error:
+        if not _is_signal(name):
+            return None
+        raise _core.LogError(f"column {name} {error}") from None
+
+
+def _seconds(times: Any) -> Any:
+    """Dates and times as seconds since the first; other values as they are."""
+    found = np.asarray(times)
+    if found.dtype.kind not in "mM" or not found.size:
+        return times
+    return (found - found[0]) / np.timedelta64(1, "s")
+
+
+def _is_signal(name: str) -> bool:
+    return re.fullmatch(r"t|(q|dq|ddq|tau)\d*", name) is not None

@@ -37,7 +37,7 @@ class Model(_core.Model):
     """Equations of motion of an arm: tau = M(q) ddq + C(q, dq) dq + G(q) + F(q, dq).
 
     q [rad], dq [rad/s], ddq [rad/s²] and tau [N·m] are one state of n numbers, or m states in rows
-    (m×n); results have as many rows. Models come from :func:`torquewise.fit` and :meth:`load`, can be
+    (m×n); results have as many rows. One state beside rows stands for each of them. Models come from :func:`torquewise.fit` and :meth:`load`, can be
     pickled, and are equal if all their numbers are.
     """
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from . import _core
-from ._fit import OF_LOG, Fit
+from ._fit import Fit, FitOptions, split
 from ._log import Progress, read_log
 from ._progress import shown
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 class Summary(_core.Summary):
@@ -27,13 +30,13 @@ class Summary(_core.Summary):
         *,
         request: _core.Request | None = None,
         progress: Progress = None,
-        **options: Any,
+        **options: Unpack[FitOptions],
     ) -> Summary:
         """Sums up a log; options are those of :func:`torquewise.fit`."""
-        of_log = {key: options.pop(key) for key in OF_LOG if key in options}
+        of_log, of_fit = split(options)
         log = read_log(log, **of_log)
         with shown(progress) as told:
-            return cls(_core.Summary._of(log, request, options, told))
+            return cls(_core.Summary._of(log, request, of_fit, told))
 
     @classmethod
     def from_bytes(cls, data: bytes) -> Summary:
@@ -41,9 +44,14 @@ class Summary(_core.Summary):
         return cls(_core.Summary.from_bytes(data))
 
     def merge(self, *others: _core.Summary) -> Summary:
-        """The sums of these logs and others."""
+        """The sums of these logs and others, each of other logs: the same sums twice are refused."""
         found: _core.Summary = self
+        seen = {self.to_bytes()} if others else set()
         for other in others:
+            content = other.to_bytes()
+            if content in seen:
+                raise ValueError("the same sums twice: each log counts once, leave one of them out")
+            seen.add(content)
             found = _core.Summary.merge(found, other)
         return type(self)(found)
 

@@ -143,10 +143,12 @@ def fit(
         Those of :func:`torquewise.fit`. Where logs have no accelerations and no filter is given, some
         logs choose it for all.
 
-    Ctrl-C cancels all tasks. A file that cannot be read is left out, with its reason, in ``bad``.
+    Ctrl-C cancels all tasks. A file that cannot be read or summed up, or whose name does not tell
+    its keys, is left out, with its reason, in ``bad``.
     """
     paths = _listed([paths] if isinstance(paths, str) else paths, storage_options or {})
-    keys = _keys(paths, by, name)
+    keys, unnamed = _keys(paths, by, name)
+    paths = list(keys)
     with _dask.connected(client) as own, shown(progress) as told:
         plan = Plan(options, storage_options or {}, store)
         call = _Rounds(own, plan, retries, told)
@@ -160,7 +162,7 @@ def fit(
             Model.from_json(model),
             facts["verdict"],
             facts["because"],
-            files,
+            sorted([*files, *unnamed], key=lambda file: file.path),
             count,
             plan=call.plan,
         )
@@ -299,8 +301,10 @@ def _listed(paths: Sequence[str], storage: dict[str, Any]) -> list[str]:
     return sorted(found)
 
 
-def _keys(paths: Sequence[str], by: Sequence[str], name: Any) -> dict[str, tuple]:
-    """Robot and time of each path."""
+def _keys(
+    paths: Sequence[str], by: Sequence[str], name: Any
+) -> tuple[dict[str, tuple], list[File]]:
+    """Robot and time of each path, and files whose name does not tell them."""
     if len(by) > 2:
         raise ValueError("by: at most two keys, of the robot and of time")
     if by and name is None:
@@ -308,16 +312,19 @@ def _keys(paths: Sequence[str], by: Sequence[str], name: Any) -> dict[str, tuple
             'name: say how the keys stand in a path, such as "{robot}/{week}-*.parquet"'
         )
     if not by:
-        return {path: (None, None) for path in paths}
+        return {path: (None, None) for path in paths}, []
     read = name if callable(name) else _reader(name, by)
-    found = {}
+    found, unnamed = {}, []
     for path in paths:
-        own = read(path)
-        missing = [key for key in by if key not in own]
-        if missing:
-            raise ValueError(f"{path}: its name does not tell {', '.join(missing)}")
-        found[path] = (own[by[0]], own[by[1]] if len(by) > 1 else None)
-    return found
+        try:
+            own = read(path)
+            found[path] = (own[by[0]], own[by[1]] if len(by) > 1 else None)
+        except Exception as error:
+            why = f"its name does not tell {error}" if isinstance(error, KeyError) else f"{error}"
+            unnamed.append(File(path, reason=why))
+    if not found:
+        raise ValueError(f"{unnamed[0].path}: {unnamed[0].reason}; nor does any other")
+    return found, unnamed
 
 
 def _reader(pattern: str, by: Sequence[str]) -> Callable[[str], dict[str, str]]:
@@ -333,7 +340,7 @@ def _reader(pattern: str, by: Sequence[str]) -> Callable[[str], dict[str, str]]:
     def read(path: str) -> dict[str, str]:
         found = compiled.match(path)
         if found is None:
-            raise ValueError(f"{path} is not called as name={pattern!r} says")
+            raise ValueError(f"it is not called as name={pattern!r} says")
         return found.groupdict()
 
     return read

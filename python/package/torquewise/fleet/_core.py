@@ -192,7 +192,9 @@ def pilot(paths: Sequence[str], plan: Plan) -> dict[str, Any]:
     for path in paths:
         try:
             with local(path, plan) as here:
-                read_log(here, **plan.of_log())
+                log = read_log(here, **{**plan.of_log(), "filter": "none", "delay": None})
+                # Fails where its numbers are those of a damaged file.
+                Summary.of(log, library="chain", progress=False)
             good.append(path)
         except Exception:
             continue
