@@ -9,7 +9,7 @@ use torquewise::{Event, Progress};
 /// Shows each stage with a bar of its own: how far it is and the time left where that is known, else
 /// the time it took so far.
 pub(crate) fn watch() -> impl Fn(Event) -> ControlFlow<()> + Sync {
-    let shown = Mutex::new(Shown { bar: stage("reading"), rows: None, read: 0 });
+    let shown = Mutex::new(Shown { bar: stage("reading"), rows: None });
     move |event| {
         shown.lock().unwrap_or_else(PoisonError::into_inner).show(event);
         ControlFlow::Continue(())
@@ -20,51 +20,39 @@ struct Shown {
     bar: ProgressBar,
     /// Rows of a pass, where that is known.
     rows: Option<u64>,
-    /// Rows that were read in this stage.
-    read: u64,
 }
 
 impl Shown {
     fn show(&mut self, event: Event) {
         match event {
             Event::Stage(Progress::Working) => {}
-            Event::Reading { doing, rows } => {
-                (self.bar, self.rows, self.read) = (stage(doing), rows, 0)
-            }
-            Event::Stage(told) => match told.share() {
-                Some((done, most)) => {
-                    if self.bar.length() != Some(most as u64) {
-                        self.bar = share_bar();
-                        self.bar.set_length(most as u64);
-                    }
-                    self.bar.set_message(told.to_string());
+            Event::Reading { doing, rows } => (self.bar, self.rows) = (stage(doing), rows),
+            Event::Stage(told) => {
+                self.bar = stage(&told.to_string());
+                if let Some((done, most)) = told.share() {
+                    self.measure(most as u64, "{spinner} {msg} {wide_bar} {elapsed}");
                     self.bar.set_position(done as u64);
                 }
-                None => (self.bar, self.read) = (stage(&told.to_string()), 0),
-            },
+            }
             Event::Rows(rows) => {
-                if self.read == 0 {
-                    self.bar = reading(&self.bar.message(), self.rows);
+                if let Some(all) = self.rows.filter(|all| self.bar.length() != Some(*all)) {
+                    self.measure(
+                        all,
+                        "{spinner} {msg} {wide_bar} {percent} %, {per_sec}, {eta} left",
+                    );
                 }
-                self.read += rows as u64;
-                self.bar.set_position(self.rows.map_or(self.read, |all| self.read % (all + 1)));
+                self.bar.inc(rows as u64);
             }
         }
     }
-}
 
-/// A bar with the rate and the time left of a pass, where it is known how many rows there are.
-fn reading(doing: &str, rows: Option<u64>) -> ProgressBar {
-    let Some(rows) = rows else {
-        return shown(ProgressBar::no_length(), "{spinner} {msg}: {human_pos} rows, {elapsed}")
-            .with_message(doing.to_owned());
-    };
-    let bar = shown(ProgressBar::new(rows), "{spinner}").with_message(doing.to_owned());
-    let template = "{spinner} {msg} {wide_bar} {percent} %, {per_sec}, {eta} left";
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style.with_key("per_sec", rate));
+    /// Shows how far the stage is.
+    fn measure(&self, length: u64, template: &str) {
+        self.bar.set_length(length);
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            self.bar.set_style(style.with_key("per_sec", rate));
+        }
     }
-    bar
 }
 
 fn rate(state: &ProgressState, out: &mut dyn std::fmt::Write) {

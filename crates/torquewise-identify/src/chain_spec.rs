@@ -74,12 +74,7 @@ fn error(chain: &Chain, held: &Rows, all: &Rows) -> f64 {
     (parts.iter().sum::<f64>() / parts.len().max(1) as f64).exp()
 }
 
-/// Makes a choice and its record.
-pub(crate) fn record(what: &str, trials: &[CvScore], choices: &mut Vec<Choice>) -> usize {
-    record_worth(what, trials, 0.0, choices)
-}
-
-/// The same where a gain below a part is not worth it.
+/// Makes a choice and its record; a gain below a part is not worth it.
 pub(crate) fn record_worth(
     what: &str,
     trials: &[CvScore],

@@ -199,7 +199,7 @@ impl<'a> ChainLearner<'a> {
         let spec = ChainSpec { free: Vec::new(), ..spec };
         let rows = self.rows(&spec, spec.search.final_rows)?;
         let start = Chain::at(geometry.clone());
-        let chain = refine(&rows, &start, &spec.free, &spec.search, &self.searching())?;
+        let chain = refine(&rows, &start, &spec.free, &spec.search, &searching(self.watch))?;
         Ok((spec, chain))
     }
 
@@ -212,23 +212,19 @@ impl<'a> ChainLearner<'a> {
         known: Option<Chain>,
         choices: &mut Vec<Choice>,
     ) -> Result<Chain, IdentifyError> {
-        let found = search(&self.rows(spec, LAST_ROWS)?, &spec.search, &self.searching())?;
+        let found = search(&self.rows(spec, LAST_ROWS)?, &spec.search, &searching(self.watch))?;
         let (times, starts_made) = (found.times, found.starts);
         let mut starts = found.chains;
         starts.dedup_by(|a, b| (a.cost - b.cost).abs() < SAME * b.cost);
         starts.extend(known);
         let rows = self.rows(spec, TRIAL_ROWS)?;
-        let searching = self.searching();
+        let watch = searching(self.watch);
         let best = |label: &str, angle: f64, starts: &[Chain]| -> Result<_, IdentifyError> {
             let judged = |start: &Chain| {
                 let (geometry, free) = start.geometry.snapped(angle);
                 let (spec, start) =
                     (ChainSpec { free, ..spec.clone() }, Chain { geometry, ..start.clone() });
-                Ok((
-                    trial(label.to_owned(), &spec, &rows, &start, ROUNDS, &searching)?,
-                    spec,
-                    start,
-                ))
+                Ok((trial(label.to_owned(), &spec, &rows, &start, ROUNDS, &watch)?, spec, start))
             };
             let all = starts.par_iter().map(judged).collect::<Result<Vec<_>, IdentifyError>>()?;
             let best = all.into_iter().min_by(|a, b| a.0.error().total_cmp(&b.0.error()));
@@ -259,19 +255,7 @@ impl<'a> ChainLearner<'a> {
         self.found = Some(GeometryFound { times, starts: starts_made, unresolved });
         *spec = own;
         let rows = self.rows(spec, spec.search.final_rows)?;
-        Ok(refine(&rows, &start, &spec.free, &spec.search, &self.searching())?)
-    }
-
-    /// Whoever watches, as a search tells of itself.
-    fn searching(&self) -> impl Fn(Stage) -> ControlFlow<()> + Sync + use<'a> {
-        let watch = self.watch;
-        let most = Search::default().starts;
-        move |stage| {
-            watch(match stage {
-                Stage::Round => Progress::Working,
-                Stage::Starts { made, agreeing } => Progress::Starts { made, most, agreeing },
-            })
-        }
+        Ok(refine(&rows, &start, &spec.free, &spec.search, &searching(self.watch))?)
     }
 
     /// Fits the chosen specification on a sample of many rows.
@@ -282,10 +266,10 @@ impl<'a> ChainLearner<'a> {
         choices: Vec<Choice>,
     ) -> Result<Learned, IdentifyError> {
         let rows = self.rows(&spec, LAST_ROWS)?;
-        let mut chain = refine(&rows, chain, &spec.free, &spec.search, &self.searching())?;
+        let mut chain = refine(&rows, chain, &spec.free, &spec.search, &searching(self.watch))?;
         // A log without noise bears next to no ridge.
         let search = Search { ridge: NO_RIDGE, ..spec.search.clone() };
-        let exact = refine(&rows, &chain, &spec.free, &search, &self.searching())?;
+        let exact = refine(&rows, &chain, &spec.free, &search, &searching(self.watch))?;
         let left = |chain: &Chain| geometric_mean(&chain.residual_rms);
         if left(&exact) < NOTHING * left(&chain) {
             chain = exact;
@@ -322,6 +306,18 @@ impl<'a> ChainLearner<'a> {
             regions: Regions::default(),
             seed: 0,
         }
+    }
+}
+
+/// Whoever watches, as a search tells of itself.
+pub(crate) fn searching(watch: Watch<'_>) -> impl Fn(Stage) -> ControlFlow<()> + Sync {
+    move |stage| {
+        watch(match stage {
+            Stage::Round => Progress::Working,
+            Stage::Starts { made, agreeing } => {
+                Progress::Starts { made, most: Search::default().starts, agreeing }
+            }
+        })
     }
 }
 

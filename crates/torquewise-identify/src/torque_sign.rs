@@ -3,13 +3,13 @@
 
 use crate::drive_terms::{DriveTerm, columns};
 use crate::estimate::{Linearisation, Structure};
-use crate::reconstruction::{Progress, Watch};
+use crate::learn::searching;
+use crate::reconstruction::Watch;
 use faer::Mat;
 use rayon::prelude::*;
-use std::ops::ControlFlow;
 use torquewise_model::FrictionTerm;
 use torquewise_motion::Motion;
-use torquewise_rigid::search::{Stage, all_parameters, glance};
+use torquewise_rigid::search::{all_parameters, glance};
 use torquewise_rigid::{Chain, ChainError, Geometry, Kinematics, Rows, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
@@ -227,18 +227,12 @@ pub(crate) fn swapped(
     let drive: Vec<DriveTerm> = DriveTerm::rotors(n).into_iter().chain(friction).collect();
     let rows = rows(&motion, &columns(&drive, &motion, None))?;
     let look = Search { seed, starts: STARTS, glance_rows: FEW, ..Search::default() };
-    let searching = searching(watch);
-    let left = pairs
-        .into_iter()
-        .map(|pair| (pair, glance(&rows.clone().swapped(pair), &look, &searching)));
+    let watch = searching(watch);
+    let left =
+        pairs.into_iter().map(|pair| (pair, glance(&rows.clone().swapped(pair), &look, &watch)));
     let best = left.min_by(|a, b| a.1.total_cmp(&b.1));
-    let as_it_is = glance(&rows, &look, &searching);
+    let as_it_is = glance(&rows, &look, &watch);
     Ok(best.filter(|(_, left)| *left <= HALF * as_it_is).map(|(pair, _)| pair))
-}
-
-/// Whoever watches, asked at each round of a search whether it is still wanted.
-fn searching(watch: Watch<'_>) -> impl Fn(Stage) -> ControlFlow<()> + Sync {
-    move |_| watch(Progress::Working)
 }
 
 /// A chain with the torque of some joints turned round.

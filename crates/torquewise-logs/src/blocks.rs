@@ -9,8 +9,8 @@ use faer::Mat;
 use torquewise_motion::signals::Raw;
 use torquewise_motion::{BLOCK_ROWS, LocalPolynomial, Motion, MotionError, Signals, derivative};
 
-/// No arm reaches values beyond this, of any signal in SI units: a damaged file does.
-const MOST: f64 = 1e12;
+/// From here on a number, in SI units, is that of a damaged file, not of an arm.
+const LARGEST: f64 = 1e9;
 
 /// The blocks of one log file.
 ///
@@ -151,7 +151,7 @@ impl Blocks {
                 let own = absurd(column, signal);
                 let name = format!("{}{}", signal.name(), joint + 1);
                 let beyond = (self.screened..end)
-                    .find(|row| column[*row].abs() > MOST && !own.contains(row));
+                    .find(|row| column[*row].abs() >= LARGEST && !own.contains(row));
                 if let Some(row) = beyond {
                     let place =
                         Place { file: file.clone(), row: self.origins[row].number, line: None };

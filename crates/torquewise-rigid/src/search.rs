@@ -312,7 +312,8 @@ pub fn refine(
 /// # Errors
 /// [`ChainError::Shape`] if the start is of another arm, [`ChainError::Singular`].
 pub fn fit(rows: &Rows, start: &Chain, search: &Search) -> Result<Chain, ChainError> {
-    refine(rows, start, &[], &Search { rounds: 0, ..search.clone() }, UNWATCHED)
+    let search = Search { rounds: 0, ..search.clone() };
+    refine(rows, start, &[], &search, UNWATCHED)
 }
 
 /// One over the noise of each joint; the first guess where there is no residual.

@@ -46,28 +46,6 @@ pub const SAMPLE_ROWS: usize = 1 << 14;
 /// q, q̇, q̈ and τ.
 const SIGNALS: usize = 4;
 
-/// Beyond it a number is of a damaged file, not of an arm.
-const LARGEST: f64 = 1e9;
-
-impl Survey {
-    /// Whether its numbers may be those of an arm.
-    ///
-    /// # Errors
-    /// [`IdentifyError::NoMotion`].
-    pub fn check_size(&self) -> Result<(), IdentifyError> {
-        for (k, joint) in self.joints.iter().enumerate() {
-            let [low, high] = self.q_range[k];
-            let tau = self.torque_mean[k].hypot(self.torque_std[k]);
-            let all = [("q", low), ("q", high), ("dq", self.dq_peak[k]), ("ddq", self.ddq_peak[k])];
-            let beyond = |(_, found): &(_, f64)| found.is_nan() || found.abs() >= LARGEST;
-            if let Some((signal, found)) = all.into_iter().chain([("tau", tau)]).find(beyond) {
-                return Err(IdentifyError::NoMotion { signal, joint: joint.clone(), found });
-            }
-        }
-        Ok(())
-    }
-}
-
 /// Looks through a recording once, as if it were one log.
 ///
 /// # Errors

@@ -203,8 +203,6 @@ pub(crate) fn timed<T>(
 
 #[cfg(test)]
 mod tests {
-    #![expect(clippy::unwrap_used, reason = "a test may panic")]
-
     use crate::dynamics::{Arm, MotionPlan, simulate};
     use crate::{Error, Event, Fit};
     use std::ops::ControlFlow;

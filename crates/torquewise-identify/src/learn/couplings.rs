@@ -1,8 +1,8 @@
 //! From chain, rows to chain whose joints are turned by several logged coordinates, where the log
 //! has it.
 
-use super::{ChainLearner, ROUNDS, TRIAL_ROWS};
-use crate::chain_spec::{ChainSpec, record, trial};
+use super::{ChainLearner, ROUNDS, TRIAL_ROWS, searching};
+use crate::chain_spec::{ChainSpec, record_worth, trial};
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_rigid::coupling::Coupled;
@@ -40,11 +40,11 @@ impl ChainLearner<'_> {
             let found = self.geometry(&mut with, None, &mut made)?;
             let rows = self.rows(spec, TRIAL_ROWS)?;
             let trials = [
-                trial("none".to_owned(), &best, &rows, &chain, ROUNDS, &self.searching())?,
-                trial(label, &with, &rows, &found, ROUNDS, &self.searching())?,
+                trial("none".to_owned(), &best, &rows, &chain, ROUNDS, &searching(self.watch))?,
+                trial(label, &with, &rows, &found, ROUNDS, &searching(self.watch))?,
             ];
             if trials[1].error() > COUPLING_GAIN * trials[0].error()
-                || record("coupling", &trials, choices) == 0
+                || record_worth("coupling", &trials, 0.0, choices) == 0
             {
                 break;
             }
@@ -67,14 +67,14 @@ impl ChainLearner<'_> {
             known.coupled().iter().all(|k| (k.joint, k.driver) != (own.joint, own.driver))
         };
         let candidates: Vec<Coupled> = pairs.filter(is_new).collect();
-        let searching = self.searching();
+        let watch = searching(self.watch);
         let left: Vec<f64> = candidates
             .par_iter()
             .map(|&own| {
-                glance(&rows, &Search { coupling: known.with(own), ..look.clone() }, &searching)
+                glance(&rows, &Search { coupling: known.with(own), ..look.clone() }, &watch)
             })
             .collect();
-        let without = glance(&rows, &look, &searching);
+        let without = glance(&rows, &look, &watch);
         let best = candidates.into_iter().zip(left).min_by(|a, b| a.1.total_cmp(&b.1));
         Ok(best.filter(|(_, left)| *left <= PROMISING * without).map(|(own, _)| {
             (label(own), Search { coupling: known.with(own), ..spec.search.clone() })

@@ -5,7 +5,7 @@ use faer::{Mat, MatRef};
 use miette::Diagnostic;
 use torquewise_model::ModelError;
 use torquewise_model::expansion::energy_terms;
-use torquewise_rigid::search::all_parameters;
+use torquewise_rigid::search::{UNWATCHED, all_parameters};
 use torquewise_rigid::{Chain, ChainError, Geometry, Rows, Search, fit, refine, search};
 use torquewise_sim::Arm;
 
@@ -27,7 +27,7 @@ fn is_finite(chain: &Chain) -> bool {
 #[test]
 fn too_few_rows_are_named() {
     for m in [0, 1, 29] {
-        let error = search(&made(m, 3, |row, _| row as f64), &plan()).unwrap_err();
+        let error = search(&made(m, 3, |row, _| row as f64), &plan(), UNWATCHED).unwrap_err();
 
         let known = ChainError::TooFewRows { rows: m, joints: 3, needed: 30 };
         assert_eq!(error.to_string(), known.to_string());
@@ -93,7 +93,7 @@ fn joints_that_never_move_do_not_panic() {
         for tau in [motion.require_tau().unwrap(), Mat::zeros(motion.n_rows(), 3).as_ref()] {
             let rows = Rows::new([q.as_ref(), dq.as_ref(), ddq.as_ref(), tau], &none).unwrap();
 
-            let found = search(&rows, &plan()).unwrap().chains;
+            let found = search(&rows, &plan(), UNWATCHED).unwrap().chains;
 
             assert!(found.iter().all(is_finite));
             assert!(found[0].torque(&rows).iter().all(|tau| tau.is_finite()));
@@ -108,7 +108,7 @@ fn values_that_are_no_numbers_are_an_error() {
             if row == 7 { odd } else { (row as f64 * 0.1 + joint as f64).sin() }
         };
 
-        let result = search(&made(60, 2, of), &plan());
+        let result = search(&made(60, 2, of), &plan(), UNWATCHED);
 
         assert!(matches!(result, Err(ChainError::Singular)), "{odd}: {result:?}");
     }
@@ -126,7 +126,7 @@ fn a_search_of_nothing_finds_nothing() {
         Search { ridge: f64::NAN, ..plan() },
         Search { prior: f64::NAN, ..plan() },
     ] {
-        let result = search(&rows, &plan);
+        let result = search(&rows, &plan, UNWATCHED);
 
         assert!(matches!(result, Err(ChainError::Singular)), "{plan:?}: {result:?}");
     }
@@ -138,7 +138,7 @@ fn a_start_of_another_arm_is_refused() {
     let other = chain(&puma(), [0.0; 2]);
 
     let fitted = fit(&rows, &other, &plan());
-    let refined = refine(&rows, &other, &all_parameters(2), &plan());
+    let refined = refine(&rows, &other, &all_parameters(2), &plan(), UNWATCHED);
 
     for result in [fitted, refined] {
         assert!(matches!(result, Err(ChainError::Shape { what: "geometry", .. })), "{result:?}");
@@ -149,7 +149,7 @@ fn a_start_of_another_arm_is_refused() {
 fn parameters_that_no_geometry_has_are_refused() {
     let rows = rows(&sines(&Arm::builtin("puma560-3").unwrap(), 4.0, 1));
 
-    let result = refine(&rows, &chain(&puma(), [0.0; 2]), &[10], &plan());
+    let result = refine(&rows, &chain(&puma(), [0.0; 2]), &[10], &plan(), UNWATCHED);
 
     assert!(matches!(result, Err(ChainError::Shape { what: "free", .. })), "{result:?}");
 }

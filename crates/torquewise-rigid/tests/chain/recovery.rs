@@ -6,6 +6,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use torquewise_motion::Motion;
+use torquewise_rigid::search::UNWATCHED;
 use torquewise_rigid::{Chain, Rows, Search, search};
 use torquewise_sim::Arm;
 
@@ -15,7 +16,7 @@ fn without_noise_other_motion_is_predicted() {
     // What is left is what the ridge takes off.
     let plan = Search { starts: 8, finalists: 2, ridge: 1e-8, ..Search::default() };
 
-    let found = search(&rows(&sines(&arm, 20.0, 1)), &plan).unwrap().chains;
+    let found = search(&rows(&sines(&arm, 20.0, 1)), &plan, UNWATCHED).unwrap().chains;
 
     let errors = errors(&found[0], &rows(&sines(&arm, 10.0, 2)));
     assert!(largest(&errors) < 1e-5, "{errors:?}");
@@ -44,7 +45,7 @@ fn noise_in_the_torque_averages_out() {
     let arm = Arm::builtin("puma560-3").unwrap();
     let plan = Search { starts: 8, finalists: 2, ..Search::default() };
 
-    let found = search(&noisy(&sines(&arm, 20.0, 1), 0.01, 7), &plan).unwrap().chains;
+    let found = search(&noisy(&sines(&arm, 20.0, 1), 0.01, 7), &plan, UNWATCHED).unwrap().chains;
 
     let errors = errors(&found[0], &rows(&sines(&arm, 10.0, 2)));
     assert!(largest(&errors) < 0.02, "{errors:?}");
@@ -55,7 +56,7 @@ fn six_joints_are_learned() {
     let arm = Arm::builtin("generic-6").unwrap();
     let plan = Search { starts: 6, finalists: 2, ..Search::default() };
 
-    let found = search(&rows(&sines(&arm, 40.0, 1)), &plan).unwrap().chains;
+    let found = search(&rows(&sines(&arm, 40.0, 1)), &plan, UNWATCHED).unwrap().chains;
 
     let errors = errors(&found[0], &rows(&sines(&arm, 10.0, 2)));
     assert!(largest(&errors) < 0.01, "{errors:?}");
@@ -68,7 +69,7 @@ fn chains_come_best_first() {
     // Few rounds leave some starts behind.
     let plan = Search { starts: 4, finalists: 4, rounds: 2, weighings: 1, ..Search::default() };
 
-    let found = search(&rows, &plan).unwrap().chains;
+    let found = search(&rows, &plan, UNWATCHED).unwrap().chains;
 
     let score = |chain: &Chain| -> f64 { chain.residual_rms.iter().map(|rms| rms.ln()).sum() };
     let scores: Vec<f64> = found.iter().map(score).collect();
@@ -83,7 +84,7 @@ fn the_same_seed_gives_the_same_chain_at_any_number_of_threads() {
     let plan = Search { starts: 3, finalists: 2, rounds: 4, ..Search::default() };
     let chains_with = |threads: usize| -> Vec<Chain> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| search(&rows, &plan).unwrap().chains)
+        pool.install(|| search(&rows, &plan, UNWATCHED).unwrap().chains)
     };
 
     let bits = |chains: Vec<Chain>| -> Vec<u64> {
