@@ -277,7 +277,7 @@ impl Model {
 
     /// Code, an FMU, a ROS 2 package or a robot file, as (path, bytes) each.
     #[pyo3(signature = (to, name, *, precision="double", reversal=None, onto=None, lock=vec![],
-                        binary=true, force=false))]
+                        binary=true, force=false, samples=None, seed=0))]
     #[expect(clippy::too_many_arguments, clippy::type_complexity, reason = "keywords of Python")]
     fn _export(
         &self,
@@ -290,13 +290,17 @@ impl Model {
         lock: Vec<String>,
         binary: bool,
         force: bool,
+        samples: Option<usize>,
+        seed: u64,
     ) -> PyResult<(Vec<(String, Vec<u8>)>, Vec<String>)> {
         let to = choice("to", to, &Target::NAMED)?;
         let words = [("double", Precision::Double), ("float", Precision::Single)];
         let precision = choice("precision", precision, &words)?;
         reversal.map_or(Ok(()), |width| check_width("reversal", width))?;
         let (name, onto) = (&function_name(name), onto.map(|text| (text, &lock[..])));
-        let options = ExportOptions { name, precision, reversal, onto, binary, force, work: None };
+        let samples = samples.map(|count| (count, seed));
+        let options =
+            ExportOptions { name, precision, reversal, onto, binary, force, samples, work: None };
         let found = py.detach(|| export(&self.model, to, &options)).map_err(raised)?;
         Ok((found.files, found.left_out))
     }

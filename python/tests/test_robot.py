@@ -182,3 +182,13 @@ def test_nothing_else_is_imported():
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )
     assert found.stdout == "[]\n"
+
+
+def test_samples_are_other_arms_that_the_log_allows(chain):
+    drawn = chain.samples(3, seed=1)
+
+    assert drawn == chain.samples(3, seed=1) and len({own.to_json() for own in drawn}) == 3
+    states = np.random.default_rng(0).normal(size=(3, 50, 3))
+    torque = np.array([own.torque(*states) for own in drawn])
+    spread, size = torque.std(axis=0).mean(axis=0), chain.torque(*states).std(axis=0)
+    assert (spread < 0.2 * size).all() and (spread > 0).all()

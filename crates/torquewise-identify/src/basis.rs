@@ -26,9 +26,9 @@ pub(crate) fn joint_sums(energies: &Energies) -> Energies {
 }
 
 /// The products of sines and cosines that a harmonic of a joint sum is part of, each with the weight
-/// it has there.
+/// it has there; a product is its own.
 pub(crate) fn products_in(term: &EnergyTerm) -> Vec<(EnergyTerm, f64)> {
-    let Some(factor) = term.function.factors.first() else { return vec![(term.clone(), 1.0)] };
+    let [factor] = &term.function.factors[..] else { return vec![(term.clone(), 1.0)] };
     let mut products = vec![Term::one(factor.multiples.len())];
     for (joint, multiple) in factor.multiples.iter().enumerate().filter(|(_, k)| **k != 0) {
         let with = |product: &Term| {

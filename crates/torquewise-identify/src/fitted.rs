@@ -8,13 +8,13 @@ use crate::estimate::{Linearisation, Solved};
 use crate::excitation::Finding;
 use crate::prune::prune;
 use crate::reconstruction::{Progress, Reconstruction, Watch};
+use crate::samples::Scatter;
 use crate::torque_kind::{TorqueKind, torque_kind};
 use crate::unseen::{Errors, HeldOut, geometric_mean, held_out, regions, whole_logs};
 use crate::warning::Warning;
-use faer::{ColRef, Mat};
+use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_model::{
@@ -224,9 +224,6 @@ fn equations(
     // Parallel axes make sums shorter, others products.
     let as_sums = sums.len() < products.len();
     let kept = if as_sums { sums } else { products };
-    let products_in = |term: &EnergyTerm| {
-        if as_sums { products_in(term) } else { vec![(term.clone(), 1.0)] }
-    };
     let parts: Vec<Vec<(EnergyTerm, f64)>> =
         kept.iter().map(|(term, _)| products_in(term)).collect();
     let products: Vec<EnergyTerm> =
@@ -259,24 +256,11 @@ fn draws(
     friction: &[Weighted<FrictionTerm>],
     seed: u64,
 ) -> Result<Vec<RigidChain>, IdentifyError> {
-    let covariance = chain.covariance_matrix();
-    let p = covariance.nrows();
-    let eigen = covariance
-        .self_adjoint_eigen(faer::Side::Lower)
-        .map_err(|_| torquewise_regression::SparseError::NotSolvable)?;
-    let deviations: Vec<f64> =
-        eigen.S().column_vector().iter().map(|value| value.max(0.0).sqrt()).collect();
-    let known = chain.parameters(friction);
+    let (scatter, known) = (Scatter::of(chain)?, chain.parameters(friction));
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut draw = || {
-        let units: Vec<f64> = (0..p)
-            .map(|k| {
-                let unit: f64 = StandardNormal.sample(&mut random);
-                DRAW_SIZE * deviations[k] * unit
-            })
-            .collect();
-        let moved = eigen.U() * ColRef::from_slice(&units);
-        let parameters: Vec<f64> = known.iter().zip(moved.iter()).map(|(x, d)| x + d).collect();
+        let moved = scatter.draw(DRAW_SIZE, &mut random);
+        let parameters: Vec<f64> = known.iter().zip(moved).map(|(x, d)| x + d).collect();
         chain.at(&parameters, friction.len())
     };
     Ok((0..DRAWS).map(|_| draw()).collect())

@@ -91,6 +91,7 @@ pub fn summarise(
             continue;
         }
         let survey = look.finish()?;
+        survey.check_size()?;
         survey.sample.require_tau()?;
         all.survey.merge(&look)?;
         all.logs += 1;

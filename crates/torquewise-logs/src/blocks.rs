@@ -7,10 +7,9 @@ use crate::signal::Signal;
 use crate::signal_rows::{Origin, SignalRows};
 use faer::Mat;
 use torquewise_motion::signals::Raw;
-use torquewise_motion::{BLOCK_ROWS, LocalPolynomial, Motion, MotionError, Signals, derivative};
-
-/// From here on a number, in SI units, is that of a damaged file, not of an arm.
-const LARGEST: f64 = 1e9;
+use torquewise_motion::{
+    BLOCK_ROWS, LARGEST, LocalPolynomial, Motion, MotionError, Signals, derivative,
+};
 
 /// The blocks of one log file.
 ///

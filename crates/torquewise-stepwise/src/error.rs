@@ -46,12 +46,18 @@ pub enum IdentifyError {
     #[error("the counterbalanced joint {name} is not in the log, which has {joints}")]
     #[diagnostic(help("name one of these"))]
     NoSuchJoint { name: String, joints: String },
+    #[error("{signal} of {joint} reaches {found:e}, which no arm does")]
+    #[diagnostic(help("repair or drop such rows, and check the units"))]
+    NoMotion { signal: &'static str, joint: String, found: f64 },
     #[error("the torque of {0} never changes")]
     #[diagnostic(help("check that it is measured, or leave the joint out"))]
     ConstantTorque(String),
     #[error("no chain of rigid bodies could be learned: {0}")]
     #[diagnostic(forward(0))]
     Chain(#[from] torquewise_rigid::ChainError),
+    #[error("the model has no covariance of an arm's parameters to draw from")]
+    #[diagnostic(help("fit a learned chain, library chain; other models have none"))]
+    NoScatter,
     #[error("stopped")]
     Stopped,
     #[error("the numbers of the log cannot be worked with")]

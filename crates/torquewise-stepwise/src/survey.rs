@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::Training;
 use torquewise_motion::memory::Memory;
 use torquewise_motion::path::{Path, TRAVELS};
-use torquewise_motion::{Motion, Recording, Signals};
+use torquewise_motion::{LARGEST, Motion, Recording, Signals};
 use torquewise_regression::SparseError;
 use torquewise_regression::exact::ExactSums;
 
@@ -45,6 +45,25 @@ pub struct Survey {
 pub const SAMPLE_ROWS: usize = 1 << 14;
 /// q, q̇, q̈ and τ.
 const SIGNALS: usize = 4;
+
+impl Survey {
+    /// Whether its numbers may be those of an arm.
+    ///
+    /// # Errors
+    /// [`IdentifyError::NoMotion`].
+    pub fn check_size(&self) -> Result<(), IdentifyError> {
+        for (k, joint) in self.joints.iter().enumerate() {
+            let [low, high] = self.q_range[k];
+            let tau = self.torque_mean[k].hypot(self.torque_std[k]);
+            let all = [("q", low), ("q", high), ("dq", self.dq_peak[k]), ("ddq", self.ddq_peak[k])];
+            let beyond = |(_, found): &(_, f64)| found.is_nan() || found.abs() >= LARGEST;
+            if let Some((signal, found)) = all.into_iter().chain([("tau", tau)]).find(beyond) {
+                return Err(IdentifyError::NoMotion { signal, joint: joint.clone(), found });
+            }
+        }
+        Ok(())
+    }
+}
 
 /// Looks through a recording once, as if it were one log.
 ///

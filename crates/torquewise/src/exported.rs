@@ -12,7 +12,8 @@ use torquewise_export::{
     Precision, Program, fmu_archive, fmu_sources, onto_urdf, ros_package, to_c, to_latex, to_mjcf,
     to_python, to_rust, to_urdf,
 };
-use torquewise_model::Model;
+use torquewise_identify::samples;
+use torquewise_model::{Model, to_json};
 
 /// What is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,11 +34,13 @@ pub enum Target {
     Urdf,
     /// A robot for `MuJoCo`.
     Mjcf,
+    /// A model file, as a fit writes it.
+    Json,
 }
 
 impl Target {
     /// All of them, as the command line has them.
-    pub const NAMED: [(&'static str, Self); 8] = [
+    pub const NAMED: [(&'static str, Self); 9] = [
         ("c", Self::C),
         ("rust", Self::Rust),
         ("python", Self::Python),
@@ -46,11 +49,27 @@ impl Target {
         ("ros2", Self::Ros2),
         ("urdf", Self::Urdf),
         ("mjcf", Self::Mjcf),
+        ("json", Self::Json),
     ];
 
-    /// Whether it is a robot, not code.
-    pub fn is_robot(self) -> bool {
-        matches!(self, Self::Urdf | Self::Mjcf)
+    /// Whether it is code, not a robot or a model.
+    pub fn is_code(self) -> bool {
+        !matches!(self, Self::Urdf | Self::Mjcf | Self::Json)
+    }
+
+    /// How the name of its file ends; none for a package.
+    fn ending(self) -> &'static str {
+        match self {
+            Self::C => ".c",
+            Self::Rust => ".rs",
+            Self::Python => ".py",
+            Self::Latex => ".tex",
+            Self::Fmu => ".fmu",
+            Self::Ros2 => "",
+            Self::Urdf => ".urdf",
+            Self::Mjcf => ".xml",
+            Self::Json => ".json",
+        }
     }
 }
 
@@ -69,6 +88,9 @@ pub struct ExportOptions<'a> {
     pub binary: bool,
     /// Whether a model is written whose mass matrix is not positive definite.
     pub force: bool,
+    /// How many models are written in place of the one, drawn from what its log does not tell, and
+    /// the seed of the draws; for simulators that randomise an arm.
+    pub samples: Option<(usize, u64)>,
     /// An empty folder for the work of the compiler; without, a temporary one of the system.
     pub work: Option<&'a Path>,
 }
@@ -91,7 +113,8 @@ pub struct Exported {
 /// Writes a model for another program.
 ///
 /// # Errors
-/// [`Error::NotPositiveDefinite`] unless it is forced, [`Error::Export`], and
+/// [`Error::NotPositiveDefinite`] unless it is forced, [`Error::Export`], [`Error::Identify`] if there
+/// is nothing to draw samples from, and
 /// [`Error::NoCompiler`] or [`Error::Compiler`] for a unit with a binary.
 ///
 /// ```no_run
@@ -106,6 +129,21 @@ pub struct Exported {
 /// # }
 /// ```
 pub fn export(model: &Model, to: Target, options: &ExportOptions<'_>) -> Result<Exported> {
+    let mut exported = export_one(model, to, options)?;
+    if let Some((count, seed)) = options.samples {
+        exported.files.clear();
+        for (k, drawn) in (1..).zip(samples(model, count, seed)?) {
+            let own = export_one(&drawn, to, options)?;
+            exported.files.extend(own.files.into_iter().map(|(path, bytes)| {
+                let slash = if path.is_empty() { "" } else { "/" };
+                (format!("{}-{k:03}{}{slash}{path}", options.name, to.ending()), bytes)
+            }));
+        }
+    }
+    Ok(exported)
+}
+
+fn export_one(model: &Model, to: Target, options: &ExportOptions<'_>) -> Result<Exported> {
     let flaw = MassMatrix::of(model)?.flaw();
     if let (Some(flaw), false) = (&flaw, options.force) {
         return Err(Error::NotPositiveDefinite { flaw: flaw.clone() });
@@ -126,6 +164,7 @@ pub fn export(model: &Model, to: Target, options: &ExportOptions<'_>) -> Result<
             let package = ros_package(&program, name)?;
             files.extend(package.into_iter().map(|(path, text)| (path, text.into_bytes())));
         }
+        Target::Json => files = single(to_json(model)?),
         Target::Urdf | Target::Mjcf => {
             let robot = match (to, options.onto) {
                 (Target::Urdf, Some((onto, locked))) => onto_urdf(model, onto, locked)?,
@@ -135,7 +174,7 @@ pub fn export(model: &Model, to: Target, options: &ExportOptions<'_>) -> Result<
             (files, left_out) = (single(robot.text), robot.left_out);
         }
     }
-    let program = (!to.is_robot()).then_some(program);
+    let program = to.is_code().then_some(program);
     Ok(Exported { files, program, version, left_out, flaw })
 }
 
@@ -149,6 +188,7 @@ impl<'a> ExportOptions<'a> {
             onto: None,
             binary: true,
             force: false,
+            samples: None,
             work: None,
         }
     }

@@ -95,6 +95,8 @@ class Model:
         lock: Sequence[str] = (),
         binary: bool = True,
         force: bool = False,
+        samples: int | None = None,
+        seed: int = 0,
     ) -> tuple[list[tuple[str, bytes]], list[str]]: ...
 
 class FrictionState:

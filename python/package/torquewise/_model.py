@@ -153,8 +153,8 @@ class Model(_core.Model):
         """Writes the model for another program; returns what the file has no room for.
 
         to
-            ``c``, ``rust``, ``python``, ``latex``, ``fmu``, ``ros2``, ``urdf`` or ``mjcf``; by
-            default as the ending of `path` says. For ros2 `path` is a new folder.
+            ``c``, ``rust``, ``python``, ``latex``, ``fmu``, ``ros2``, ``urdf``, ``mjcf`` or ``json``;
+            by default as the ending of `path` says. For ros2 and samples `path` is a new folder.
         name
             What the functions of C, an FMU or a ROS 2 package begin with; the name of the file.
         precision, reversal, binary, force
@@ -162,12 +162,14 @@ class Model(_core.Model):
             of sources; True for a model whose M(q) is not positive definite.
         onto, lock
             URDF file that inertia and friction are put into, and its joints that are held at 0.
+        samples, seed
+            So many models in place of the one, see :meth:`samples`.
         """
         path = Path(path)
         to = to or _target(path)
         options.setdefault("name", path.stem)
         files, left_out = self._files(to, **options)
-        if to != "ros2":
+        if "" in files:
             _core.write_whole(path, files[""])
             return left_out
         if path.exists() and any(path.iterdir()):
@@ -184,6 +186,15 @@ class Model(_core.Model):
         text = None if onto is None else Path(onto).read_text()
         files, left_out = self._export(to, name, onto=text, **options)
         return dict(files), left_out
+
+    def samples(self, count: int, *, seed: int = 0) -> list[Model]:
+        """Models drawn from the covariance of this one: arms that its log may as well be of.
+
+        All of them are physical. They are what a simulator randomises a robot by, and what errors are
+        propagated with; a model of a library has no covariance to draw from.
+        """
+        files, _ = self._files("json", samples=count, seed=seed)
+        return [type(self).from_json(text.decode()) for text in files.values()]
 
     def to_urdf(self, path: _Path | None = None, **options: Any) -> str:
         """The model as a robot for ROS, Pinocchio, Drake, Gazebo: the text, and a file if asked for."""

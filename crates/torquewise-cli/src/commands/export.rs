@@ -5,7 +5,7 @@ use crate::error::{CliError, Result};
 use crate::files::{check_files, create_folder, read_model, read_text, work_folder, write_whole};
 use crate::outcome::Outcome;
 use crate::table::Table;
-use clap::Args;
+use clap::{Args, value_parser};
 use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ pub(crate) struct Arguments {
     /// What to write
     #[arg(long, value_parser = choice(&TARGETS))]
     to: Target,
-    /// File to write, for ros2 a new folder
+    /// File to write, for ros2 and samples a new folder
     #[arg(short, long, value_name = "PATH")]
     output: PathBuf,
     /// Precision of the numbers, for c and rust
@@ -46,12 +46,18 @@ pub(crate) struct Arguments {
     /// none: 0.002 tracks better.
     #[arg(help_heading = "Code", long, value_name = "RAD/S", value_parser = width)]
     reversal: Option<f64>,
+    /// Write so many models in place of the one into a new folder, drawn from its covariance
+    ///
+    /// Each is an arm that the log may as well be of, all of them physical: what a simulator
+    /// randomises a robot by.
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=100_000))]
+    samples: Option<u32>,
+    /// Seed of the samples, and of the states of test vectors
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
     /// Also write 1000 states and what the model returns there, FILE.vectors.csv
     #[arg(help_heading = "Code", long)]
     test_vectors: bool,
-    /// Seed of the states
-    #[arg(help_heading = "Code", long, default_value_t = 0, requires = "test_vectors")]
-    seed: u64,
     /// Write an fmu of sources alone
     #[arg(help_heading = "Code", long)]
     no_binary: bool,
@@ -60,7 +66,7 @@ pub(crate) struct Arguments {
     force: bool,
 }
 
-const TARGETS: [Word<Target>; 8] = [
+const TARGETS: [Word<Target>; 9] = [
     ("c", "One file of C99", Target::C),
     ("rust", "One file of Rust without std", Target::Rust),
     ("python", "One file of Python", Target::Python),
@@ -69,6 +75,7 @@ const TARGETS: [Word<Target>; 8] = [
     ("ros2", "Sources of a ROS 2 package", Target::Ros2),
     ("urdf", "A robot for ROS, Pinocchio, Drake, Gazebo", Target::Urdf),
     ("mjcf", "A robot for MuJoCo", Target::Mjcf),
+    ("json", "A model file, as fit writes it", Target::Json),
 ];
 
 const PRECISIONS: [Word<Precision>; 2] =
@@ -92,13 +99,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         onto: onto.as_ref().map(|text| (&text[..], &arguments.lock[..])),
         binary: has_binary,
         force: arguments.force,
+        samples: arguments.samples.map(|count| (count as usize, arguments.seed)),
         work: work.as_deref(),
     };
     let exported = exported::export(&model, *to, &options)?;
-    match (&exported.files[..], to) {
-        (files, Target::Ros2) => write_package(output, files)?,
-        ([(_, bytes)], _) => write_whole(output, bytes)?,
-        _ => {}
+    match &exported.files[..] {
+        [(path, bytes)] if path.is_empty() => write_whole(output, bytes)?,
+        files => write_package(output, files)?,
     }
     if let Some(file) = &vectors {
         let model = arguments.reversal.map_or_else(|| model.clone(), |w| model.with_reversal(w));
@@ -115,11 +122,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 
 /// What is said of a robot file, and what it has no room for.
 fn robot(arguments: &Arguments, model: &Model, exported: &Exported) -> Outcome {
-    let Exported { version, left_out, .. } = exported;
+    let Exported { version, left_out, files, .. } = exported;
     let notes = left_out.iter().map(|part| format!("not in the file: {part}")).collect();
+    let holds = match arguments.to {
+        Target::Json => "",
+        _ => ": links, rotors, viscous and dry friction",
+    };
     let text = format!(
-        "{version}\n{} joints: links, rotors, viscous and dry friction\n\nwritten: {}\n",
+        "{version}\n{} joints{holds}\n\nwritten: {}{}\n",
         model.n_joints(),
+        arguments.samples.map(|count| format!("{count} models drawn, ")).unwrap_or_default(),
         arguments.output.display()
     );
     let json = json!({
@@ -127,6 +139,7 @@ fn robot(arguments: &Arguments, model: &Model, exported: &Exported) -> Outcome {
         "joints": model.joints,
         "left_out": left_out,
         "output": arguments.output,
+        "files": files.iter().map(|(path, _)| path).filter(|path| !path.is_empty()).collect::<Vec<_>>(),
     });
     Outcome { text, json, notes, ..Outcome::default() }
 }
@@ -145,10 +158,10 @@ fn check_usage(arguments: &Arguments) -> Result<()> {
     };
     let is_code = matches!(to, Target::C | Target::Fmu | Target::Ros2);
     let named = name.is_some() && !is_code;
-    let is_robot = to.is_robot();
     let misplaced = misplaced
         .or((arguments.onto.is_some() && *to != Target::Urdf).then_some("--onto is for --to urdf"))
-        .or((arguments.test_vectors && is_robot).then_some("--test-vectors is for code"))
+        .or((arguments.test_vectors && (!to.is_code() || arguments.samples.is_some()))
+            .then_some("--test-vectors is for the code of one model"))
         .or(named.then_some("--name is for --to c, fmu and ros2"))
         .or((*no_binary && *to != Target::Fmu).then_some("--no-binary is for --to fmu"));
     match misplaced {
@@ -167,11 +180,12 @@ fn check_paths(arguments: &Arguments, vectors: Option<&PathBuf>) -> Result<()> {
         Target::Fmu => &["fmu"],
         Target::Urdf => &["urdf"],
         Target::Mjcf => &["xml", "mjcf"],
+        Target::Json => &["json"],
         Target::Ros2 => &[],
     };
     let inputs = std::iter::once(&arguments.model).chain(&arguments.onto);
     let vectors = vectors.map(|file| (file.as_path(), &[][..]));
-    if *to != Target::Ros2 {
+    if *to != Target::Ros2 && arguments.samples.is_none() {
         return check_files(inputs, vectors.into_iter().chain([(output.as_path(), endings)]));
     }
     let is_full = || fs::read_dir(output).is_ok_and(|mut entries| entries.next().is_some());

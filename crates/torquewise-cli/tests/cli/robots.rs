@@ -47,11 +47,19 @@ fn a_urdf_comes_back_with_what_was_learned_and_all_else_as_it_was() {
     terminal.done("export arm.json --to urdf --onto arm.urdf -o new.urdf");
     terminal.done("export arm.json --to urdf -o own.urdf");
     terminal.done("export arm.json --to mjcf -o own.xml");
+    terminal.done("export arm.json --to urdf --samples 2 --seed 4 -o twins");
 
     // The learned robot moves as the true one, whose log the model has not seen.
     for file in ["arm", "new", "own"] {
         let motion = "--seconds 10 --rate 50 --seed 5 --motion sines";
         terminal.done(&format!("simulate {file}.urdf -o {file}.csv {motion}"));
+    }
+    // Those drawn from its covariance move nearly so.
+    for file in ["twins/twins-001", "twins/twins-002"] {
+        let motion = "--seconds 10 --rate 50 --seed 5 --motion sines";
+        terminal.done(&format!("simulate {file}.urdf -o drawn.csv {motion}"));
+        let scores = terminal.json("evaluate arm.json drawn.csv");
+        assert!(each(&scores["joints"], "nrmse_percent").iter().all(|x| *x < 5.0), "{scores}");
     }
     let scores = terminal.json("evaluate arm.json arm.csv");
     assert!(each(&scores["joints"], "nrmse_percent").iter().all(|x| *x < 1.0), "{scores}");

@@ -11,6 +11,7 @@ mod memory;
 mod oracle;
 mod recovery;
 mod rounds;
+mod samples;
 mod six_joints;
 mod spoilt;
 mod summary;

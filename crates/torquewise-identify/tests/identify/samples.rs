@@ -1,0 +1,80 @@
+//! Models drawn from a learned chain: physical, as far apart as the covariance says, and told by
+//! the seed.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use torquewise_identify::plan::{ChainOptions, FrictionKind};
+use torquewise_identify::{Plan, reconstruct, samples};
+use torquewise_model::{Model, Torque};
+use torquewise_motion::Motion;
+use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
+
+const COUNT: usize = 60;
+
+fn motion(kind: MotionKind, seconds: f64, seed: u64) -> Motion {
+    let plan = MotionPlan { kind, seconds, rate: 50.0, seed };
+    simulate(&Arm::builtin("puma560-3").unwrap(), &plan).unwrap().motion
+}
+
+fn learned() -> Model {
+    let clean = motion(MotionKind::Moves, 60.0, 1);
+    let noisy = add_noise(&clean, &Noise::case(2).unwrap(), 1).unwrap();
+    let plan =
+        Plan::from(ChainOptions { friction: FrictionKind::Linear, ..ChainOptions::default() });
+    reconstruct(&noisy, &plan, torquewise_identify::UNWATCHED).unwrap().model
+}
+
+#[test]
+fn drawn_models_are_physical_and_scatter_as_the_covariance_says() {
+    let model = learned();
+    let drawn = samples(&model, COUNT, 0).unwrap();
+
+    assert!(drawn.iter().all(|own| own.chain.as_ref().unwrap().is_feasible()));
+    assert_eq!(drawn, samples(&model, COUNT, 0).unwrap());
+    assert_ne!(drawn, samples(&model, COUNT, 1).unwrap());
+    let others = motion(MotionKind::Sines, 4.0, 9);
+    let (chain, n) = (model.chain.as_ref().unwrap(), model.n_joints());
+    let laws = Torque::new(&model).laws(&others).unwrap();
+    let all: Vec<_> = drawn.iter().map(|own| Torque::new(own).over(&others).unwrap()).collect();
+    let (mut drawn_square, mut said_square) = (0.0, 0.0);
+    for row in 0..others.n_rows() {
+        let state = [others.q(), others.dq(), others.ddq()]
+            .map(|signal| (0..n).map(|joint| signal[(row, joint)]).collect::<Vec<f64>>());
+        let known: Vec<f64> = laws.row(row).iter().copied().collect();
+        let friction = (&model.friction[..], &known[..]);
+        let state = state.each_ref().map(|signal| &signal[..]);
+        let said = chain.std_errors(friction, state).unwrap();
+        for (joint, said) in said.iter().enumerate() {
+            let mean = all.iter().map(|tau| tau[(row, joint)]).sum::<f64>() / COUNT as f64;
+            let squares = all.iter().map(|tau| (tau[(row, joint)] - mean).powi(2));
+            drawn_square += squares.sum::<f64>() / (COUNT - 1) as f64 / (said * said);
+            said_square += 1.0;
+        }
+    }
+    // Arms that cannot be are not drawn: less scatter, not more.
+    let ratio = (drawn_square / said_square).sqrt();
+    assert!((0.6..1.15).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn the_equations_of_a_drawn_model_are_those_of_its_chain() {
+    let model = learned();
+    let test = motion(MotionKind::Sines, 4.0, 9);
+    let apart = |model: &Model| {
+        let equations = Model { chain: None, ..model.clone() };
+        let [whole, listed] = [model, &equations].map(|own| Torque::new(own).over(&test).unwrap());
+        (whole - listed).norm_l2()
+    };
+
+    for drawn in samples(&model, 5, 3).unwrap() {
+        // What its equations leave out is as small as of the model itself.
+        assert!(apart(&drawn) < 3.0 * apart(&model), "{} {}", apart(&drawn), apart(&model));
+    }
+}
+
+#[test]
+fn a_model_of_a_library_has_nothing_to_draw_from() {
+    let model = Model { chain: None, ..learned() };
+
+    assert!(samples(&model, 1, 0).unwrap_err().to_string().contains("covariance"));
+}
