@@ -207,7 +207,8 @@ impl fmt::Display for Warning {
             Self::Unexplained { library, joint, residual } => write!(
                 f,
                 "{library}: even the order chosen leaves {:.0} % of the torque of {joint} \
-                 unexplained on held-out rows; try higher ones, or record more motion",
+                 unexplained on held-out rows; it lacks what loads the joint, such as friction: \
+                 learn a chain instead",
                 100.0 * residual
             ),
             Self::Excitation(finding) => write!(f, "{finding}"),

@@ -28,8 +28,8 @@ pub enum IdentifyError {
     Clusters(usize),
     #[error("the library has {candidates} candidates, which takes {gigabytes} GB of sums")]
     #[diagnostic(help(
-        "limit it to {limit} candidates by a lower interaction order or lower orders, or give no \
-         order for an energy library, which is then grown along a learned chain"
+        "an arm of so many joints wants a learned chain, which has no orders; or lower the orders \
+         and interactions of the library to {limit} candidates at most"
     ))]
     LibraryTooLarge { candidates: usize, gigabytes: usize, limit: usize },
     #[error("cannot merge summaries: {what} differs, {expected} and {found}")]

@@ -120,6 +120,10 @@ pub fn rollouts(model: &Model, log: &Prepared, horizons: &[f64]) -> Result<Vec<D
     Ok(rollout::drifts(model, log.rows(), horizons)?)
 }
 
+/// What is said where a model is judged by its own log.
+const TRAINED: &str = "the model was fitted to these rows: what is left of them says nothing of \
+                       others, judge it by another log";
+
 fn scored(model: &Model, recording: &impl Recording) -> Result<Evaluation> {
     let mut range = MotionRange::new(model.n_joints());
     let scores = score_along(model, recording, &mut |block| range.add(block))?;
@@ -137,6 +141,9 @@ fn scored(model: &Model, recording: &impl Recording) -> Result<Evaluation> {
     let still = still
         .map(|joint| format!("the torque of {} never changes: look at its RMSE only", joint.name));
     let warnings = still.collect();
-    let notes = range.warnings(model);
+    let mut notes = range.warnings(model);
+    if range.is_trained(model) {
+        notes.push(TRAINED.to_owned());
+    }
     Ok(Evaluation { joints, rows: scores.rows, rollouts: Vec::new(), notes, warnings })
 }

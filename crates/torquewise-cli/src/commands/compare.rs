@@ -44,7 +44,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         let counts = [found.candidates, found.active_total];
         (*name, counts, found.seconds, found.nrmse_percent.clone())
     });
+    let own = arguments.test.iter().filter(|file| arguments.logs.contains(file));
+    let trained = own.map(|file| {
+        let file = file.display();
+        format!("{file} is in both: what is left of its own rows says nothing of others")
+    });
     Ok(Outcome {
+        notes: trained.collect(),
         text: methods(train.rows().joints(), rows).text(),
         warnings: warnings.collect(),
         json: object(&compared),

@@ -360,3 +360,21 @@ fn a_counterbalance_that_is_known_of_is_a_term() {
     assert!((weight - 0.3).abs() < 0.05, "{line}");
     terminal.refused(&format!("{fit} --counterbalance elbow"), &["elbow", "joint1, joint2"]);
 }
+
+#[test]
+fn a_model_that_is_judged_by_its_own_rows_is_told_so() {
+    let terminal = Terminal::with_model();
+    terminal.done("simulate planar-2 -o other.csv --seconds 20 --rate 50 --seed 8");
+    let own = ["evaluate model.json log.csv", "compare log.csv --test log.csv --trig-order 1"];
+    let others =
+        ["evaluate model.json other.csv", "compare log.csv --test other.csv --trig-order 1"];
+    for (line, is_told) in
+        own.map(|line| (line, true)).into_iter().chain(others.map(|l| (l, false)))
+    {
+        let said = terminal.run(line);
+
+        let found = said.stderr.contains("says nothing of others");
+        assert_eq!(found, is_told, "{line}: {}", said.stderr);
+    }
+    terminal.refused("evaluate log.csv model.json", &["log.csv is a log, not a model"]);
+}

@@ -114,7 +114,8 @@ impl fmt::Display for ConditionReport {
             write!(f, "\n{:.2} s dropped at each end", self.trimmed)?;
         }
         if self.delay != 0.0 {
-            write!(f, "\ntau advanced by {:.1} ms", 1e3 * self.delay)?;
+            let way = if self.delay > 0.0 { "advanced" } else { "delayed" };
+            write!(f, "\ntau {way} by {:.1} ms", 1e3 * self.delay.abs())?;
         }
         for Outliers { signal, joint, rows } in &self.outliers {
             write!(f, "\n{signal} of {joint}: {} outliers replaced", rows.len())?;
