@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import polars as pl
 import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 import torquewise
@@ -170,3 +171,18 @@ def test_a_log_is_not_copied():
 
     assert peak < q.nbytes / 10
     assert log.joints == ["joint1", "joint2"]
+
+
+def test_a_bit_turned_within_a_page_of_parquet_is_noticed(tmp_path):
+    own = torquewise.simulate("planar-2", seconds=30, rate=100)
+    columns = {f"{key}{k + 1}": own[key][:, k] for key in ("q", "tau") for k in range(2)}
+    path = tmp_path / "log.parquet"
+    table = pa.table({"t": own["t"], **columns})
+    pq.write_table(table, path, compression="none", use_dictionary=False, write_page_checksum=True)
+    torquewise.read_log(path)
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+
+    with pytest.raises(torquewise.LogError, match="log.parquet"):
+        torquewise.Summary.of(path, library="chain")
