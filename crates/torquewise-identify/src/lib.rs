@@ -34,6 +34,7 @@ mod framed;
 pub mod samples;
 mod fitted;
 mod torque_sign;
+pub mod residual_shape;
 pub mod rounds;
 pub mod settings;
 pub mod summary;

@@ -3,7 +3,9 @@
 use crate::clipped::clipped;
 use crate::excitation::Finding;
 use crate::library_errors::held_out_rms;
+use crate::residual_shape::shapes;
 use crate::torque_sign::{SignTest, swapped};
+use crate::verdict::grave;
 use crate::warning::Warning;
 use torquewise_model::{Model, Torque};
 use torquewise_stepwise::error::IdentifyError;
@@ -102,6 +104,10 @@ impl Reconstruction {
         for joint in chain.wrong_signs(&self.survey.sample, watch)? {
             let joint = self.survey.joints[joint].clone();
             self.warnings.push(Warning::Excitation(Finding::WrongSign { joint }));
+        }
+        if grave(&self.warnings).is_empty() {
+            let shapes = shapes(&self.model, &self.survey.sample, &missed)?;
+            self.warnings.extend(shapes.into_iter().map(Warning::Shape));
         }
         Ok(())
     }

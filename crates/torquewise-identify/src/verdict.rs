@@ -88,7 +88,7 @@ impl Verdict {
 }
 
 /// What makes a model useless whatever the error on its own log.
-fn grave(warnings: &[Warning]) -> Vec<String> {
+pub(crate) fn grave(warnings: &[Warning]) -> Vec<String> {
     let of = |warning: &Warning| match warning {
         Warning::Excitation(Finding::Together { joints, .. }) => {
             Some(format!("{} always move together", list(joints)))

@@ -3,6 +3,7 @@
 use crate::disagreement::Disagreement;
 use crate::drift::Drift;
 use crate::excitation::{Finding, findings};
+use crate::residual_shape::Shape;
 use crate::unseen::geometric_mean;
 use std::fmt;
 use torquewise_model::{Model, Training};
@@ -54,6 +55,8 @@ pub enum Warning {
     Disagreement(Disagreement),
     /// Friction changes along long logs.
     Drift(Drift),
+    /// Most of what is missed of a joint is missed in few rows.
+    Shape(Shape),
     /// The fit to all rows leaves far more than the search did on a sample.
     Refit {
         /// Residual of the fit over that of the search, geometric mean of the joints.
@@ -214,6 +217,7 @@ impl fmt::Display for Warning {
             Self::Excitation(finding) => write!(f, "{finding}"),
             Self::Disagreement(logs) => write!(f, "{logs}"),
             Self::Drift(drift) => write!(f, "{drift}"),
+            Self::Shape(shape) => write!(f, "{shape}"),
             Self::Refit { ratio } => write!(
                 f,
                 "the fit to all rows leaves {ratio:.2} times the torque that the search left on a \
