@@ -139,7 +139,9 @@ impl<'a, 'py> Bar<'a, 'py> {
         self.shown = Instant::now();
         match self.progress {
             Some(progress) if !self.doing.is_empty() => {
-                progress.call1((&self.doing, rows, self.total)).map(drop)
+                // A stage that reads no rows has no total of them.
+                let total = self.total.filter(|_| rows > 0);
+                progress.call1((&self.doing, rows, total)).map(drop)
             }
             _ => Ok(()),
         }

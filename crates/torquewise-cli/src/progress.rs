@@ -30,7 +30,7 @@ impl Shown {
             Event::Stage(told) => {
                 self.bar = stage(&told.to_string());
                 if let Some((done, most)) = told.share() {
-                    self.measure(most as u64, "{spinner} {msg} {wide_bar} {elapsed}");
+                    self.measure(most as u64, "{spinner} {msg} {wide_bar}");
                     self.bar.set_position(done as u64);
                 }
             }

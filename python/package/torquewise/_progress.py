@@ -47,6 +47,8 @@ class _Bar:
             self._own = self._tqdm(
                 desc=doing, total=total, unit=" rows", unit_scale=True, leave=False
             )
+        if total is not None:
+            self._own.total = total
         self._own.update(rows)
 
     def close(self):

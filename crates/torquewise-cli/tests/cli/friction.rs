@@ -118,10 +118,11 @@ fn show_begins_with_the_axes_of_a_learned_chain() {
 fn evaluate_simulates_windows_of_the_log() {
     let terminal = Terminal::new();
     terminal.done("simulate planar-2 -o log.csv --seconds 30 --rate 50 --seed 1");
+    terminal.done("simulate planar-2 -o test.csv --seconds 30 --rate 50 --seed 2");
     terminal.run("fit log.csv -o chain.json --library chain --friction none");
 
-    let found = &terminal.json("evaluate chain.json log.csv --rollout 0.2,0.5")["rollout"];
-    let text = terminal.done("evaluate chain.json log.csv --rollout");
+    let found = &terminal.json("evaluate chain.json test.csv --rollout 0.2,0.5")["rollout"];
+    let text = terminal.done("evaluate chain.json test.csv --rollout");
 
     assert_eq!(found[1]["horizon_s"], 0.5);
     for joint in 0..2 {
@@ -129,7 +130,7 @@ fn evaluate_simulates_windows_of_the_log() {
         assert!(of("rms_drift_rad") < 0.1 * of("hold_rms_rad"), "{found}");
     }
     assert!(text.contains("after 0.2 s") && text.contains("after 1 s"), "{text}");
-    terminal.misused("evaluate chain.json log.csv --rollout 0.5,-1", &["--rollout", "above 0"]);
+    terminal.misused("evaluate chain.json test.csv --rollout 0.5,-1", &["--rollout", "above 0"]);
 }
 
 #[test]

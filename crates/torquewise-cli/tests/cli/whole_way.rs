@@ -33,7 +33,7 @@ fn evaluate_notes_where_a_log_leaves_the_range_of_the_fit() {
     let [inside, outside] =
         ["log", "turned"].map(|log| terminal.run(&format!("evaluate model.json {log}.csv")));
 
-    assert_eq!(inside.stderr, "");
+    assert!(!inside.stderr.contains("leaves the range"), "{inside:?}");
     assert!(outside.stderr.contains("note: joint1 leaves the range"), "{outside:?}");
 }
 
