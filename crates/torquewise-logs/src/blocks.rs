@@ -1,15 +1,13 @@
 //! From rows of signals to blocks: split at gaps, q̇ and q̈ completed if wanted, in fixed memory.
 
 use crate::absurd::{LONGEST, absurd};
-use crate::error::{LogError, Place, Result};
+use crate::error::{LogError, Result};
 use crate::gaps::UsualStep;
 use crate::signal::Signal;
 use crate::signal_rows::{Origin, SignalRows};
 use faer::Mat;
 use torquewise_motion::signals::Raw;
-use torquewise_motion::{
-    BLOCK_ROWS, LARGEST, LocalPolynomial, Motion, MotionError, Signals, derivative,
-};
+use torquewise_motion::{BLOCK_ROWS, LocalPolynomial, Motion, MotionError, Signals, derivative};
 
 /// The blocks of one log file.
 ///
@@ -117,7 +115,7 @@ impl Blocks {
                 None => self.at_end_of_file = true,
             }
         }
-        self.screen()?;
+        self.screen();
         let t = &self.columns[0][..self.screened];
         if self.known == 0 && !t.is_empty() {
             self.known = 1;
@@ -135,12 +133,11 @@ impl Blocks {
 
     /// Leaves out rows with absurd values, but for the last ones, of which not all that stands beside
     /// them is known.
-    fn screen(&mut self) -> Result<()> {
+    fn screen(&mut self) {
         let all = self.columns[0].len();
         let end =
             all.saturating_sub(if self.screens && !self.at_end_of_file { LONGEST } else { 0 });
         if self.screens {
-            let file = self.rows.place().file;
             let mapping = &self.rows.mapping;
             let mut gone: Vec<usize> = Vec::new();
             for (slot, column) in self.columns.iter().enumerate().skip(1) {
@@ -148,19 +145,10 @@ impl Blocks {
                     ((slot - 1) / mapping.n_joints, (slot - 1) % mapping.n_joints);
                 let signal = mapping.present[signal];
                 let own = absurd(column, signal);
-                let name = format!("{}{}", signal.name(), joint + 1);
-                let beyond = (self.screened..end)
-                    .find(|row| column[*row].abs() >= LARGEST && !own.contains(row));
-                if let Some(row) = beyond {
-                    let place =
-                        Place { file: file.clone(), row: self.origins[row].number, line: None };
-                    let problem = format!(", column {name} is {:e}", column[row]);
-                    let help = "no arm moves so: copy the file again, or drop the rows";
-                    return Err(LogError::unusable(place, &problem, help));
-                }
                 let own = own.into_iter().filter(|row| (self.screened..end).contains(row));
                 for row in own {
-                    let first = || (self.origins[row].number, name.clone(), column[row]);
+                    let name = format!("{}{}", signal.name(), joint + 1);
+                    let first = || (self.origins[row].number, name, column[row]);
                     self.first_absurd.get_or_insert_with(first);
                     gone.push(row);
                 }
@@ -178,7 +166,6 @@ impl Blocks {
         } else {
             self.screened = end;
         }
-        Ok(())
     }
 
     fn push(&mut self, row: &[f64], origin: Origin) -> Result<()> {

@@ -39,7 +39,5 @@ pub use error::MotionError;
 pub use joint_names::unfit_joint_name;
 pub use motion::{Motion, Signals};
 pub use pattern::Pattern;
-pub use recording::{
-    BLOCK_ROWS, LARGEST, RawRecording, ReadError, ReadResult, Recording, Visit, VisitPair,
-};
+pub use recording::{BLOCK_ROWS, RawRecording, ReadError, ReadResult, Recording, Visit, VisitPair};
 pub use repairs::Repairs;

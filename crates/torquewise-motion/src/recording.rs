@@ -7,9 +7,6 @@ use crate::signals::bandwidth::Band;
 /// blocks are taken in the same order, and have the same bits, however a log is stored.
 pub const BLOCK_ROWS: usize = 1024;
 
-/// From here on a number, in SI units, is that of a damaged file, not of an arm.
-pub const LARGEST: f64 = 1e9;
-
 /// Whatever a reader met: the file, row and column are in its message.
 pub type ReadError = Box<dyn std::error::Error + Send + Sync>;
 

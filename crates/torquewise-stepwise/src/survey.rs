@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::Training;
 use torquewise_motion::memory::Memory;
 use torquewise_motion::path::{Path, TRAVELS};
-use torquewise_motion::{LARGEST, Motion, Recording, Signals};
+use torquewise_motion::{Motion, Recording, Signals};
 use torquewise_regression::SparseError;
 use torquewise_regression::exact::ExactSums;
 
@@ -45,6 +45,9 @@ pub struct Survey {
 pub const SAMPLE_ROWS: usize = 1 << 14;
 /// q, q̇, q̈ and τ.
 const SIGNALS: usize = 4;
+
+/// From here on a number, in SI units, is that of a damaged file, not of an arm.
+const LARGEST: f64 = 1e9;
 
 impl Survey {
     /// Whether its numbers may be those of an arm.
