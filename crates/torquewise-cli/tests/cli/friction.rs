@@ -122,7 +122,7 @@ fn evaluate_simulates_windows_of_the_log() {
     terminal.run("fit log.csv -o chain.json --library chain --friction none");
 
     let found = &terminal.json("evaluate chain.json test.csv --rollout 0.2,0.5")["rollout"];
-    let text = terminal.done("evaluate chain.json test.csv --rollout");
+    let text = terminal.run("evaluate chain.json test.csv --rollout").stdout;
 
     assert_eq!(found[1]["horizon_s"], 0.5);
     for joint in 0..2 {
