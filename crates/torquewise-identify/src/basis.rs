@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use torquewise_model::term::Factor;
-use torquewise_model::{EnergyTerm, Term, Trig};
+use torquewise_model::{EnergyTerm, ModelError, RigidChain, Term, Trig};
 use torquewise_regression::atom::{Phase, Wave};
 use torquewise_stepwise::candidates::waves_of;
 
@@ -27,7 +27,7 @@ pub(crate) fn joint_sums(energies: &Energies) -> Energies {
 
 /// The products of sines and cosines that a harmonic of a joint sum is part of, each with the weight
 /// it has there; a product is its own.
-pub(crate) fn products_in(term: &EnergyTerm) -> Vec<(EnergyTerm, f64)> {
+fn products_in(term: &EnergyTerm) -> Vec<(EnergyTerm, f64)> {
     let [factor] = &term.function.factors[..] else { return vec![(term.clone(), 1.0)] };
     let mut products = vec![Term::one(factor.multiples.len())];
     for (joint, multiple) in factor.multiples.iter().enumerate().filter(|(_, k)| **k != 0) {
@@ -42,6 +42,33 @@ pub(crate) fn products_in(term: &EnergyTerm) -> Vec<(EnergyTerm, f64)> {
         Some((EnergyTerm { place: term.place, function }, weight))
     });
     weighted.collect()
+}
+
+/// Energy terms of whichever basis, ready to be looked up in chains.
+pub(crate) struct Wanted {
+    /// Of each term, how many products it is a sum of, and all of these with their weights.
+    counts: Vec<usize>,
+    weights: Vec<f64>,
+    products: Vec<EnergyTerm>,
+}
+
+impl Wanted {
+    pub(crate) fn of<'a>(terms: impl Iterator<Item = &'a EnergyTerm>) -> Self {
+        let parts: Vec<Vec<(EnergyTerm, f64)>> = terms.map(products_in).collect();
+        let counts = parts.iter().map(Vec::len).collect();
+        let (products, weights) = parts.into_iter().flatten().unzip();
+        Self { counts, weights, products }
+    }
+
+    /// The coefficients that these terms have in a chain.
+    ///
+    /// # Errors
+    /// As [`RigidChain::coefficients_of`].
+    pub(crate) fn coefficients_in(&self, chain: &RigidChain) -> Result<Vec<f64>, ModelError> {
+        let found = chain.coefficients_of(&self.products)?;
+        let mut shares = self.weights.iter().zip(found).map(|(weight, own)| weight * own);
+        Ok(self.counts.iter().map(|count| shares.by_ref().take(*count).sum()).collect())
+    }
 }
 
 fn harmonic(wave: &Wave) -> Term {

@@ -1,7 +1,7 @@
 //! From a chain that nothing moves any more to a model: its parameters, and equations that can be
 //! told from zero (E8) (E11).
 
-use crate::basis::{Energies, joint_sums, products_in};
+use crate::basis::{Energies, Wanted, joint_sums};
 use crate::drifts;
 use crate::drive_terms::DriveTerm;
 use crate::estimate::{Linearisation, Solved};
@@ -73,7 +73,6 @@ impl Fitted {
         let (chain, friction) = parameters(&solved.at, &covariance);
         let (terms, candidates) =
             equations(&chain, &friction, (&survey, residual_rms), seed, watch)?;
-        Progress::Working.tell(watch)?;
         choices.extend(solved.choice);
         let mut warnings = Warning::of_survey(&survey);
         warnings.extend(Warning::of_refit(&searched_rms, residual_rms, &survey.torque_std));
@@ -224,24 +223,15 @@ fn equations(
     // Parallel axes make sums shorter, others products.
     let as_sums = sums.len() < products.len();
     let kept = if as_sums { sums } else { products };
-    let parts: Vec<Vec<(EnergyTerm, f64)>> =
-        kept.iter().map(|(term, _)| products_in(term)).collect();
-    let products: Vec<EnergyTerm> =
-        parts.iter().flatten().map(|(product, _)| product.clone()).collect();
+    let wanted = Wanted::of(kept.iter().map(|(term, _)| term));
     let draws = draws(chain, friction, seed)?;
     let draws = draws.into_par_iter().map(|chain| {
         Progress::Working.tell(watch)?;
-        Ok(chain.coefficients_of(&products)?)
+        Ok(wanted.coefficients_in(&chain)?)
     });
     let draws = draws.collect::<Result<Vec<Vec<f64>>, IdentifyError>>()?;
-    let mut first = 0;
-    let terms = kept.into_iter().zip(&parts).map(|((term, coefficient), parts)| {
-        let own = first..first + parts.len();
-        first = own.end;
-        let change = |draw: &Vec<f64>| {
-            let drawn: f64 = draw[own.clone()].iter().zip(parts).map(|(c, (_, by))| by * c).sum();
-            (drawn - coefficient) / DRAW_SIZE
-        };
+    let terms = kept.into_iter().enumerate().map(|(k, (term, coefficient))| {
+        let change = |draw: &Vec<f64>| (draw[k] - coefficient) / DRAW_SIZE;
         let square: f64 = draws.iter().map(|draw| change(draw).powi(2)).sum();
         let std_error = (square / draws.len().max(1) as f64).sqrt();
         Weighted { term, coefficient, std_error, inclusion: None }

@@ -77,11 +77,11 @@ fn densest(q: &[f64], dq: &[f64], left: &[f64]) -> Option<(Place, [f64; 2])> {
         Place::Fast => speed(row) >= SPEEDS[2],
         Place::Pose([from, to]) => q[row] >= from && q[row] <= to,
     };
-    let all: f64 = left.iter().map(|left| left * left).sum();
+    let total: f64 = left.iter().map(|left| left * left).sum();
     let shares = |place: Place| {
         let rows: Vec<usize> = (0..left.len()).filter(|&row| is_in(place, row)).collect();
         let own: f64 = rows.iter().map(|&row| left[row] * left[row]).sum();
-        [own / all, rows.len() as f64 / left.len() as f64]
+        [own / total, rows.len() as f64 / left.len() as f64]
     };
     let all = places.into_iter().map(|place| (place, shares(place)));
     let dense =

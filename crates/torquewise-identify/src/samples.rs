@@ -1,12 +1,12 @@
 //! Models drawn from the uncertainty of one: other arms that its log may as well be of, all of them
 //! physical. What a simulator randomises a robot by, and what errors are propagated with.
 
-use crate::basis::products_in;
+use crate::basis::Wanted;
 use faer::{ColRef, Mat};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_model::{EnergyTerm, Form, Model, RigidChain};
+use torquewise_model::{Form, Model, RigidChain};
 use torquewise_regression::SparseError;
 use torquewise_stepwise::error::IdentifyError;
 
@@ -64,6 +64,10 @@ pub fn samples(model: &Model, count: usize, seed: u64) -> Result<Vec<Model>, Ide
         let brakes = |k: usize| moved[k] * centre[k] >= 0.0;
         (first..first + friction).all(brakes) && chain.at(&moved, friction).is_feasible()
     };
+    let wanted = match &model.form {
+        Form::Energy(terms) => Some(Wanted::of(terms.iter().map(|own| &own.term))),
+        Form::Torque(_) => None,
+    };
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut here = vec![0.0; centre.len()];
     (0..count)
@@ -72,7 +76,7 @@ pub fn samples(model: &Model, count: usize, seed: u64) -> Result<Vec<Model>, Ide
                 let other = scatter.draw(1.0, &mut random);
                 here = moved(&here, &other, is_arm, &mut random);
             }
-            model_at(model, chain, &at(&here), first)
+            model_at(model, chain, (&at(&here), first), wanted.as_ref())
         })
         .collect()
 }
@@ -102,26 +106,22 @@ fn moved(
 }
 
 /// The model at other parameters, of which those of friction begin at `first`.
+///
+/// - `wanted`: the terms of its equations
 fn model_at(
     model: &Model,
     chain: &RigidChain,
-    parameters: &[f64],
-    first: usize,
+    (parameters, first): (&[f64], usize),
+    wanted: Option<&Wanted>,
 ) -> Result<Model, IdentifyError> {
     let mut model = model.clone();
     let chain = RigidChain { covariance: Vec::new(), ..chain.at(parameters, model.friction.len()) };
     for (law, coefficient) in model.friction.iter_mut().zip(&parameters[first..]) {
         (law.coefficient, law.std_error) = (*coefficient, 0.0);
     }
-    if let Form::Energy(terms) = &mut model.form {
-        let parts: Vec<Vec<(EnergyTerm, f64)>> =
-            terms.iter().map(|own| products_in(&own.term)).collect();
-        let products: Vec<EnergyTerm> =
-            parts.iter().flatten().map(|(own, _)| own.clone()).collect();
-        let mut coefficients = chain.coefficients_of(&products)?.into_iter();
-        for (own, parts) in terms.iter_mut().zip(&parts) {
-            own.coefficient = parts.iter().zip(&mut coefficients).map(|((_, by), c)| by * c).sum();
-            own.std_error = 0.0;
+    if let (Form::Energy(terms), Some(wanted)) = (&mut model.form, wanted) {
+        for (own, coefficient) in terms.iter_mut().zip(wanted.coefficients_in(&chain)?) {
+            (own.coefficient, own.std_error) = (coefficient, 0.0);
         }
     }
     model.chain = Some(chain);

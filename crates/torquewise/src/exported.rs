@@ -57,18 +57,18 @@ impl Target {
         !matches!(self, Self::Urdf | Self::Mjcf | Self::Json)
     }
 
-    /// How the name of its file ends; none for a package.
-    fn ending(self) -> &'static str {
+    /// How the name of its file may end, the usual ending first; none for a package.
+    pub fn endings(self) -> &'static [&'static str] {
         match self {
-            Self::C => ".c",
-            Self::Rust => ".rs",
-            Self::Python => ".py",
-            Self::Latex => ".tex",
-            Self::Fmu => ".fmu",
-            Self::Ros2 => "",
-            Self::Urdf => ".urdf",
-            Self::Mjcf => ".xml",
-            Self::Json => ".json",
+            Self::C => &["c", "h"],
+            Self::Rust => &["rs"],
+            Self::Python => &["py"],
+            Self::Latex => &["tex"],
+            Self::Fmu => &["fmu"],
+            Self::Ros2 => &[],
+            Self::Urdf => &["urdf"],
+            Self::Mjcf => &["xml", "mjcf"],
+            Self::Json => &["json"],
         }
     }
 }
@@ -134,9 +134,13 @@ pub fn export(model: &Model, to: Target, options: &ExportOptions<'_>) -> Result<
         exported.files.clear();
         for (k, drawn) in (1..).zip(samples(model, count, seed)?) {
             let own = export_one(&drawn, to, options)?;
+            let stem = format!("{}-{k:03}", options.name);
             exported.files.extend(own.files.into_iter().map(|(path, bytes)| {
-                let slash = if path.is_empty() { "" } else { "/" };
-                (format!("{}-{k:03}{}{slash}{path}", options.name, to.ending()), bytes)
+                let file = match to.endings().first() {
+                    Some(ending) => format!("{stem}.{ending}"),
+                    None => format!("{stem}/{path}"),
+                };
+                (file, bytes)
             }));
         }
     }

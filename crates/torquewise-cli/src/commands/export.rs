@@ -156,8 +156,7 @@ fn check_usage(arguments: &Arguments) -> Result<()> {
         _ if *precision == Precision::Single => Some("--precision float is for --to c and rust"),
         _ => None,
     };
-    let is_code = matches!(to, Target::C | Target::Fmu | Target::Ros2);
-    let named = name.is_some() && !is_code;
+    let named = name.is_some() && !matches!(to, Target::C | Target::Fmu | Target::Ros2);
     let misplaced = misplaced
         .or((arguments.onto.is_some() && *to != Target::Urdf).then_some("--onto is for --to urdf"))
         .or((arguments.test_vectors && (!to.is_code() || arguments.samples.is_some()))
@@ -172,21 +171,10 @@ fn check_usage(arguments: &Arguments) -> Result<()> {
 
 fn check_paths(arguments: &Arguments, vectors: Option<&PathBuf>) -> Result<()> {
     let Arguments { to, output, .. } = arguments;
-    let endings: &[&str] = match to {
-        Target::C => &["c", "h"],
-        Target::Rust => &["rs"],
-        Target::Python => &["py"],
-        Target::Latex => &["tex"],
-        Target::Fmu => &["fmu"],
-        Target::Urdf => &["urdf"],
-        Target::Mjcf => &["xml", "mjcf"],
-        Target::Json => &["json"],
-        Target::Ros2 => &[],
-    };
     let inputs = std::iter::once(&arguments.model).chain(&arguments.onto);
     let vectors = vectors.map(|file| (file.as_path(), &[][..]));
     if *to != Target::Ros2 && arguments.samples.is_none() {
-        return check_files(inputs, vectors.into_iter().chain([(output.as_path(), endings)]));
+        return check_files(inputs, vectors.into_iter().chain([(output.as_path(), to.endings())]));
     }
     let is_full = || fs::read_dir(output).is_ok_and(|mut entries| entries.next().is_some());
     if output.exists() && is_full() {
