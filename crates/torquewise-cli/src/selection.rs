@@ -16,6 +16,12 @@ pub(crate) const FRICTION: [Word<&str>; 4] = [
     ),
 ];
 
+const REFINE: [Word<&str>; 1] = [(
+    "rollout",
+    "Windows of the log, simulated with the measured torque: for a model that is to move like the arm",
+    "rollout",
+)];
+
 const SELECT: [Word<&str>; 3] = [
     ("bic", "BIC-like information criterion", "bic"),
     ("lasso", "LASSO, then least squares", "lasso"),
@@ -36,6 +42,10 @@ pub(crate) struct SelectionArguments {
     /// for
     #[arg(help_heading = "Learned chain", long, value_name = "JOINT", value_delimiter = ',')]
     counterbalance: Vec<String>,
+    /// Refine a learned chain once its torque is fitted; what this counts is chosen on held-out
+    /// windows, and at most 2 % more of the torque is left
+    #[arg(help_heading = "Learned chain", long, value_parser = choice(&REFINE))]
+    refine: Option<&'static str>,
     /// Disable the correction of the bias that measurement noise causes, as --method sindy always does
     #[arg(help_heading = "Method", long)]
     no_noise_correction: bool,

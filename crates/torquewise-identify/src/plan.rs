@@ -20,6 +20,15 @@ pub struct ChainOptions {
     /// Whether the bias that noise in q, q̇, q̈ leaves in the normal equations is to be taken out
     /// (E7).
     pub noise_correction: bool,
+    /// What the chain is refined by once its torque is fitted, if by anything.
+    pub refine: Option<Refine>,
+}
+
+/// What a fitted chain is refined by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refine {
+    /// Windows of the log, simulated from a measured state with the measured torque (E23).
+    Rollout,
 }
 
 /// Where the joint axes of an arm lie, known beforehand.
@@ -60,6 +69,7 @@ impl Default for ChainOptions {
             friction: FrictionKind::Auto,
             counterbalanced: Vec::new(),
             noise_correction: true,
+            refine: None,
         }
     }
 }

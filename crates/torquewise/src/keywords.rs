@@ -5,7 +5,7 @@ use crate::options::{FitOptions, Library};
 use crate::setting::OF_FIT;
 use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value, json};
-use torquewise_identify::plan::{FrictionKind, Regression};
+use torquewise_identify::plan::{FrictionKind, Refine, Regression};
 use torquewise_regression::select::Selector;
 use torquewise_regression::select::criterion::Criterion;
 use torquewise_regression::select::lasso::Lasso;
@@ -77,6 +77,12 @@ impl Word for Regression {
 impl Word for FrictionKind {
     fn all() -> Vec<(&'static str, Self)> {
         [Self::None, Self::Linear, Self::Stribeck, Self::Auto].map(|k| (k.name(), k)).to_vec()
+    }
+}
+
+impl Word for Refine {
+    fn all() -> Vec<(&'static str, Self)> {
+        vec![("rollout", Self::Rollout)]
     }
 }
 

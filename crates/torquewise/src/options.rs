@@ -5,7 +5,7 @@ use crate::keywords::{some_word, word};
 use crate::setting::Remedy;
 use serde::Deserialize;
 use torquewise_identify::plan::{
-    ChainOptions, FrictionKind, KnownGeometry, LibraryOptions, Regression,
+    ChainOptions, FrictionKind, KnownGeometry, LibraryOptions, Refine, Regression,
 };
 use torquewise_identify::settings::Settings;
 use torquewise_identify::{LibraryKind, Method, PatternPlan, Plan};
@@ -67,6 +67,9 @@ pub struct FitOptions {
     pub counterbalanced: Vec<String>,
     /// Whether the bias that noise in q, q̇, q̈ leaves is taken out (E7).
     pub noise_correction: bool,
+    /// What a chain is refined by once its torque is fitted, if by anything (E23).
+    #[serde(deserialize_with = "some_word")]
+    pub refine: Option<Refine>,
     /// Constants of the activation index.
     #[serde(deserialize_with = "word")]
     pub activation: Scaling,
@@ -91,6 +94,7 @@ impl Default for FitOptions {
             geometry: None,
             counterbalanced: Vec::new(),
             noise_correction: true,
+            refine: None,
             activation: Scaling::default(),
             clusters: None,
             seed: 0,
@@ -200,6 +204,7 @@ impl FitOptions {
                 (Library::Chain, "the geometry of the arm is given".into())
             }
             None if log.filtered => (Library::Chain, "the log is filtered".into()),
+            None if self.refine.is_some() => (Library::Chain, "it is to be refined".into()),
             None if self.has_friction() => (Library::Chain, "friction was asked for".into()),
             None if many => (Library::Chain, too_many),
             None if !self.counterbalanced.is_empty() => {
@@ -230,6 +235,7 @@ impl FitOptions {
             ("n_bootstrap", self.n_bootstrap.is_some(), !chain, Remedy::Terms),
             ("urdf", self.geometry.is_some(), chain, Remedy::Chain),
             ("counterbalance", !self.counterbalanced.is_empty(), chain, Remedy::Chain),
+            ("refine", self.refine.is_some(), chain, Remedy::Chain),
         ];
         for (setting, is_given, is_used, remedy) in all {
             if is_given && !is_used && !spared.contains(&setting) {
@@ -252,6 +258,7 @@ impl FitOptions {
                     friction: self.friction.unwrap_or(usual.friction),
                     counterbalanced: self.counterbalanced.clone(),
                     noise_correction: usual.noise_correction && self.noise_correction,
+                    refine: self.refine,
                 })
             }
         };

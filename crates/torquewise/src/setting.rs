@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// Names of the options of a fit that are plain values.
-pub(crate) const OF_FIT: [&str; 14] = [
+pub(crate) const OF_FIT: [&str; 15] = [
     "library",
     "method",
     "friction",
@@ -15,6 +15,7 @@ pub(crate) const OF_FIT: [&str; 14] = [
     "n_bootstrap",
     "counterbalance",
     "noise_correction",
+    "refine",
     "activation",
     "clusters",
     "seed",

@@ -10,6 +10,7 @@ mod gears;
 mod memory;
 mod oracle;
 mod recovery;
+mod rollouts;
 mod rounds;
 mod samples;
 mod six_joints;
