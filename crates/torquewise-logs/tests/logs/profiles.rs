@@ -264,6 +264,22 @@ fn a_profile_file_that_is_wrong_is_named() {
 }
 
 #[test]
+fn profiles_that_are_built_in_are_found_by_name() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../profiles");
+
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let file = entry.unwrap().path();
+        let name = file.file_stem().unwrap();
+        if name != "README" {
+            assert_eq!(Profile::read(name.as_ref()).unwrap(), Profile::read(&file).unwrap());
+        }
+    }
+    let refused = Profile::read("ur11".as_ref()).unwrap_err().to_string();
+    assert!(refused.starts_with("ur11: no such file"), "{refused}");
+    assert!(refused.contains("delan_character, ") && refused.ends_with("ur10"), "{refused}");
+}
+
+#[test]
 fn a_profile_may_say_the_rate_and_nothing_else() {
     let files = Files::new();
     let log = files.add("a.csv", "q1,q2,tau1,tau2\n0,1,2,3\n1,2,3,4\n");
