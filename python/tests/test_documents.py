@@ -18,7 +18,7 @@ def blocks(name):
     return re.findall(r"^```python\n(.*?)^```", (ROOT / name).read_text(), re.S | re.M)
 
 
-@pytest.mark.parametrize("name", ["docs/python.md", "README.md"])
+@pytest.mark.parametrize("name", ["docs/python.md", "README.md", "python/README.md"])
 def test_the_programs_of_a_guide_run(name, tmp_path, monkeypatch):
     for module in ("jax", "sklearn"):
         pytest.importorskip(module)

@@ -25,7 +25,10 @@ def crates() -> list[dict]:
         *("--prefix", "none", "--format", "{p}"),
     )
     used = {tuple(line.split()[:2]) for line in listed.splitlines()}
-    known = json.loads(cargo("metadata", "--format-version", "1", "--locked"))["packages"]
+    about = subprocess.run(["rustc", "-vV"], check=True, stdout=subprocess.PIPE, text=True).stdout
+    host = about.split("host: ")[1].split()[0]
+    words = ("metadata", "--format-version", "1", "--locked", "--filter-platform", host)
+    known = json.loads(cargo(*words))["packages"]
     own = [
         crate
         for crate in known
@@ -37,12 +40,17 @@ def crates() -> list[dict]:
 def texts(crate: dict) -> list[str]:
     folder = Path(crate["manifest_path"]).parent
     files = sorted(own for own in folder.iterdir() if own.name.upper().startswith(STARTS))
-    return [own.read_text(errors="replace").strip() for own in files if own.is_file()]
+    return [
+        own.read_text(encoding="utf-8", errors="replace").strip() for own in files if own.is_file()
+    ]
 
 
 def main() -> None:
     found: dict[str, list[str]] = {}
-    lines = ["What others wrote and is compiled into torquewise: crates of Rust, and C in some.", ""]
+    lines = [
+        "What others wrote and is compiled into torquewise: crates of Rust, and C in some.",
+        "",
+    ]
     own = crates()
     for crate in own:
         name = f"{crate['name']} {crate['version']}"
