@@ -11,6 +11,7 @@ import pytest
 import torquewise
 
 ROOT = Path(__file__).parents[2]
+EXAMPLES = [str(own) for own in sorted((ROOT / "python/examples").glob("*.py"))]
 NOTEBOOKS = sorted((ROOT / "python/examples").glob("*.ipynb"))
 
 
@@ -62,13 +63,19 @@ def test_a_notebook_runs(path, tmp_path):
     [
         ["ruff", "check", "--config", "python/pyproject.toml", "python", "examples"],
         ["ruff", "format", "--check", "--config", "python/pyproject.toml", "python", "examples"],
-        ["mypy", "--ignore-missing-imports", "python/package/torquewise"],
+        ["mypy", "--config-file", "python/pyproject.toml", "python/package/torquewise"],
+        ["mypy", "--config-file", "python/pyproject.toml", *EXAMPLES],
     ],
-    ids=" ".join,
+    ids=lambda command: " ".join(command[:2] + command[-1:]),
 )
 def test_the_package_is_clean(command, tmp_path):
     pytest.importorskip(command[0])
-    environment = {**os.environ, "RUFF_CACHE_DIR": str(tmp_path), "MYPY_CACHE_DIR": str(tmp_path)}
+    environment = {
+        **os.environ,
+        "RUFF_CACHE_DIR": str(tmp_path),
+        "MYPY_CACHE_DIR": str(tmp_path),
+        "MYPYPATH": str(ROOT / "python/package"),
+    }
     done = subprocess.run(
         [sys.executable, "-m", *command], cwd=ROOT, capture_output=True, text=True, env=environment
     )

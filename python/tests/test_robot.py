@@ -161,6 +161,27 @@ def test_figures_are_drawn(model, chain, test, train):
         torquewise.plot.arm(model)
 
 
+def test_figures_are_drawn_into_axes_that_are_there(model, chain, test, train):
+    plt = pytest.importorskip("matplotlib.pyplot")
+    figure, axes = plt.subplots(4, 2)
+    space = figure.add_subplot(4, 2, 8, projection="3d")
+    free = torquewise.residuals(model, test, filter="none")
+
+    for own in (
+        torquewise.plot.torque(model, test, ax=axes[0]),
+        torquewise.plot.friction(model, ax=axes[1]),
+        torquewise.plot.residuals(free, ax=axes[2]),
+        torquewise.plot.activation(train, ax=axes[3, 0]),
+        torquewise.plot.arm(chain, ax=space),
+    ):
+        assert own is figure
+    assert all(own.lines or own.collections for own in [*axes.flat[:7], space])
+    with pytest.raises(ValueError, match="ax: 3 axes were given, 2 are drawn into"):
+        torquewise.plot.torque(model, test, ax=axes.flat[:3])
+    with pytest.raises(ValueError, match="three dimensions"):
+        torquewise.plot.arm(chain, ax=axes[0, 0])
+
+
 def test_both_methods_beside_each_other(test):
     train = torquewise.simulate("planar-2", seconds=60, rate=100, case=3, seed=1)
     found = torquewise.compare(train, test, trig_order=2, library="product")

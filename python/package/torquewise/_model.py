@@ -11,14 +11,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _core
-from ._log import Path as _Path
-from ._log import Progress, read_log
+from ._log import read_log
+from ._options import ExportOptions, LogOptions, Progress, RobotOptions, explicit
+from ._options import Path as _Path
 from ._progress import shown
 
 if TYPE_CHECKING:
     from ._fit import Evaluation
+    from ._options import Unpack
 
 _ENDINGS = {
     ".c": "c",
@@ -67,7 +70,8 @@ class Model(_core.Model):
 
     def describe(self) -> dict[str, Any]:
         """Axes, terms by joint, energies, friction, choices: a dict, as ``torquewise show --json``."""
-        return json.loads(self._description())
+        found: dict[str, Any] = json.loads(self._description())
+        return found
 
     def equations(self, precision: int = 3) -> list[str]:
         """The torque of each joint as text, such as ``1.2 ddq1 + 0.3 cos(q1)``."""
@@ -84,12 +88,12 @@ class Model(_core.Model):
 
     def get_feature_names(self) -> list[str]:
         """Names of all terms that act on some joint."""
-        names = {}
+        names: dict[str, None] = {}
         for joint in self.describe()["joints"]:
             names.update(dict.fromkeys(own["term"] for own in joint["terms"]))
         return list(names)
 
-    def coefficients(self) -> np.ndarray:
+    def coefficients(self) -> NDArray[np.float64]:
         """Coefficients of those terms, n joints × terms."""
         place = {name: k for k, name in enumerate(self.get_feature_names())}
         found = np.zeros((len(self.joints), len(place)))
@@ -103,20 +107,23 @@ class Model(_core.Model):
         found, warning = self._check(states)
         return {**json.loads(found), "warning": warning}
 
-    def __str__(self):
+    def __str__(self) -> str:
         return self._text()
 
-    def _repr_latex_(self):
+    def _repr_latex_(self) -> str | None:
         return "$$\n" + self._latex() + "\n$$" if len(self.joints) <= 3 else None
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         import html
 
         return f"<pre>{html.escape(self._text(top=12))}</pre>"
 
     # How good it is.
 
-    def evaluate(self, log: Any = None, *, progress: Progress = None, **options: Any) -> Evaluation:
+    @explicit(LogOptions)
+    def evaluate(
+        self, log: Any = None, *, progress: Progress = None, **options: Unpack[LogOptions]
+    ) -> Evaluation:
         """How well it predicts the torque of a log: :class:`Evaluation`.
 
         The log is filtered as that of the model was. `log` and options are those of
@@ -128,16 +135,22 @@ class Model(_core.Model):
         with shown(progress) as told:
             return Evaluation._of(*self._evaluate(log, told))
 
+    @explicit(LogOptions)
     def predict(
-        self, log: Any = None, *, parts: bool = False, interval: float | None = None, **options: Any
-    ) -> list[dict[str, np.ndarray]]:
+        self,
+        log: Any = None,
+        *,
+        parts: bool = False,
+        interval: float | None = None,
+        **options: Unpack[LogOptions],
+    ) -> list[dict[str, NDArray[np.float64]]]:
         """The torque of each trajectory of a log: a list of dicts with t, q, dq, ddq and tau_hat.
 
         Where the log has torque, tau is it, filtered as the motion. With `parts`, inertia, coriolis,
         gravity and friction too; with `interval`, a percentage, tau_low and tau_high.
         """
         log = read_log(log, **options)
-        found = log.trajectories(model=self)
+        found: list[dict[str, NDArray[np.float64]]] = log.trajectories(model=self)
         for own in found:
             state = own["q"], own["dq"], own["ddq"]
             own["tau_hat"] = self.torque(*state)
@@ -149,7 +162,10 @@ class Model(_core.Model):
 
     # In other programs.
 
-    def export(self, path: _Path, to: str | None = None, **options: Any) -> list[str]:
+    @explicit(ExportOptions)
+    def export(
+        self, path: _Path, to: str | None = None, **options: Unpack[ExportOptions]
+    ) -> list[str]:
         """Writes the model for another program; returns what the file has no room for.
 
         to
@@ -196,15 +212,17 @@ class Model(_core.Model):
         files, _ = self._files("json", samples=count, seed=seed)
         return [type(self).from_json(text.decode()) for text in files.values()]
 
-    def to_urdf(self, path: _Path | None = None, **options: Any) -> str:
+    @explicit(RobotOptions)
+    def to_urdf(self, path: _Path | None = None, **options: Unpack[RobotOptions]) -> str:
         """The model as a robot for ROS, Pinocchio, Drake, Gazebo: the text, and a file if asked for."""
         return self._robot("urdf", path, options)
 
-    def to_mjcf(self, path: _Path | None = None, **options: Any) -> str:
+    @explicit(RobotOptions)
+    def to_mjcf(self, path: _Path | None = None, **options: Unpack[RobotOptions]) -> str:
         """The same for MuJoCo."""
         return self._robot("mjcf", path, options)
 
-    def _robot(self, to: str, path: _Path | None, options: dict[str, Any]) -> str:
+    def _robot(self, to: str, path: _Path | None, options: RobotOptions) -> str:
         files, _ = self._files(to, **options)
         if path is not None:
             _core.write_whole(path, files[""])
@@ -234,7 +252,10 @@ class Model(_core.Model):
         n = len(self.joints)
         q, dq, ddq = (sympy.symbols(f"{own}1:{n + 1}", real=True) for own in ("q", "dq", "ddq"))
         own = self.functions(sympy, **options)
-        vector = lambda values: sympy.Matrix([sympy.sympify(x) for x in values])
+
+        def vector(values: Any) -> Any:
+            return sympy.Matrix([sympy.sympify(x) for x in values])
+
         return Symbolic(
             q=q,
             dq=dq,
@@ -279,21 +300,21 @@ class Model(_core.Model):
         """Draws the arm, or with a log its torque: see :mod:`torquewise.plot`."""
         from . import plot
 
-        return plot.arm(self) if log is None else plot.torque(self, log, **options)
+        return plot.arm(self, **options) if log is None else plot.torque(self, log, **options)
 
 
 @dataclass
 class Symbolic:
     """Equations of motion in sympy: symbols, and matrices in them."""
 
-    q: tuple
-    dq: tuple
-    ddq: tuple
-    torque: object
-    mass_matrix: object
-    coriolis: object
-    gravity: object
-    friction: object
+    q: tuple[Any, ...]
+    dq: tuple[Any, ...]
+    ddq: tuple[Any, ...]
+    torque: Any
+    mass_matrix: Any
+    coriolis: Any
+    gravity: Any
+    friction: Any
 
 
 def _target(path: Path) -> str:

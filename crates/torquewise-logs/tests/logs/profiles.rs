@@ -1,7 +1,6 @@
 //! Logs as robots write them: a profile turns their columns into signals in SI units.
 use crate::{Files, with};
 use std::f64::consts::PI;
-
 use std::path::{Path, PathBuf};
 use torquewise_logs::{Clock, LogError, Logs, Options, Profile};
 use torquewise_motion::Motion;
