@@ -4,6 +4,7 @@ Called by `cargo xtask package [--sources]`; with `--sources` without the wheel,
 What was built is in target/package/dist.
 """
 
+import json
 import os
 import re
 import shutil
@@ -52,17 +53,20 @@ def require(names: list[str], wanted: tuple[str, ...], what: object) -> None:
         sys.exit(f"{what} lacks {', '.join(missing)}")
 
 
-def crates() -> None:
+def crates(is_whole: bool) -> None:
     """What `cargo publish` would send, each with its licences."""
-    call("cargo", "publish", "--workspace", "--dry-run", "--no-verify", "--allow-dirty", "--quiet")
-    own = {crate.name: crate for crate in (TARGET / "package").rglob("torquewise*.crate")}
-    found, expected = list(own.values()), len(list((ROOT / "crates").iterdir()))
-    if len(found) != expected:
-        sys.exit(f"{len(found)} crates were packed, {expected} are in crates/")
-    for crate in found:
+    members = json.loads(notices.cargo("metadata", "--format-version", "1", "--no-deps"))
+    published = [own["name"] for own in members["packages"] if own["publish"] is None]
+    named = [word for name in published for word in ("--package", name)]
+    quiet = ("--no-verify", "--allow-dirty", "--quiet")
+    call("cargo", "package", *named, *quiet, "--offline")
+    if is_whole:
+        call("cargo", "publish", "--workspace", "--dry-run", *quiet)
+    for name in published:
+        (crate,) = (TARGET / "package").glob(f"{name}-[0-9]*.crate")
         with tarfile.open(crate) as archive:
             require(archive.getnames(), (*LICENCES, "README.md"), crate)
-    print(f"{len(found)} crates, {sum(own.stat().st_size for own in found) / 1e6:.1f} MB")
+    print(f"{len(published)} crates")
 
 
 def sources(tools: Path) -> Path:
@@ -121,10 +125,10 @@ def try_out(found: Path) -> None:
 
 def main() -> None:
     shutil.rmtree(DIST, ignore_errors=True)
-    notices.main()
-    crates()
-    needs = ["maturin>=1.9,<2", "twine"]
     is_whole = "--sources" not in sys.argv[1:]
+    notices.main()
+    crates(is_whole)
+    needs = ["maturin>=1.9,<2", "twine"]
     tools = environment("tools", *needs, *(["ziglang", "abi3audit"] if is_whole else []))
     archive = sources(tools)
     found = wheel(tools, archive) if is_whole else None

@@ -20,7 +20,7 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let done = match words.as_slice() {
         ["ci"] => ci::run(&root()),
-        ["python"] => python::run(&root(), &ci::target(&root())),
+        ["python"] => python::run(&root(), &ci::target(&root())).map(drop),
         ["package", flags @ ..] => python::package(&root(), flags),
         ["tidy"] => tidy::run(&root()),
         _ => {

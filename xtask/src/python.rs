@@ -11,19 +11,20 @@ use std::process::{Command, Stdio};
 
 /// Runs the suite: package and engine are put side by side as an installed wheel has them, which
 /// spares building everything a second time, beside what the suite needs in an environment of its own.
+/// Returns whether there is a Python to run it.
 ///
 /// - `target`: folder that cargo built into
 ///
 /// # Errors
 /// What could not be installed, or that a test failed.
-pub(crate) fn run(root: &Path, target: &Path) -> Result<()> {
+pub(crate) fn run(root: &Path, target: &Path) -> Result<bool> {
     let python = python();
     if !is_there(&python) {
         if env::var_os("TORQUEWISE_PYTHON_REQUIRED").is_some() {
             bail!("no {}: install Python 3.10 or newer", python.display());
         }
         eprintln!("skipped: no {}, name one in TORQUEWISE_PYTHON", python.display());
-        return Ok(());
+        return Ok(false);
     }
     let folder = target.join("python");
     let site = folder.join("site");
@@ -41,7 +42,8 @@ pub(crate) fn run(root: &Path, target: &Path) -> Result<()> {
         .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider"])
         .args(["--numprocesses", "auto", "--maxprocesses", "4"])
         .arg(root.join("python/tests"));
-    call(suite.env("PYTHONPATH", &site).current_dir(&folder))
+    call(suite.env("PYTHONPATH", &site).current_dir(&folder))?;
+    Ok(true)
 }
 
 /// Builds and tries what is published.
