@@ -39,7 +39,7 @@ def test_help_shows_every_keyword():
         (torquewise.read_log, LogOptions),
         (torquewise.inspect, LogOptions),
         (torquewise.patterns, LogOptions),
-        (torquewise.residuals, LogOptions),
+        (torquewise.contacts, LogOptions),
         (Model.evaluate, LogOptions),
         (Model.predict, LogOptions),
         (plot.torque, LogOptions),
@@ -86,7 +86,7 @@ def test_results_are_frames(fit, test, train):
     assert labels.inertia.dtype == np.float64 and labels.inertia.ndim == 1
     assert labels.to_frame()["pattern"].value_counts().to_dict() == labels.counts
 
-    contacts = torquewise.residuals(fit.model, test, filter="none")
+    contacts = torquewise.contacts(fit.model, test, filter="none")
     assert isinstance(contacts.to_frame(), pd.DataFrame)
     assert list(contacts.to_frame()) == ["begin", "end", "joint", "torque", "factor"]
 

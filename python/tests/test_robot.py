@@ -111,7 +111,7 @@ def test_a_push_is_found_and_free_motion_is_quiet(chain):
     push = (pushed["t"] > 15.0) & (pushed["t"] < 15.5)
     pushed["tau"][push, 1] -= 3.0
 
-    found = torquewise.residuals(chain, pushed, free=free, filter="none")
+    found = torquewise.contacts(chain, pushed, free=free, filter="none")
 
     (contact,) = [own for own in found.contacts if own["factor"] > 2]
     assert contact["joint"] == chain.joints[1] and contact["begin"] == pytest.approx(15.0, abs=0.05)
@@ -165,12 +165,12 @@ def test_figures_are_drawn_into_axes_that_are_there(model, chain, test, train):
     plt = pytest.importorskip("matplotlib.pyplot")
     figure, axes = plt.subplots(4, 2)
     space = figure.add_subplot(4, 2, 8, projection="3d")
-    free = torquewise.residuals(model, test, filter="none")
+    free = torquewise.contacts(model, test, filter="none")
 
     for own in (
         torquewise.plot.torque(model, test, ax=axes[0]),
         torquewise.plot.friction(model, ax=axes[1]),
-        torquewise.plot.residuals(free, ax=axes[2]),
+        torquewise.plot.contacts(free, ax=axes[2]),
         torquewise.plot.activation(train, ax=axes[3, 0]),
         torquewise.plot.arm(chain, ax=space),
     ):

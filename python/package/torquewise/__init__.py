@@ -27,8 +27,8 @@ from ._core import (
 )
 from ._fit import Evaluation, Fit, compare, fit
 from ._log import Log, inspect, patterns, read_log, write_log
-from ._model import Model
-from ._observer import Contacts, Gains, Payload, gains, payload, residuals
+from ._model import Model, Rollout
+from ._observer import Contacts, Gains, Payload, contacts, gains, payload, residuals
 from ._options import FitOptions, LogOptions
 from ._simulation import arms, excite, simulate
 from ._sums import Summary
@@ -55,6 +55,7 @@ __all__ = [
     "OneShot",
     "Payload",
     "Request",
+    "Rollout",
     "Stepwise",
     "Summary",
     "TorquewiseError",
@@ -62,6 +63,7 @@ __all__ = [
     "__version__",
     "arms",
     "compare",
+    "contacts",
     "excite",
     "fit",
     "gains",

@@ -6,6 +6,8 @@ import json
 import math
 import os
 import types
+import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +20,7 @@ from ._log import read_log
 from ._options import ExportOptions, LogOptions, Progress, RobotOptions, explicit
 from ._options import Path as _Path
 from ._progress import shown
+from ._tables import frame
 
 if TYPE_CHECKING:
     from ._fit import Evaluation
@@ -134,6 +137,36 @@ class Model(_core.Model):
         log = read_log(log, **options)
         with shown(progress) as told:
             return Evaluation._of(*self._evaluate(log, told))
+
+    @explicit(LogOptions)
+    def rollout(
+        self,
+        log: Any = None,
+        *,
+        horizons: Sequence[float] = (0.2, 0.5, 1.0),
+        progress: Progress = None,
+        **options: Unpack[LogOptions],
+    ) -> Rollout:
+        """How far windows of a log drift that are simulated from their measured state.
+
+        The arm moves by the measured torque; `horizons` are times since the measured state [s].
+        """
+        log = read_log(log, **options)
+        with shown(progress) as told:
+            found = json.loads(self._rollout(log, sorted(map(float, horizons)), told))
+
+        def of(key: str) -> NDArray[np.float64]:
+            # No number is one that ran away.
+            rows = np.array([own[key] for own in found], dtype=float)
+            return np.where(np.isnan(rows), np.inf, rows)
+
+        return Rollout(
+            joints=self.joints,
+            horizons=of("horizon_s"),
+            drift=of("rms_drift_rad"),
+            hold=of("hold_rms_rad"),
+            windows=np.array([own["windows"] for own in found]),
+        )
 
     @explicit(LogOptions)
     def predict(
@@ -296,11 +329,54 @@ class Model(_core.Model):
         output = {"inertia": "M", "forward_dynamics": "ddq"}.get(what, "tau")
         return casadi.Function(what, symbols, [result], list(inputs[what]), [output])
 
+    @explicit(RobotOptions)
+    def to_pinocchio(self, **options: Unpack[RobotOptions]) -> Any:
+        """The links, joints and rotors of a chain as a ``pinocchio.Model``, with its gravity.
+
+        Pinocchio adds no friction: its ``rnea`` gives :meth:`torque` less :meth:`friction`. Springs and
+        other terms that it has no room for are named in a warning.
+        """
+        try:
+            import pinocchio
+        except ImportError:
+            raise ImportError("Pinocchio is not installed: pip install pin") from None
+        files, left_out = self._files("urdf", **options)
+        found = pinocchio.buildModelFromXML(files[""].decode())
+        # A URDF has no rotors: what they add to M(q) is the same everywhere.
+        q = np.zeros(len(self.joints))
+        bodies = pinocchio.crba(found, found.createData(), q)
+        rotors = np.diag(self.mass_matrix(q) - np.triu(bodies) - np.triu(bodies, 1).T)
+        found.armature = np.where(rotors > 1e-9 * np.diag(bodies).max(), rotors, 0.0)
+        if left_out:
+            warnings.warn(f"not in the Pinocchio model: {', '.join(left_out)}", stacklevel=2)
+        return found
+
     def plot(self, log: Any = None, **options: Any) -> Any:
         """Draws the arm, or with a log its torque: see :mod:`torquewise.plot`."""
         from . import plot
 
         return plot.arm(self, **options) if log is None else plot.torque(self, log, **options)
+
+
+@dataclass(eq=False)
+class Rollout:
+    """Distance of simulated windows from the measured motion, after each of k times."""
+
+    joints: list[str]
+    horizons: NDArray[np.float64]
+    """Since the measured state [s], k."""
+    drift: NDArray[np.float64]
+    """RMS distance of each joint [rad], k×n; infinite where a simulation ran away."""
+    hold: NDArray[np.float64]
+    """The same of an arm that keeps its velocity."""
+    windows: NDArray[np.int64]
+    """Windows, k."""
+
+    def to_frame(self) -> Any:
+        """A frame of pandas with a row for each time and joint."""
+        k, n = self.drift.shape
+        columns = {"horizon": np.repeat(self.horizons, n), "joint": self.joints * k}
+        return frame({**columns, "drift": self.drift.ravel(), "hold": self.hold.ravel()})
 
 
 @dataclass

@@ -42,14 +42,14 @@ class Contacts:
         return frame({name: [own[name] for own in self.contacts] for name in names})
 
     def plot(self, **options: Any) -> Any:
-        """Draws it: see :func:`torquewise.plot.residuals`."""
+        """Draws it: see :func:`torquewise.plot.contacts`."""
         from . import plot
 
-        return plot.residuals(self, **options)
+        return plot.contacts(self, **options)
 
 
 @explicit(LogOptions)
-def residuals(
+def contacts(
     model: Model,
     log: Any = None,
     *,
@@ -71,7 +71,7 @@ def residuals(
     log = read_log(log, **options)
     free = None if free is None else read_log(free, **options)
     with shown(progress) as told:
-        rows, thresholds, contacts = _core.contacts(
+        rows, thresholds, found = _core.contacts(
             model, log, free=free, bandwidth=bandwidth, false_alarms=false_alarms, progress=told
         )
     thresholds, n = json.loads(thresholds), len(model.joints)
@@ -81,8 +81,12 @@ def residuals(
         external=rows[:, 1 : n + 1],
         thresholds=rows[:, n + 1 :],
         seconds=thresholds["seconds"],
-        contacts=json.loads(contacts),
+        contacts=json.loads(found),
     )
+
+
+#: As the command line calls it too.
+residuals = contacts
 
 
 @dataclass

@@ -152,8 +152,8 @@ def activation(
     return figure
 
 
-def residuals(found: Contacts, *, points: int = 4000, ax: Any = None) -> Any:
-    """External torque of :func:`torquewise.residuals`, thresholds and contacts; `ax`: one a joint."""
+def contacts(found: Contacts, *, points: int = 4000, ax: Any = None) -> Any:
+    """External torque of :func:`torquewise.contacts`, thresholds and contacts; `ax`: one a joint."""
     figure, axes = _grid(len(found.joints), ax, sharex=True)
     step = max(1, len(found.t) // points)
     for joint, (axis, name) in enumerate(zip(axes, found.joints)):
