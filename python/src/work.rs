@@ -107,7 +107,7 @@ pub(crate) fn write_whole(py: Python<'_>, path: PathBuf, content: &[u8]) -> PyRe
 /// Runs the command line, words from that of the program on; returns its exit code.
 #[pyfunction]
 pub(crate) fn command_line(py: Python<'_>, words: Vec<OsString>) -> u8 {
-    py.detach(|| torquewise_cli::run(words))
+    py.detach(|| torquewise_cli::run(&words))
 }
 
 /// Calls a function of Python with what is done, not too often.

@@ -26,12 +26,12 @@ use std::ffi::OsString;
 /// to exit with.
 ///
 /// Ctrl-C ends the process from here on.
-pub fn run(words: Vec<OsString>) -> u8 {
+pub fn run(words: &[OsString]) -> u8 {
     interrupt::listen();
-    match commands::CommandLine::try_parse_from(&words) {
+    match commands::CommandLine::try_parse_from(words) {
         Ok(line) => {
             threads::start();
-            let run = || line.command.run(&words);
+            let run = || line.command.run(words);
             outcome::report(files::all_or_none(run), line.json, line.strict)
         }
         Err(told) => outcome::told(&told),
