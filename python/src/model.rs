@@ -231,10 +231,11 @@ impl Model {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<(String, Vec<String>)> {
         let (model, log) = (Arc::clone(&self.model), log.log.clone());
-        let found = work(py, progress, move |observer| {
-            evaluate_prepared(&model, &prepare(&model, &log)?, observer)
+        let (found, of_log) = work(py, progress, move |observer| {
+            let log = prepare(&model, &log)?;
+            Ok((evaluate_prepared(&model, &log, observer)?, log.warnings()))
         })?;
-        let notes = found.notes.iter().chain(&found.warnings).cloned().collect();
+        let notes = found.notes.iter().chain(&found.warnings).cloned().chain(of_log).collect();
         Ok((json(&found)?, notes))
     }
 

@@ -268,6 +268,8 @@ class _Estimator(_Base):
     def _timed(self, motion: Mapping[str, Any]) -> Mapping[str, Any]:
         if "t" in motion:
             return motion
+        if "q" not in motion:
+            raise ValueError("a motion without q: give a dict of q, dq, ddq, tau, and perhaps t")
         rows = len(motion["q"])
         return {**motion, "t": np.arange(rows) / float(self.rate)}
 

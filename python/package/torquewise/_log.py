@@ -116,6 +116,7 @@ def read_log(
         own = [name for name, value in (("rate", rate), ("joints", joints)) if value is not None]
         _refuse(own, "files, whose profile says it")
         return _opened([os.fspath(own) for own in logs], options)
+    _refuse(["topic"] if topic is not None else [], "arrays and tables")
     many = len(logs) > 1
     frames = [
         (f"table {k}" if many else "table", _frame(own, rate, joints))

@@ -155,6 +155,11 @@ class Model(_core.Model):
         with shown(progress) as told:
             found = json.loads(self._rollout(log, sorted(map(float, horizons)), told))
 
+        if not found:
+            raise _core.LogError(
+                f"no stretch of the log is as long as {min(horizons)} s: give shorter horizons"
+            )
+
         def of(key: str) -> NDArray[np.float64]:
             # No number is one that ran away.
             rows = np.array([own[key] for own in found], dtype=float)
