@@ -266,6 +266,7 @@ def test_pinocchio_moves_the_arm_as_the_model_does(chain):
 
 def test_a_rollout_says_how_far_simulated_windows_drift(chain):
     log = torquewise.simulate("puma560-3", seconds=10, rate=100, seed=9, motion="sines")
+    assert chain.score(log) == pytest.approx(chain.evaluate(log).r2.mean()) and chain.score(log) < 1
 
     found = chain.rollout(log, horizons=(0.5, 0.2))
 

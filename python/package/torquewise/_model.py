@@ -139,6 +139,11 @@ class Model(_core.Model):
             return Evaluation._of(*self._evaluate(log, told))
 
     @explicit(LogOptions)
+    def score(self, log: Any = None, **options: Unpack[LogOptions]) -> float:
+        """R² of the torque of a log, mean of the joints whose torque changes."""
+        return float(np.nanmean(self.evaluate(log, progress=False, **options).r2))
+
+    @explicit(LogOptions)
     def rollout(
         self,
         log: Any = None,
@@ -238,7 +243,8 @@ class Model(_core.Model):
     ) -> tuple[dict[str, bytes], list[str]]:
         """Files by their path in a package, a single one by no path; what they have no room for."""
         text = None if onto is None else Path(onto).read_text()
-        files, left_out = self._export(to, name, onto=text, **options)
+        lock = list(options.pop("lock", None) or ())
+        files, left_out = self._export(to, name, onto=text, lock=lock, **options)
         return dict(files), left_out
 
     def samples(self, count: int, *, seed: int = 0) -> list[Model]:

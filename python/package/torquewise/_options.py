@@ -67,7 +67,7 @@ class RobotOptions(TypedDict, total=False):
     reversal: float | None
     force: bool
     onto: Path | None
-    lock: Sequence[str]
+    lock: Sequence[str] | None
 
 
 class ExportOptions(RobotOptions, total=False):
@@ -79,7 +79,7 @@ class ExportOptions(RobotOptions, total=False):
     seed: int
 
 
-_USUAL = {"repair": False, "filter": "auto", "name": "arm", "force": False, "lock": ()}
+_USUAL = {"repair": False, "filter": "auto", "name": "arm", "force": False}
 _USUAL |= {"precision": "double", "binary": True}
 
 #: Keywords of :func:`torquewise.fit` that are about the log, not about the fit.
