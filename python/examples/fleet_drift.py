@@ -13,7 +13,7 @@ from torquewise import fleet
 FRICTION = ((4.0, 3.0), (5.0, 4.0), (2.0, 1.5))  # dry [N·m], viscous [N·m·s/rad]
 
 
-def record(folder, robot, week):
+def record(folder: Path, robot: str, week: int) -> None:
     """A minute of a robot; the third joint of one has more viscous friction from the eighth week."""
     factor = 1.2 if (robot, week >= 8) == ("robot2", True) else 1.0
     friction = folder / "friction.toml"
@@ -26,11 +26,12 @@ def record(folder, robot, week):
     path = folder / robot / f"week{week:02}.parquet"
     path.parent.mkdir(exist_ok=True)
     seed = 100 * int(robot[-1]) + week
-    options = {"seconds": 60, "rate": 100, "seed": seed, "case": 2}
-    torquewise.simulate("puma560-3", friction=friction, path=path, **options)
+    torquewise.simulate(
+        "puma560-3", seconds=60, rate=100, seed=seed, case=2, friction=friction, path=path
+    )
 
 
-def main():
+def main() -> None:
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         for robot in ("robot1", "robot2", "robot3"):

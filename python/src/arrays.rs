@@ -112,19 +112,33 @@ impl<'py> FromPyObject<'_, 'py> for Rows<'py> {
             && let Ok(one) = object.cast::<PyArray1<f64>>()
             && let Ok(numbers) = one.to_vec()
         {
-            return Ok(Self::One(numbers));
+            return Self::One(numbers).finite();
         }
         let py = object.py();
         let arrays = py.import(intern!(py, "torquewise._arrays"))?;
         let found = arrays.call_method1(intern!(py, "states"), (object,))?;
         match found.cast::<PyArray1<f64>>() {
-            Ok(one) => Ok(Self::One(one.readonly().as_array().to_vec())),
-            Err(_) => Ok(Self::Many(found.cast::<PyArray2<f64>>()?.try_readonly()?)),
+            Ok(one) => Self::One(one.readonly().as_array().to_vec()).finite(),
+            Err(_) => Self::Many(found.cast::<PyArray2<f64>>()?.try_readonly()?).finite(),
         }
     }
 }
 
 impl Rows<'_> {
+    fn finite(self) -> PyResult<Self> {
+        let view = self.view();
+        let wanted = view.iter().all(|value| value.is_finite());
+        let wrong_one = || view.indexed_iter().find(|(_, value)| !value.is_finite());
+        match (!wanted).then(wrong_one).flatten() {
+            Some(((row, joint), value)) => wrong(format!(
+                "the value of joint {} in row {row} is {value}: expected finite numbers, fill it or \
+                 leave the state out",
+                joint + 1
+            )),
+            None => Ok(self),
+        }
+    }
+
     /// The rows, one where there is one state.
     pub(crate) fn view(&self) -> ArrayView2<'_, f64> {
         match self {

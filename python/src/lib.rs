@@ -42,7 +42,7 @@ mod _core {
     #[pymodule_export]
     use crate::sums::{Request, Summary};
     #[pymodule_export]
-    use crate::work::write_whole;
+    use crate::work::{command_line, write_whole};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyType};
 use std::path::PathBuf;
 use std::sync::Arc;
-use torquewise::evaluate::{evaluate_prepared, prepare};
+use torquewise::evaluate::{evaluate_prepared, prepare, rollouts};
 use torquewise::export::Precision;
 use torquewise::exported::{ExportOptions, Target, export, function_name};
 use torquewise::model::selection::Selection;
@@ -231,11 +231,28 @@ impl Model {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<(String, Vec<String>)> {
         let (model, log) = (Arc::clone(&self.model), log.log.clone());
-        let found = work(py, progress, move |observer| {
-            evaluate_prepared(&model, &prepare(&model, &log)?, observer)
+        let (found, of_log) = work(py, progress, move |observer| {
+            let log = prepare(&model, &log)?;
+            Ok((evaluate_prepared(&model, &log, observer)?, log.warnings()))
         })?;
-        let notes = found.notes.iter().chain(&found.warnings).cloned().collect();
+        let notes = found.notes.iter().chain(&found.warnings).cloned().chain(of_log).collect();
         Ok((json(&found)?, notes))
+    }
+
+    /// How far simulated windows of a log drift from it after times [s], ascending: JSON.
+    #[pyo3(signature = (log, horizons, progress=None))]
+    fn _rollout(
+        &self,
+        py: Python<'_>,
+        log: &Log,
+        horizons: Vec<f64>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<String> {
+        if horizons.is_empty() || !horizons.iter().all(|own| *own > 0.0 && own.is_finite()) {
+            return wrong("horizons: expected seconds above 0");
+        }
+        let (model, log) = (Arc::clone(&self.model), log.log.clone());
+        json(&work(py, progress, move |_| rollouts(&model, &prepare(&model, &log)?, &horizons))?)
     }
 
     /// The model after an earlier step of the reconstruction, 1 for gravity alone.

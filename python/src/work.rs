@@ -2,6 +2,7 @@
 
 use crate::errors::{raised, write_error};
 use pyo3::prelude::*;
+use std::ffi::OsString;
 use std::ops::ControlFlow;
 use std::panic::resume_unwind;
 use std::path::PathBuf;
@@ -101,6 +102,12 @@ fn run<T: Send>(
 pub(crate) fn write_whole(py: Python<'_>, path: PathBuf, content: &[u8]) -> PyResult<()> {
     let written = py.detach(|| whole_file::write_whole(&path, content));
     written.map_err(|error| write_error(&path, &error))
+}
+
+/// Runs the command line, words from that of the program on; returns its exit code.
+#[pyfunction]
+pub(crate) fn command_line(py: Python<'_>, words: Vec<OsString>) -> u8 {
+    py.detach(|| torquewise_cli::run(&words))
 }
 
 /// Calls a function of Python with what is done, not too often.

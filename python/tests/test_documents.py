@@ -11,6 +11,7 @@ import pytest
 import torquewise
 
 ROOT = Path(__file__).parents[2]
+EXAMPLES = [str(own) for own in sorted((ROOT / "python/examples").glob("*.py"))]
 NOTEBOOKS = sorted((ROOT / "python/examples").glob("*.ipynb"))
 
 
@@ -18,7 +19,7 @@ def blocks(name):
     return re.findall(r"^```python\n(.*?)^```", (ROOT / name).read_text(), re.S | re.M)
 
 
-@pytest.mark.parametrize("name", ["docs/python.md", "README.md"])
+@pytest.mark.parametrize("name", ["docs/python.md", "README.md", "python/README.md"])
 def test_the_programs_of_a_guide_run(name, tmp_path, monkeypatch):
     for module in ("jax", "sklearn"):
         pytest.importorskip(module)
@@ -62,13 +63,15 @@ def test_a_notebook_runs(path, tmp_path):
     [
         ["ruff", "check", "--config", "python/pyproject.toml", "python", "examples"],
         ["ruff", "format", "--check", "--config", "python/pyproject.toml", "python", "examples"],
-        ["mypy", "--ignore-missing-imports", "python/package/torquewise"],
     ],
     ids=" ".join,
 )
 def test_the_package_is_clean(command, tmp_path):
     pytest.importorskip(command[0])
-    environment = {**os.environ, "RUFF_CACHE_DIR": str(tmp_path), "MYPY_CACHE_DIR": str(tmp_path)}
+    environment = {
+        **os.environ,
+        "RUFF_CACHE_DIR": str(tmp_path),
+    }
     done = subprocess.run(
         [sys.executable, "-m", *command], cwd=ROOT, capture_output=True, text=True, env=environment
     )
@@ -76,26 +79,32 @@ def test_the_package_is_clean(command, tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_an_option_that_is_none_fails_a_check_of_types(tmp_path):
+def test_types_are_right_and_an_option_that_is_none_is_wrong(tmp_path):
     pytest.importorskip("mypy")
     program = tmp_path / "program.py"
     program.write_text(
         "import torquewise\n"
-        'torquewise.fit("log.csv", library="chain", seed=1, filter=8.0)\n'
+        'fit = torquewise.fit("log.csv", library="chain", seed=1, filter=8.0)\n'
         'torquewise.fit("log.csv", librari="chain")\n'
         'torquewise.fit("log.csv", library="chian")\n'
         'torquewise.Summary.of("log.csv", sed=1)\n'
+        'fit.evaluate("log.csv", filte=8.0)\n'
+        'fit.model.export("arm.c", precision="single")\n'
+        'torquewise.excite("planar-2", max_speed=1.0)\n'
+        'torquewise.OneShot(select="best")\n'
     )
     environment = {
         **os.environ,
         "MYPY_CACHE_DIR": str(tmp_path / "cache"),
         "MYPYPATH": str(ROOT / "python/package"),
     }
-    command = [sys.executable, "-m", "mypy", "--ignore-missing-imports", str(program)]
-    done = subprocess.run(command, capture_output=True, text=True, env=environment)
+    checked = ["python/package/torquewise", *EXAMPLES, str(program)]
+    command = [sys.executable, "-m", "mypy", "--config-file", "python/pyproject.toml", *checked]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env=environment)
 
-    lines = re.findall(r"program\.py:(\d+): error", done.stdout)
-    assert lines == ["3", "4", "5"], done.stdout + done.stderr
+    wrong = re.findall(r"^(.*\.py):(\d+): error", done.stdout, re.M)
+    assert [line for _, line in wrong] == [*"3456789"], done.stdout + done.stderr
+    assert {Path(file).name for file, _ in wrong} == {"program.py"}
 
 
 def test_the_pages_are_built(tmp_path):

@@ -1,4 +1,4 @@
-"""Estimators follow scikit-learn; the words are those of PySINDy."""
+"""Estimators follow scikit-learn; the words are those of PyOneShot."""
 
 import pickle
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import torquewise
-from torquewise import Chain, SINDy, Stepwise
+from torquewise import Chain, OneShot, Stepwise
 
 pytest.importorskip("sklearn")
 
@@ -21,7 +21,7 @@ def table(log):
     return np.hstack([log["q"], log["dq"], log["ddq"]]), log["tau"]
 
 
-@pytest.mark.parametrize("kind", [Stepwise, Chain, SINDy])
+@pytest.mark.parametrize("kind", [Stepwise, Chain, OneShot])
 def test_all_ways_to_give_a_motion_are_one(kind, train, test):
     options = {} if kind is not Stepwise else {"n_bootstrap": 0}
     signals = [train[key] for key in ("q", "dq", "ddq", "tau")]
@@ -52,7 +52,7 @@ def test_trajectories_are_told_apart_by_groups(train):
 
 
 def test_parameters_are_read_set_and_cloned():
-    own = SINDy(threshold=0.05, rate=200.0)
+    own = OneShot(threshold=0.05, rate=200.0)
 
     assert own.get_params() == {
         "threshold": 0.05,
@@ -63,8 +63,8 @@ def test_parameters_are_read_set_and_cloned():
     }
     assert clone(own).get_params() == own.get_params()
     assert own.set_params(threshold=0.2).threshold == 0.2
-    assert repr(own) == "SINDy(rate=200.0, threshold=0.2)"
-    with pytest.raises(ValueError, match="no parameter"):
+    assert repr(own) == "OneShot(rate=200.0, threshold=0.2)"
+    with pytest.raises(ValueError, match="Invalid parameter"):
         own.set_params(treshold=1)
 
 
@@ -72,13 +72,13 @@ def test_grouped_folds_choose_a_threshold(train):
     rows, truth = table(train)
     groups = np.arange(6000) // 1000
     search = GridSearchCV(
-        SINDy(trig_order=2), {"threshold": [0.01, 10.0]}, cv=GroupKFold(3), error_score="raise"
+        OneShot(trig_order=2), {"threshold": [0.01, 10.0]}, cv=GroupKFold(3), error_score="raise"
     )
     search.fit(rows, truth, groups=groups)
 
     assert search.best_params_ == {"threshold": 0.01}
     assert (
-        cross_val_score(SINDy(trig_order=2), rows, truth, cv=GroupKFold(3), groups=groups).min()
+        cross_val_score(OneShot(trig_order=2), rows, truth, cv=GroupKFold(3), groups=groups).min()
         > 0.5
     )
 
@@ -156,7 +156,7 @@ NOT_A_MOTION = {
 
 
 def _checks():
-    for estimator in (Stepwise(), Chain(), SINDy()):
+    for estimator in (Stepwise(), Chain(), OneShot()):
         for own, check in estimator_checks_generator(estimator, legacy=True):
             name = check.func.__name__
             marks = pytest.mark.xfail(strict=True, reason="X of other columns than q, dq, ddq")
@@ -207,3 +207,62 @@ def test_the_estimators_are_those_of_the_functions(train):
         Stepwise().fit(train).model_
         == torquewise.fit(train, library="energy", filter="none", progress=False).model
     )
+
+
+def test_they_are_estimators_of_scikit_learn():
+    from sklearn.base import BaseEstimator, RegressorMixin
+
+    for kind in (Stepwise, Chain, OneShot):
+        assert issubclass(kind, BaseEstimator) and issubclass(kind, RegressorMixin)
+
+
+def test_columns_of_a_frame_are_known_by_name(train):
+    import pandas as pd
+
+    rows, truth = table(train)
+    names = [f"{key}{k}" for key in ("q", "dq", "ddq") for k in (1, 2)]
+    frame = pd.DataFrame(rows, columns=names)
+    mixed = frame[["q1", "dq1", "ddq1", "q2", "dq2", "ddq2"]]
+
+    own = Stepwise(n_bootstrap=0).fit(mixed, truth)
+
+    assert own.model_ == Stepwise(n_bootstrap=0).fit(rows, truth).model_
+    assert list(own.feature_names_in_) == list(mixed)
+    assert np.array_equal(own.predict(mixed), own.model_.torque(*np.split(rows, 3, axis=1)))
+    assert np.array_equal(own.predict(mixed.to_numpy()), own.predict(mixed))
+    with pytest.raises(ValueError, match="feature names should match"):
+        own.predict(frame)
+    with pytest.raises(ValueError, match="expected q1 … qn"):
+        Stepwise().fit(frame.rename(columns={"ddq2": "ddq3"}), truth)
+
+
+def test_weights_of_rows_are_refused_with_the_reason(train):
+    rows, truth = table(train)
+
+    with pytest.raises(TypeError, match="fit takes no sample_weight: all rows count"):
+        Stepwise().fit(rows, truth, sample_weight=np.ones(len(rows)))
+
+
+def test_without_scikit_learn_they_have_its_conventions(train, tmp_path):
+    import subprocess
+    import sys
+
+    torquewise.write_log(tmp_path / "log.csv", train)
+    program = """
+import sys
+sys.modules["sklearn"] = None
+import torquewise
+own = torquewise.Stepwise(n_bootstrap=0)
+assert own.get_params()["n_bootstrap"] == 0 and own.set_params(seed=1) is own
+print(own, own.fit(sys.argv[1]).score(torquewise.read_log(sys.argv[1]).trajectories()) > 0.99)
+try:
+    own.set_params(sed=1)
+except ValueError as error:
+    print(error)
+"""
+    command = [sys.executable, "-c", program, str(tmp_path / "log.csv")]
+    done = subprocess.run(command, capture_output=True, text=True)
+
+    assert done.stdout.startswith(
+        "Stepwise(n_bootstrap=0, seed=1) True\nInvalid parameter 'sed'"
+    ), done.stdout + done.stderr

@@ -249,3 +249,30 @@ def test_a_call_costs_microseconds(model):
 
     own, least = cost(lambda: model.torque(q, dq, ddq)), cost(lambda: np.add(q, dq))
     assert own < 20 * least
+
+
+def test_pinocchio_moves_the_arm_as_the_model_does(chain):
+    pin = pytest.importorskip("pinocchio")
+    with pytest.warns(UserWarning, match="not in the Pinocchio model: .*energy term V"):
+        own = chain.to_pinocchio()
+    data, rng = own.createData(), np.random.default_rng(3)
+
+    assert list(own.names)[1:] == chain.joints and own.armature[0] > 0.1
+    for q, dq, ddq in rng.normal(size=(5, 3, 3)):
+        moving = pin.rnea(own, data, q, dq, ddq) - pin.rnea(own, data, q, 0 * dq, 0 * ddq)
+        parts = chain.parts(q, dq, ddq)
+        assert np.allclose(moving, parts["inertia"] + parts["coriolis"], atol=1e-9)
+
+
+def test_a_rollout_says_how_far_simulated_windows_drift(chain):
+    log = torquewise.simulate("puma560-3", seconds=10, rate=100, seed=9, motion="sines")
+    assert chain.score(log) == pytest.approx(chain.evaluate(log).r2.mean()) and chain.score(log) < 1
+
+    found = chain.rollout(log, horizons=(0.5, 0.2))
+
+    assert found.horizons.tolist() == [0.2, 0.5] and (found.windows > 5).all()
+    assert found.drift.shape == found.hold.shape == (2, 3)
+    assert (found.drift < 0.1 * found.hold).all()
+    assert len(found.to_frame()) == 6
+    with pytest.raises(ValueError, match="horizons: expected seconds above 0"):
+        chain.rollout(log, horizons=(0.0,))

@@ -111,7 +111,7 @@ def test_a_push_is_found_and_free_motion_is_quiet(chain):
     push = (pushed["t"] > 15.0) & (pushed["t"] < 15.5)
     pushed["tau"][push, 1] -= 3.0
 
-    found = torquewise.residuals(chain, pushed, free=free, filter="none")
+    found = torquewise.contacts(chain, pushed, free=free, filter="none")
 
     (contact,) = [own for own in found.contacts if own["factor"] > 2]
     assert contact["joint"] == chain.joints[1] and contact["begin"] == pytest.approx(15.0, abs=0.05)
@@ -159,6 +159,27 @@ def test_figures_are_drawn(model, chain, test, train):
         assert isinstance(own, Figure) and own.axes
     with pytest.raises(ValueError, match="no geometry"):
         torquewise.plot.arm(model)
+
+
+def test_figures_are_drawn_into_axes_that_are_there(model, chain, test, train):
+    plt = pytest.importorskip("matplotlib.pyplot")
+    figure, axes = plt.subplots(4, 2)
+    space = figure.add_subplot(4, 2, 8, projection="3d")
+    free = torquewise.contacts(model, test, filter="none")
+
+    for own in (
+        torquewise.plot.torque(model, test, ax=axes[0]),
+        torquewise.plot.friction(model, ax=axes[1]),
+        torquewise.plot.contacts(free, ax=axes[2]),
+        torquewise.plot.activation(train, ax=axes[3, 0]),
+        torquewise.plot.arm(chain, ax=space),
+    ):
+        assert own is figure
+    assert all(own.lines or own.collections for own in [*axes.flat[:7], space])
+    with pytest.raises(ValueError, match="ax: 3 axes were given, 2 are drawn into"):
+        torquewise.plot.torque(model, test, ax=axes.flat[:3])
+    with pytest.raises(ValueError, match="three dimensions"):
+        torquewise.plot.arm(chain, ax=axes[0, 0])
 
 
 def test_both_methods_beside_each_other(test):

@@ -61,7 +61,10 @@ pub(crate) fn run(root: &Path) -> Result<()> {
         call(Command::new(target.join("debug/examples").join(&example)).current_dir(root))?;
     }
     step("python");
-    python::run(root, &target)?;
+    if python::run(root, &target)? {
+        step("what is published");
+        python::package(root, &["--sources"])?;
+    }
     cargo("build --release")?;
     step("the program that users get");
     run_release(&target.join(format!("release/torquewise{EXE_SUFFIX}")), &target.join("demo"))?;

@@ -12,6 +12,7 @@ usage: cargo xtask <chore>
 
   ci     everything a change must pass, the same for people and machines
   python the suite of the Python package, on what `cargo build --workspace --lib` built
+  package [--sources] crates, sources and wheel to publish, built and tried; or without the wheel
   tidy   that ARCHITECTURE.md names what exists, and how long files are";
 
 fn main() -> ExitCode {
@@ -19,7 +20,8 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let done = match words.as_slice() {
         ["ci"] => ci::run(&root()),
-        ["python"] => python::run(&root(), &ci::target(&root())),
+        ["python"] => python::run(&root(), &ci::target(&root())).map(drop),
+        ["package", flags @ ..] => python::package(&root(), flags),
         ["tidy"] => tidy::run(&root()),
         _ => {
             eprintln!("{USAGE}");

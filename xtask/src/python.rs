@@ -4,26 +4,27 @@ use crate::ci::call;
 use anyhow::{Context, Result, bail};
 use std::env;
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Runs the suite: package and engine are put side by side as an installed wheel has them, which
 /// spares building everything a second time, beside what the suite needs in an environment of its own.
+/// Returns whether there is a Python to run it.
 ///
 /// - `target`: folder that cargo built into
 ///
 /// # Errors
 /// What could not be installed, or that a test failed.
-pub(crate) fn run(root: &Path, target: &Path) -> Result<()> {
-    let python = env::var_os("TORQUEWISE_PYTHON").unwrap_or_else(|| "python3".into());
+pub(crate) fn run(root: &Path, target: &Path) -> Result<bool> {
+    let python = python();
     if !is_there(&python) {
         if env::var_os("TORQUEWISE_PYTHON_REQUIRED").is_some() {
             bail!("no {}: install Python 3.10 or newer", python.display());
         }
         eprintln!("skipped: no {}, name one in TORQUEWISE_PYTHON", python.display());
-        return Ok(());
+        return Ok(false);
     }
     let folder = target.join("python");
     let site = folder.join("site");
@@ -41,7 +42,21 @@ pub(crate) fn run(root: &Path, target: &Path) -> Result<()> {
         .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider"])
         .args(["--numprocesses", "auto", "--maxprocesses", "4"])
         .arg(root.join("python/tests"));
-    call(suite.env("PYTHONPATH", &site).current_dir(&folder))
+    call(suite.env("PYTHONPATH", &site).current_dir(&folder))?;
+    Ok(true)
+}
+
+/// Builds and tries what is published.
+///
+/// # Errors
+/// That something is missing in it, or does not work.
+pub(crate) fn package(root: &Path, flags: &[&str]) -> Result<()> {
+    let script = root.join("python/tools/package.py");
+    call(Command::new(python()).arg("-B").arg(script).args(flags).current_dir(root))
+}
+
+fn python() -> OsString {
+    env::var_os("TORQUEWISE_PYTHON").unwrap_or_else(|| "python3".into())
 }
 
 /// Copies the package, and the engine under the name that Python loads.
@@ -79,7 +94,9 @@ fn requirements(file: &Path) -> Result<Vec<String>> {
     let project = table.get("project").context("pyproject.toml has no project")?;
     let own = project.get("dependencies");
     let suite = project.get("optional-dependencies").and_then(|extras| extras.get("test"));
-    let all = [own, suite].into_iter().flatten().filter_map(toml::Value::as_array).flatten();
+    let checks = table.get("dependency-groups").and_then(|groups| groups.get("dev"));
+    let all =
+        [own, suite, checks].into_iter().flatten().filter_map(toml::Value::as_array).flatten();
     Ok(all.filter_map(toml::Value::as_str).map(str::to_owned).collect())
 }
 
@@ -100,7 +117,9 @@ mod tests {
         let needs = requirements(&file).unwrap();
 
         assert!(
-            ["numpy", "pytest"].iter().all(|own| needs.iter().any(|need| need.starts_with(own)))
+            ["numpy", "pytest", "ruff"]
+                .iter()
+                .all(|own| needs.iter().any(|need| need.starts_with(own)))
         );
     }
 }

@@ -24,6 +24,7 @@ mod completions;
 use crate::error::Result;
 use crate::outcome::Outcome;
 use clap::{CommandFactory, Parser, Subcommand};
+use std::ffi::OsString;
 
 /// From the motion log of a robot arm to its equations of motion
 ///
@@ -72,7 +73,8 @@ pub(crate) enum Command {
 }
 
 impl Command {
-    pub(crate) fn run(&self) -> Result<Outcome> {
+    /// - `words`: of the whole line, for reports
+    pub(crate) fn run(&self, words: &[OsString]) -> Result<Outcome> {
         match self {
             Self::Demo(arguments) => demo::run(arguments),
             Self::Simulate(arguments) => simulate::run(arguments),
@@ -80,7 +82,7 @@ impl Command {
             Self::Inspect(arguments) => inspect::run(arguments),
             Self::Patterns(arguments) => patterns::run(arguments),
             Self::Orders(arguments) => orders::run(arguments),
-            Self::Fit(arguments) => fit::run(arguments),
+            Self::Fit(arguments) => fit::run(arguments, words),
             Self::Moments(arguments) => moments::run(arguments),
             Self::Merge(arguments) => merge::run(arguments),
             Self::Solve(arguments) => solve::run(arguments),

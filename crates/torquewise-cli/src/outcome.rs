@@ -5,7 +5,6 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::env;
 use std::io::{self, IsTerminal, Write};
-use std::process::ExitCode;
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Outcome {
@@ -33,8 +32,8 @@ const UNUSABLE: u8 = 3;
 /// Writes results to stdout and all else to stderr, and says how it went.
 ///
 /// - `strict`: whether any warning makes the result one not to be used
-pub(crate) fn report(found: Result<Outcome>, as_json: bool, strict: bool) -> ExitCode {
-    let code = match found {
+pub(crate) fn report(found: Result<Outcome>, as_json: bool, strict: bool) -> u8 {
+    match found {
         Ok(outcome) => match write_results(&outcome, as_json) {
             Ok(()) => {
                 for note in &outcome.notes {
@@ -49,16 +48,15 @@ pub(crate) fn report(found: Result<Outcome>, as_json: bool, strict: bool) -> Exi
             Err(source) => fail(&CliError::Stdout { source }, false),
         },
         Err(error) => fail(&error, as_json),
-    };
-    ExitCode::from(code)
+    }
 }
 
 /// Writes what the command line itself has to say: help, the version, or wrong usage.
-pub(crate) fn told(told: &clap::Error) -> ExitCode {
+pub(crate) fn told(told: &clap::Error) -> u8 {
     let usual = if told.use_stderr() { WRONG_USAGE } else { 0 };
     match quiet_if_closed(told.print().and_then(|()| io::stdout().flush())) {
-        Ok(()) => ExitCode::from(usual),
-        Err(source) => ExitCode::from(fail(&CliError::Stdout { source }, false)),
+        Ok(()) => usual,
+        Err(source) => fail(&CliError::Stdout { source }, false),
     }
 }
 

@@ -13,8 +13,9 @@ use torquewise::{Filter, Log};
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Log")]
 pub(crate) struct SignalArguments {
-    /// What the columns are: units, gears, clock, rows; `torquewise inspect` suggests one
-    #[arg(long, value_name = "FILE.toml")]
+    /// What the columns are: units, gears, clock, rows; `torquewise inspect` suggests one, those of
+    /// public data sets are built in, such as `ur10`
+    #[arg(long, value_name = "FILE.toml|NAME")]
     profile: Option<PathBuf>,
     /// Topic of a bag that holds several
     #[arg(long, value_name = "NAME")]

@@ -149,6 +149,9 @@ impl Thresholds {
         let n = model.n_joints();
         // First the spreads and levels, from rows thinned evenly, then the peaks beyond them.
         let Sample { of_joints: sample, rows, seconds } = Sample::of(model, free, bandwidth)?;
+        if rows == 0 || seconds <= 0.0 {
+            return Err(IdentifyError::TooFewRows { rows, needed: 2, joints: n });
+        }
         let spreads: Vec<Spread> = sample.iter().map(|own| Spread::of(own, is_free)).collect();
         let level = |(own, spread): (&Vec<spread::Row>, &Spread)| {
             let mut parts: Vec<f64> = own.iter().map(|row| spread.square(row)).collect();
@@ -179,9 +182,6 @@ impl Thresholds {
             unseen.get(joint).map_or(1.0, |unseen| unseen / own.rmse).clamp(1.0, MOST_UNSEEN)
         };
         let more = scores.joints.iter().enumerate().map(more);
-        if rows == 0 || hours <= 0.0 {
-            return Err(IdentifyError::TooFewRows { rows, needed: 2, joints: n });
-        }
         let multiples: Vec<f64> = peaks
             .iter_mut()
             .zip(&levels)

@@ -12,6 +12,7 @@ do: see :func:`read_log`.
 
 from importlib import import_module as _import_module
 from typing import TYPE_CHECKING as _TYPE_CHECKING
+from typing import Any as _Any
 
 from ._core import (
     FitError,
@@ -26,14 +27,15 @@ from ._core import (
 )
 from ._fit import Evaluation, Fit, compare, fit
 from ._log import Log, inspect, patterns, read_log, write_log
-from ._model import Model
-from ._observer import Contacts, Gains, Payload, gains, payload, residuals
+from ._model import Model, Rollout
+from ._observer import Contacts, Gains, Payload, contacts, gains, payload, residuals
+from ._options import FitOptions, LogOptions
 from ._simulation import arms, excite, simulate
 from ._sums import Summary
 
 if _TYPE_CHECKING:
     from . import plot
-    from ._estimators import Chain, SINDy, Stepwise
+    from ._estimators import Chain, OneShot, Stepwise
 
 __all__ = [
     "Chain",
@@ -41,16 +43,19 @@ __all__ = [
     "Evaluation",
     "Fit",
     "FitError",
+    "FitOptions",
     "FrictionState",
     "Gains",
     "Interrupted",
     "Log",
     "LogError",
+    "LogOptions",
     "Model",
     "ModelError",
+    "OneShot",
     "Payload",
     "Request",
-    "SINDy",
+    "Rollout",
     "Stepwise",
     "Summary",
     "TorquewiseError",
@@ -58,6 +63,7 @@ __all__ = [
     "__version__",
     "arms",
     "compare",
+    "contacts",
     "excite",
     "fit",
     "gains",
@@ -72,10 +78,10 @@ __all__ = [
 ]
 
 # Loaded when they are asked for: they need, or are for, other packages.
-_LATE = {"Chain": "._estimators", "SINDy": "._estimators", "Stepwise": "._estimators"}
+_LATE = {"Chain": "._estimators", "OneShot": "._estimators", "Stepwise": "._estimators"}
 
 
-def __getattr__(name):
+def __getattr__(name: str) -> _Any:
     if name in _LATE:
         return getattr(_import_module(_LATE[name], __name__), name)
     if name == "plot":
@@ -83,5 +89,5 @@ def __getattr__(name):
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
-def __dir__():
+def __dir__() -> list[str]:
     return sorted(__all__)

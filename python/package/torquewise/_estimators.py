@@ -1,65 +1,119 @@
 """Estimators in the manner of scikit-learn, with the words of PySINDy.
 
-scikit-learn need not be installed: they follow its conventions without it.
+They are estimators of scikit-learn where it is installed, and follow its conventions where it is not.
 """
 
+from __future__ import annotations
+
 import inspect
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from ._fit import fit
+from ._fit import Fit, fit
 from ._log import Log
+from ._model import Model
+from ._options import Path
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+_Array = NDArray[np.float64]
 
 
-class _Estimator:
-    """What all estimators share; the parameters are those of `__init__`."""
-
-    _fixed: dict[str, str] = {}
+class _Parameters:
+    """What `BaseEstimator` is to those who have scikit-learn."""
 
     @classmethod
-    def _names(cls):
+    def _names(cls) -> list[str]:
         return sorted(set(inspect.signature(cls.__init__).parameters) - {"self"})
 
-    def get_params(self, deep=True):
+    def get_params(self, deep: bool = True) -> dict[str, Any]:
         """The parameters of this estimator, by name."""
         return {name: getattr(self, name) for name in self._names()}
 
-    def set_params(self, **params):
+    def set_params(self, **params: Any) -> Self:
         """Sets parameters; returns the estimator."""
         for name, value in params.items():
             if name not in self._names():
                 raise ValueError(
-                    f"{name!r} is no parameter of {type(self).__name__}: expected one of "
-                    f"{', '.join(self._names())}"
+                    f"Invalid parameter {name!r} for estimator {type(self).__name__}: "
+                    f"expected one of {', '.join(self._names())}"
                 )
             setattr(self, name, value)
         return self
 
-    def fit(self, *motion, t=None, groups=None):
+    def __repr__(self) -> str:
+        usual = inspect.signature(type(self).__init__).parameters
+        given = [
+            f"{name}={value!r}"
+            for name, value in self.get_params().items()
+            if value is not usual[name].default and value != usual[name].default
+        ]
+        return f"{type(self).__name__}({', '.join(given)})"
+
+
+if TYPE_CHECKING:
+    _Base = _Parameters
+else:
+    try:
+        from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
+
+        class _Base(MultiOutputMixin, RegressorMixin, BaseEstimator):
+            pass
+
+    except ImportError:
+        _Base = _Parameters
+
+
+class _Estimator(_Base):
+    """What all estimators share; the parameters are those of `__init__`."""
+
+    _fixed: dict[str, Any] = {}
+    rate: float
+
+    fit_: Fit
+    model_: Model
+    n_joints_: int
+    n_features_in_: int
+
+    def fit(
+        self,
+        *motion: Any,
+        t: ArrayLike | None = None,
+        groups: ArrayLike | None = None,
+        **others: Any,
+    ) -> Self:
         """Fits the model; returns the estimator.
 
         motion
-            (q, dq, ddq, tau), m×n each; or (X, y), X = [q dq ddq] side by side, m×3n, y = tau, m×n;
-            or one motion, a dict with these arrays or a log; or a list of motions, a trajectory each.
+            (q, dq, ddq, tau), m×n each; or (X, y), X = [q dq ddq] side by side, m×3n, or in any order
+            in a frame with columns of the names q1, dq1, …, and y = tau, m×n; or one motion, a dict with these arrays or a log; or a list of motions, a trajectory each.
             Rows are in the order of time.
         t
             Time stamps [s], m; without, rows are `1 / rate` apart.
         groups
             Numbers that change where another trajectory begins, m.
         """
-        log, n_features = self._log(motion, t, groups)
+        if others:
+            raise TypeError(
+                f"fit takes no {', '.join(others)}: all rows count, by the noise of the log; leave out "
+                "those that should not, and say by groups where rows are missing"
+            )
+        vars(self).pop("feature_names_in_", None)
+        log, is_whole = self._log(motion, t, groups)
         options = {name: value for name, value in self.get_params().items() if name != "rate"}
-        found = fit(
-            log, filter="none" if n_features else "auto", progress=False, **options, **self._fixed
-        )
-        self.fit_ = found
-        self.model_ = found.model
+        options.update(self._fixed, filter="none" if is_whole else "auto")
+        self.fit_ = fit(log, progress=False, **options)
+        self.model_ = self.fit_.model
         self.n_joints_ = len(self.model_.joints)
         self.n_features_in_ = 3 * self.n_joints_
         return self
 
-    def predict(self, *motion):
+    def predict(self, *motion: Any) -> Any:
         """tau [N·m], m×n, of (q, dq, ddq), of X = [q dq ddq], or of a motion; a list for a list."""
         self._check_fitted()
         if len(motion) == 1 and isinstance(motion[0], (list, tuple)) and _are_motions(motion[0]):
@@ -68,14 +122,14 @@ class _Estimator:
             own = motion[0]
             return self.model_.torque(own["q"], own["dq"], own["ddq"])
         if len(motion) == 1:
-            q, dq, ddq = self._split(motion[0])
+            q, dq, ddq = np.split(self._columns(motion[0]), 3, axis=1)
             tau = self.model_.torque(q, dq, ddq)
             return tau[:, 0] if getattr(self, "_is_flat", False) else tau
         if len(motion) != 3:
             raise TypeError("predict takes q, dq, ddq, or X = [q dq ddq], or a motion")
         return self.model_.torque(*motion)
 
-    def score(self, *motion, sample_weight=None):
+    def score(self, *motion: Any, sample_weight: ArrayLike | None = None) -> float:
         """R² of the torque, mean of the joints: of (X, y), (q, dq, ddq, tau) or a motion."""
         motions = motion[0] if len(motion) == 1 and isinstance(motion[0], (list, tuple)) else None
         if motions is None and len(motion) == 1:
@@ -98,63 +152,50 @@ class _Estimator:
 
     # The words of PySINDy.
 
-    def equations(self, precision=3):
+    def equations(self, precision: int = 3) -> list[str]:
         """The torque of each joint as text."""
         self._check_fitted()
         return self.model_.equations(precision)
 
-    def print(self, precision=3):
+    def print(self, precision: int = 3) -> None:
         """Prints the torque of each joint."""
         self._check_fitted()
         self.model_.print(precision)
 
-    def coefficients(self):
+    def coefficients(self) -> _Array:
         """Coefficients, n joints × terms."""
         self._check_fitted()
         return self.model_.coefficients()
 
-    def get_feature_names(self):
+    def get_feature_names(self) -> list[str]:
         """Names of the terms."""
         self._check_fitted()
         return self.model_.get_feature_names()
 
     @property
-    def complexity(self):
+    def complexity(self) -> int:
         """Number of coefficients of the model."""
         self._check_fitted()
         return self.model_.complexity
 
     # Conventions.
 
-    def __repr__(self):
-        usual = inspect.signature(type(self).__init__).parameters
-        given = [
-            f"{name}={value!r}"
-            for name, value in self.get_params().items()
-            if value is not usual[name].default and value != usual[name].default
-        ]
-        return f"{type(self).__name__}({', '.join(given)})"
+    def __sklearn_tags__(self) -> Any:
+        tags = super().__sklearn_tags__()  # type: ignore[misc]
+        tags.regressor_tags.poor_score = True
+        return tags
 
-    def __sklearn_tags__(self):
-        from sklearn.utils import InputTags, RegressorTags, Tags, TargetTags
-
-        return Tags(
-            estimator_type="regressor",
-            target_tags=TargetTags(required=True, multi_output=True),
-            regressor_tags=RegressorTags(poor_score=True),
-            input_tags=InputTags(two_d_array=True),
-        )
-
-    def __sklearn_is_fitted__(self):
+    def __sklearn_is_fitted__(self) -> bool:
         return hasattr(self, "model_")
 
-    def __getstate__(self):
-        state = dict(self.__dict__)
+    def __getstate__(self) -> dict[str, Any]:
+        inherited: Any = getattr(super(), "__getstate__", None)
+        state: dict[str, Any] = dict((inherited and inherited()) or self.__dict__)
         # How it was found stays behind; the model goes along.
         state.pop("fit_", None)
         return state
 
-    def _check_fitted(self):
+    def _check_fitted(self) -> None:
         if hasattr(self, "model_"):
             return
         message = f"This {type(self).__name__} instance is not fitted yet: call fit first"
@@ -164,16 +205,25 @@ class _Estimator:
             raise AttributeError(message) from None
         raise NotFittedError(message)
 
-    def _split(self, rows):
-        rows = _rows(rows)
+    def _columns(self, table: Any) -> _Array:
+        """q, dq and ddq side by side, of a table whose columns are those that were fitted."""
+        names, known = _names_of(table), getattr(self, "feature_names_in_", None)
+        if known is not None and names is not None and list(known) != names:
+            raise ValueError(
+                "The feature names should match those that were passed during fit: expected "
+                f"{', '.join(known)}, found {', '.join(names)}"
+            )
+        rows = _rows(table)
         if rows.shape[1] != self.n_features_in_:
             raise ValueError(
                 f"X has {rows.shape[1]} features, but {type(self).__name__} is expecting "
                 f"{self.n_features_in_} features as input: q, dq and ddq side by side"
             )
-        return np.split(rows, 3, axis=1)
+        return rows[:, _order(names if names is not None else known)]
 
-    def _log(self, motion, t, groups):
+    def _log(
+        self, motion: tuple[Any, ...], t: ArrayLike | None, groups: ArrayLike | None
+    ) -> tuple[Any, bool]:
         """What is fitted, and whether its q, dq and ddq are at hand."""
         self._is_flat = False
         if len(motion) == 1:
@@ -189,6 +239,7 @@ class _Estimator:
             rows, truth = motion
             if truth is None:
                 raise ValueError("requires y to be passed, but the target y is None")
+            names = _names_of(rows)
             rows = _rows(rows)
             truth = np.asarray(truth, dtype=float)
             self._is_flat = truth.ndim == 1
@@ -198,7 +249,9 @@ class _Estimator:
                     f"X has {rows.shape[1]} columns, y has {truth.shape[1]}: X is q, dq and ddq side "
                     "by side, three columns for each of y"
                 )
-            motion = (*np.split(rows, 3, axis=1), truth)
+            if names is not None:
+                self.feature_names_in_ = np.array(names, dtype=object)
+            motion = (*np.split(rows[:, _order(names)], 3, axis=1), truth)
         if len(motion) != 4:
             raise TypeError("fit takes q, dq, ddq, tau, or X, y, or a motion, or a list of motions")
         q, dq, ddq, tau = (_rows(own) for own in motion)
@@ -212,37 +265,59 @@ class _Estimator:
         cuts = list(zip([0, *ends], [*ends, len(groups)]))
         return [self._timed({k: v[a:b] for k, v in whole.items()}) for a, b in cuts], True
 
-    def _timed(self, motion):
+    def _timed(self, motion: Mapping[str, Any]) -> Mapping[str, Any]:
         if "t" in motion:
             return motion
+        if "q" not in motion:
+            raise ValueError("a motion without q: give a dict of q, dq, ddq, tau, and perhaps t")
         rows = len(motion["q"])
         return {**motion, "t": np.arange(rows) / float(self.rate)}
 
 
-def _are_motions(own):
+def _names_of(table: Any) -> list[str] | None:
+    """Names of the columns of a frame, if all of them are text."""
+    names = list(getattr(table, "columns", ()))
+    return names if names and all(isinstance(name, str) for name in names) else None
+
+
+def _order(names: Any) -> Any:
+    """Places of q1, q2, … dq1, … ddq1, … among columns; as they are, if they have other names."""
+    keys = [re.fullmatch(r"(q|dq|ddq)(\d+)", name) for name in (() if names is None else names)]
+    found = [(len(own[1]), int(own[2])) for own in keys if own is not None]
+    if not keys or len(found) < len(keys):
+        return slice(None)
+    n = len(found) // 3
+    if sorted(found) != [(kind, k) for kind in (1, 2, 3) for k in range(1, n + 1)]:
+        raise ValueError(
+            f"X has the columns {', '.join(names or ())}: expected q1 … qn, dq1 … dqn and ddq1 … ddqn"
+        )
+    return sorted(range(len(found)), key=found.__getitem__)
+
+
+def _are_motions(own: Any) -> bool:
     return isinstance(own, (list, tuple)) and bool(own) and all(isinstance(x, Mapping) for x in own)
 
 
-def _rows(values):
+def _rows(values: Any) -> _Array:
     if hasattr(values, "toarray"):
         raise TypeError(
             "Sparse data was passed, but dense data is required: q, dq and ddq are dense"
         )
-    values = np.asarray(values)
-    if np.iscomplexobj(values):
+    found: NDArray[Any] = np.asarray(values)
+    if np.iscomplexobj(found):
         raise ValueError("Complex data not supported: angles are real")
-    values = values.astype(float, copy=False)
-    if values.ndim == 0 or values.size == 0:
+    found = found.astype(np.float64, copy=False)
+    if found.ndim == 0 or found.size == 0:
         raise ValueError(
-            f"Found array with {values.size} sample(s) while a minimum of 1 is required."
+            f"Found array with {found.size} sample(s) while a minimum of 1 is required."
         )
-    if values.ndim == 1:
+    if found.ndim == 1:
         raise ValueError(
             "Expected 2D array, got 1D array instead. Reshape your data: one row a state"
         )
-    if not np.isfinite(values).all():
+    if not np.isfinite(found).all():
         raise ValueError("Input contains NaN, infinity or a value too large: drop such rows")
-    return values
+    return found
 
 
 class Stepwise(_Estimator):
@@ -256,17 +331,17 @@ class Stepwise(_Estimator):
 
     def __init__(
         self,
-        library="energy",
-        friction=None,
-        interaction=None,
-        trig_order=None,
-        gravity_order=None,
-        select=None,
-        threshold=None,
-        n_bootstrap=None,
-        noise_correction=True,
-        seed=0,
-        rate=100.0,
+        library: Literal["energy", "product"] = "energy",
+        friction: Literal["none", "linear", "stribeck", "auto"] | None = None,
+        interaction: int | None = None,
+        trig_order: int | None = None,
+        gravity_order: int | None = None,
+        select: Literal["bic", "lasso", "stlsq"] | None = None,
+        threshold: float | None = None,
+        n_bootstrap: int | None = None,
+        noise_correction: bool = True,
+        seed: int = 0,
+        rate: float = 100.0,
     ):
         self.library = library
         self.friction = friction
@@ -291,30 +366,39 @@ class Chain(_Estimator):
 
     def __init__(
         self,
-        friction=None,
-        urdf=None,
-        counterbalance=None,
-        noise_correction=True,
-        seed=0,
-        rate=100.0,
+        friction: Literal["none", "linear", "stribeck", "auto"] | None = None,
+        urdf: Path | None = None,
+        counterbalance: Sequence[str] | None = None,
+        refine: Literal["rollout"] | None = None,
+        noise_correction: bool = True,
+        seed: int = 0,
+        rate: float = 100.0,
     ):
         self.friction = friction
         self.urdf = urdf
         self.counterbalance = counterbalance
+        self.refine = refine
         self.noise_correction = noise_correction
         self.seed = seed
         self.rate = rate
 
 
-class SINDy(_Estimator):
-    """One-shot SINDy: products of sines, cosines, velocities and accelerations, on all rows at once.
+class OneShot(_Estimator):
+    """The baseline, one-shot SINDy: products of sines, cosines, velocities and accelerations, on all rows at once.
 
     For parameters see :func:`torquewise.fit`; `rate` is that of rows without time stamps [Hz].
     """
 
     _fixed = {"method": "sindy"}
 
-    def __init__(self, trig_order=None, select=None, threshold=None, seed=0, rate=100.0):
+    def __init__(
+        self,
+        trig_order: int | None = None,
+        select: Literal["bic", "lasso", "stlsq"] | None = None,
+        threshold: float | None = None,
+        seed: int = 0,
+        rate: float = 100.0,
+    ):
         self.trig_order = trig_order
         self.select = select
         self.threshold = threshold

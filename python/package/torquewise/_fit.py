@@ -4,70 +4,22 @@ from __future__ import annotations
 
 import html
 import json
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
-from typing import TYPE_CHECKING, Any, Literal, TypedDict
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from . import _core
-from ._log import Path, Progress, read_log
+from ._log import read_log
 from ._model import Model
+from ._options import FitOptions, LogOptions, Path, Progress, explicit, split
 from ._progress import shown
+from ._tables import frame
 
 if TYPE_CHECKING:
-    from typing_extensions import Unpack
-
-
-class LogOptions(TypedDict, total=False):
-    """Keywords of :func:`torquewise.read_log`."""
-
-    t: ArrayLike | None
-    q: ArrayLike | None
-    dq: ArrayLike | None
-    ddq: ArrayLike | None
-    tau: ArrayLike | None
-    rate: float | None
-    joints: Sequence[str] | None
-    profile: Path | None
-    topic: str | None
-    repair: bool
-    filter: Literal["auto", "none"] | float
-    delay: float | None
-
-
-class FitOptions(LogOptions, total=False):
-    """Keywords of :func:`torquewise.fit`, those of the log among them."""
-
-    library: Literal["energy", "product", "chain"] | None
-    method: Literal["stepwise", "sindy"] | None
-    friction: Literal["none", "linear", "stribeck", "auto"] | None
-    urdf: Path | None
-    lock: Sequence[str] | None
-    gravity: Sequence[float] | None
-    counterbalance: Sequence[str] | None
-    select: str | None
-    threshold: float | None
-    n_bootstrap: int | None
-    interaction: int | None
-    trig_order: int | None
-    gravity_order: int | None
-    noise_correction: bool | None
-    activation: str | None
-    clusters: int | None
-    seed: int | None
-
-
-#: Keywords of :func:`fit` that are about the log, not about the fit.
-OF_LOG = LogOptions.__optional_keys__
-
-
-def split(options: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Options of the log, and those of the fit."""
-    of_log = {key: own for key, own in options.items() if key in OF_LOG}
-    return of_log, {key: own for key, own in options.items() if key not in OF_LOG}
+    from ._options import Unpack
 
 
 @dataclass(eq=False)
@@ -86,9 +38,12 @@ class Evaluation:
     notes: list[str] = field(default_factory=list)
 
     @classmethod
-    def _of(cls, text, notes):
+    def _of(cls, text: str, notes: list[str]) -> Evaluation:
         found = json.loads(text)
-        of = lambda key: np.array([joint.get(key) for joint in found["joints"]], dtype=float)
+
+        def of(key: str) -> NDArray[np.float64]:
+            return np.array([joint.get(key) for joint in found["joints"]], dtype=float)
+
         return cls(
             [joint["name"] for joint in found["joints"]],
             found["rows"],
@@ -99,7 +54,13 @@ class Evaluation:
             notes,
         )
 
-    def __repr__(self):
+    def to_frame(self) -> Any:
+        """A frame of pandas with a row for each joint."""
+        names = "rmse", "nrmse_percent", "r2", "raw_nrmse_percent"
+        errors = {name: getattr(self, name) for name in names}
+        return frame({"joint": self.joints, **errors}, "joint")
+
+    def __repr__(self) -> str:
         lines = [f"{'joint':<20} {'RMSE [N·m]':>12} {'NRMSE [%]':>10} {'R²':>9}"]
         for name, rmse, nrmse, r2 in zip(self.joints, self.rmse, self.nrmse_percent, self.r2):
             lines.append(f"{name:<20} {rmse:>12.4g} {nrmse:>10.4g} {r2:>9.6f}")
@@ -176,19 +137,24 @@ class Fit:
 
     def summary(self) -> dict[str, Any]:
         """All numbers, as a dict: what ``torquewise fit --json`` prints."""
-        return json.loads(self._core._summary())
+        found: dict[str, Any] = json.loads(self._core._summary())
+        return found
 
-    def evaluate(self, log: Any = None, *, progress: Progress = None, **options: Any) -> Evaluation:
+    @explicit(LogOptions)
+    def evaluate(
+        self, log: Any = None, *, progress: Progress = None, **options: Unpack[LogOptions]
+    ) -> Evaluation:
         """How well the model predicts another log, see :meth:`Model.evaluate`."""
         return self.model.evaluate(log, progress=progress, **options)
 
+    @explicit(LogOptions)
     def report(
         self,
         path: Path | None = None,
         *,
         test: Any = None,
         progress: Progress = None,
-        **options: Any,
+        **options: Unpack[LogOptions],
     ) -> str:
         """The report as one page of HTML: the text, or written to `path`.
 
@@ -209,10 +175,10 @@ class Fit:
         """Writes the model to a file."""
         self.model.save(path)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return repr(self._core)
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         try:
             page = self.report(progress=False)
         except _core.TorquewiseError:
@@ -223,6 +189,7 @@ class Fit:
         )
 
 
+@explicit(FitOptions)
 def fit(log: Any = None, *, progress: Progress = None, **options: Unpack[FitOptions]) -> Fit:
     """Reconstructs the equations of motion from logs of one arm.
 
@@ -240,8 +207,13 @@ def fit(log: Any = None, *, progress: Progress = None, **options: Unpack[FitOpti
         File with the joint axes, its joints that are held at 0, direction of gravity at its base.
     counterbalance
         Joints that a spring or a weight balances.
-    select, threshold, n_bootstrap, interaction, trig_order, gravity_order
-        How the terms of a library are offered and selected, see ``torquewise fit --help``.
+    refine
+        ``"rollout"``: the rotors of a chain are moved so that simulated windows of the log drift less.
+    select, threshold, n_bootstrap
+        ``"bic"``, ``"lasso"`` or ``"stlsq"``, the threshold of the last, and how many resampled logs
+        tell which terms stay.
+    interaction, trig_order, gravity_order
+        How many joints a term of inertia may couple, and the orders of sines and cosines.
     noise_correction
         Whether bias by noise is taken out.
     activation, clusters, seed
@@ -267,7 +239,18 @@ class Comparison:
     stepwise_test: Evaluation
     sindy_test: Evaluation
 
-    def __repr__(self):
+    def to_frame(self) -> Any:
+        """A frame of pandas with a row for each method and joint."""
+        tests = {"stepwise": self.stepwise_test, "sindy": self.sindy_test}
+        columns = {
+            "method": np.repeat(list(tests), len(self.stepwise_test.joints)),
+            "joint": [name for own in tests.values() for name in own.joints],
+        }
+        for name in ("rmse", "nrmse_percent", "r2"):
+            columns[name] = np.concatenate([getattr(own, name) for own in tests.values()])
+        return frame(columns)
+
+    def __repr__(self) -> str:
         lines = [f"{'method':<10} {'terms':>6} {'seconds':>8}  NRMSE [%] of each joint"]
         rows = [
             ("stepwise", self.stepwise, self.stepwise_test),
@@ -279,6 +262,7 @@ class Comparison:
         return "\n".join(lines)
 
 
+@explicit(FitOptions)
 def compare(
     log: Any, test: Any, *, progress: Progress = None, **options: Unpack[FitOptions]
 ) -> Comparison:

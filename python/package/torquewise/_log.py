@@ -5,30 +5,52 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._arrays import numbers
+from ._options import LogOptions, Path, Progress, explicit
 from ._progress import shown
+from ._tables import frame
+
+if TYPE_CHECKING:
+    from ._options import Unpack
 
 SIGNALS = ("q", "dq", "ddq", "tau")
 
-Path = str | os.PathLike
 Columns = Iterator[tuple[str, list[NDArray[np.float64]]]]
-Progress = bool | Callable[[str, int, int | None], object] | None
 
 
 class Log(_core.Log):
-    """Logs of one arm, opened by :func:`read_log`: nothing is read before it is needed."""
+    """Logs of one arm, opened by :func:`read_log`: nothing is read before it is needed.
+
+    One of files can be pickled, and is opened again where it arrives.
+    """
+
+    _made: tuple[list[str], dict[str, Any]] | None = None
 
     def inspect(self, *, progress: Progress = None) -> Inspection:
         """What it holds and what it lacks, see :func:`inspect`."""
         return inspect(self, progress=progress)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._made is None:
+            raise TypeError(
+                "a log of arrays or tables cannot be pickled: pickle these, or what "
+                "Log.trajectories gives, and call read_log where they arrive"
+            )
+        return _opened, self._made
+
+
+def _opened(files: list[str], options: dict[str, Any]) -> Log:
+    log = Log(files, **options)
+    log._made = files, options
+    return log
 
 
 def read_log(
@@ -44,7 +66,7 @@ def read_log(
     profile: Path | None = None,
     topic: str | None = None,
     repair: bool = False,
-    filter: str | float = "auto",
+    filter: Literal["auto", "none"] | float = "auto",
     delay: float | None = None,
 ) -> Log:
     """Opens logs of one arm.
@@ -93,7 +115,8 @@ def read_log(
     if all(isinstance(own, (str, os.PathLike)) for own in logs):
         own = [name for name, value in (("rate", rate), ("joints", joints)) if value is not None]
         _refuse(own, "files, whose profile says it")
-        return Log([os.fspath(own) for own in logs], **options)
+        return _opened([os.fspath(own) for own in logs], options)
+    _refuse(["topic"] if topic is not None else [], "arrays and tables")
     many = len(logs) > 1
     frames = [
         (f"table {k}" if many else "table", _frame(own, rate, joints))
@@ -127,7 +150,7 @@ class Inspection:
     facts: dict[str, Any]
     warnings: list[str]
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Any:
         try:
             return self.__dict__["facts"][name]
         except KeyError:
@@ -135,7 +158,7 @@ class Inspection:
                 f"an inspection has no {name}: it has {', '.join(self.__dict__.get('facts', ()))}"
             ) from None
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         facts = self.facts
         lines = [
             f"{facts['rows']} rows of {len(facts['joints'])} joints, {facts['seconds']:.1f} s at"
@@ -145,8 +168,13 @@ class Inspection:
         return "\n".join(lines)
 
 
+@explicit(LogOptions)
 def inspect(
-    log: Any, *, model: _core.Model | None = None, progress: Progress = None, **options: Any
+    log: Any = None,
+    *,
+    model: _core.Model | None = None,
+    progress: Progress = None,
+    **options: Unpack[LogOptions],
 ) -> Inspection:
     """What a log holds and what it lacks: rows, ranges, noise, patterns, and warnings.
 
@@ -168,12 +196,13 @@ def inspect(
     return Inspection(json.loads(facts), warnings)
 
 
-@dataclass
+@dataclass(eq=False)
 class Patterns:
     """The pattern of each row: 0 standstill, 1 uniform velocity, 2 variable velocity."""
 
     labels: NDArray[np.uint8]
-    inertia: list[float]
+    inertia: NDArray[np.float64]
+    """Sum of squared distances within clusters, with 1, 2, … of them."""
     warnings: list[str]
 
     NAMES = ("standstill", "uniform", "variable")
@@ -184,23 +213,28 @@ class Patterns:
         counts = np.bincount(self.labels, minlength=3)
         return dict(zip(self.NAMES, (int(count) for count in counts)))
 
+    def to_frame(self) -> Any:
+        """A frame of pandas with a row for each row of the log."""
+        return frame({"label": self.labels, "pattern": np.array(self.NAMES)[self.labels]})
 
+
+@explicit(LogOptions)
 def patterns(
-    log: Any,
+    log: Any = None,
     *,
-    activation: str = "scaled",
+    activation: Literal["scaled", "paper"] = "scaled",
     clusters: int | None = None,
     seed: int = 0,
     progress: Progress = None,
-    **options: Any,
+    **options: Unpack[LogOptions],
 ) -> Patterns:
     """Tells standstill, uniform and variable velocity apart, row by row."""
     log = read_log(log, **options)
     with shown(progress) as told:
-        found = _core.patterns(
+        labels, inertia, warnings = _core.patterns(
             log, activation=activation, clusters=clusters, seed=seed, progress=told
         )
-    return Patterns(*found)
+    return Patterns(labels, np.array(inertia), warnings)
 
 
 def _frame(table: Any, rate: float | None, joints: Sequence[str] | None) -> _core.ArrayFrame:

@@ -6,19 +6,25 @@ import json
 import math
 import os
 import types
+import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _core
-from ._log import Path as _Path
-from ._log import Progress, read_log
+from ._log import read_log
+from ._options import ExportOptions, LogOptions, Progress, RobotOptions, explicit
+from ._options import Path as _Path
 from ._progress import shown
+from ._tables import frame
 
 if TYPE_CHECKING:
     from ._fit import Evaluation
+    from ._options import Unpack
 
 _ENDINGS = {
     ".c": "c",
@@ -67,7 +73,8 @@ class Model(_core.Model):
 
     def describe(self) -> dict[str, Any]:
         """Axes, terms by joint, energies, friction, choices: a dict, as ``torquewise show --json``."""
-        return json.loads(self._description())
+        found: dict[str, Any] = json.loads(self._description())
+        return found
 
     def equations(self, precision: int = 3) -> list[str]:
         """The torque of each joint as text, such as ``1.2 ddq1 + 0.3 cos(q1)``."""
@@ -84,12 +91,12 @@ class Model(_core.Model):
 
     def get_feature_names(self) -> list[str]:
         """Names of all terms that act on some joint."""
-        names = {}
+        names: dict[str, None] = {}
         for joint in self.describe()["joints"]:
             names.update(dict.fromkeys(own["term"] for own in joint["terms"]))
         return list(names)
 
-    def coefficients(self) -> np.ndarray:
+    def coefficients(self) -> NDArray[np.float64]:
         """Coefficients of those terms, n joints × terms."""
         place = {name: k for k, name in enumerate(self.get_feature_names())}
         found = np.zeros((len(self.joints), len(place)))
@@ -103,20 +110,23 @@ class Model(_core.Model):
         found, warning = self._check(states)
         return {**json.loads(found), "warning": warning}
 
-    def __str__(self):
+    def __str__(self) -> str:
         return self._text()
 
-    def _repr_latex_(self):
+    def _repr_latex_(self) -> str | None:
         return "$$\n" + self._latex() + "\n$$" if len(self.joints) <= 3 else None
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         import html
 
         return f"<pre>{html.escape(self._text(top=12))}</pre>"
 
     # How good it is.
 
-    def evaluate(self, log: Any = None, *, progress: Progress = None, **options: Any) -> Evaluation:
+    @explicit(LogOptions)
+    def evaluate(
+        self, log: Any = None, *, progress: Progress = None, **options: Unpack[LogOptions]
+    ) -> Evaluation:
         """How well it predicts the torque of a log: :class:`Evaluation`.
 
         The log is filtered as that of the model was. `log` and options are those of
@@ -128,16 +138,62 @@ class Model(_core.Model):
         with shown(progress) as told:
             return Evaluation._of(*self._evaluate(log, told))
 
+    @explicit(LogOptions)
+    def score(self, log: Any = None, **options: Unpack[LogOptions]) -> float:
+        """R² of the torque of a log, mean of the joints whose torque changes."""
+        return float(np.nanmean(self.evaluate(log, progress=False, **options).r2))
+
+    @explicit(LogOptions)
+    def rollout(
+        self,
+        log: Any = None,
+        *,
+        horizons: Sequence[float] = (0.2, 0.5, 1.0),
+        progress: Progress = None,
+        **options: Unpack[LogOptions],
+    ) -> Rollout:
+        """How far windows of a log drift that are simulated from their measured state.
+
+        The arm moves by the measured torque; `horizons` are times since the measured state [s].
+        """
+        log = read_log(log, **options)
+        with shown(progress) as told:
+            found = json.loads(self._rollout(log, sorted(map(float, horizons)), told))
+
+        if not found:
+            raise _core.LogError(
+                f"no stretch of the log is as long as {min(horizons)} s: give shorter horizons"
+            )
+
+        def of(key: str) -> NDArray[np.float64]:
+            # No number is one that ran away.
+            rows = np.array([own[key] for own in found], dtype=float)
+            return np.where(np.isnan(rows), np.inf, rows)
+
+        return Rollout(
+            joints=self.joints,
+            horizons=of("horizon_s"),
+            drift=of("rms_drift_rad"),
+            hold=of("hold_rms_rad"),
+            windows=np.array([own["windows"] for own in found]),
+        )
+
+    @explicit(LogOptions)
     def predict(
-        self, log: Any = None, *, parts: bool = False, interval: float | None = None, **options: Any
-    ) -> list[dict[str, np.ndarray]]:
+        self,
+        log: Any = None,
+        *,
+        parts: bool = False,
+        interval: float | None = None,
+        **options: Unpack[LogOptions],
+    ) -> list[dict[str, NDArray[np.float64]]]:
         """The torque of each trajectory of a log: a list of dicts with t, q, dq, ddq and tau_hat.
 
         Where the log has torque, tau is it, filtered as the motion. With `parts`, inertia, coriolis,
         gravity and friction too; with `interval`, a percentage, tau_low and tau_high.
         """
         log = read_log(log, **options)
-        found = log.trajectories(model=self)
+        found: list[dict[str, NDArray[np.float64]]] = log.trajectories(model=self)
         for own in found:
             state = own["q"], own["dq"], own["ddq"]
             own["tau_hat"] = self.torque(*state)
@@ -149,7 +205,10 @@ class Model(_core.Model):
 
     # In other programs.
 
-    def export(self, path: _Path, to: str | None = None, **options: Any) -> list[str]:
+    @explicit(ExportOptions)
+    def export(
+        self, path: _Path, to: str | None = None, **options: Unpack[ExportOptions]
+    ) -> list[str]:
         """Writes the model for another program; returns what the file has no room for.
 
         to
@@ -184,7 +243,8 @@ class Model(_core.Model):
     ) -> tuple[dict[str, bytes], list[str]]:
         """Files by their path in a package, a single one by no path; what they have no room for."""
         text = None if onto is None else Path(onto).read_text()
-        files, left_out = self._export(to, name, onto=text, **options)
+        lock = list(options.pop("lock", None) or ())
+        files, left_out = self._export(to, name, onto=text, lock=lock, **options)
         return dict(files), left_out
 
     def samples(self, count: int, *, seed: int = 0) -> list[Model]:
@@ -196,15 +256,17 @@ class Model(_core.Model):
         files, _ = self._files("json", samples=count, seed=seed)
         return [type(self).from_json(text.decode()) for text in files.values()]
 
-    def to_urdf(self, path: _Path | None = None, **options: Any) -> str:
+    @explicit(RobotOptions)
+    def to_urdf(self, path: _Path | None = None, **options: Unpack[RobotOptions]) -> str:
         """The model as a robot for ROS, Pinocchio, Drake, Gazebo: the text, and a file if asked for."""
         return self._robot("urdf", path, options)
 
-    def to_mjcf(self, path: _Path | None = None, **options: Any) -> str:
+    @explicit(RobotOptions)
+    def to_mjcf(self, path: _Path | None = None, **options: Unpack[RobotOptions]) -> str:
         """The same for MuJoCo."""
         return self._robot("mjcf", path, options)
 
-    def _robot(self, to: str, path: _Path | None, options: dict[str, Any]) -> str:
+    def _robot(self, to: str, path: _Path | None, options: RobotOptions) -> str:
         files, _ = self._files(to, **options)
         if path is not None:
             _core.write_whole(path, files[""])
@@ -234,7 +296,10 @@ class Model(_core.Model):
         n = len(self.joints)
         q, dq, ddq = (sympy.symbols(f"{own}1:{n + 1}", real=True) for own in ("q", "dq", "ddq"))
         own = self.functions(sympy, **options)
-        vector = lambda values: sympy.Matrix([sympy.sympify(x) for x in values])
+
+        def vector(values: Any) -> Any:
+            return sympy.Matrix([sympy.sympify(x) for x in values])
+
         return Symbolic(
             q=q,
             dq=dq,
@@ -275,25 +340,68 @@ class Model(_core.Model):
         output = {"inertia": "M", "forward_dynamics": "ddq"}.get(what, "tau")
         return casadi.Function(what, symbols, [result], list(inputs[what]), [output])
 
+    @explicit(RobotOptions)
+    def to_pinocchio(self, **options: Unpack[RobotOptions]) -> Any:
+        """The links, joints and rotors of a chain as a ``pinocchio.Model``, with its gravity.
+
+        Pinocchio adds no friction: its ``rnea`` gives :meth:`torque` less :meth:`friction`. Springs and
+        other terms that it has no room for are named in a warning.
+        """
+        try:
+            import pinocchio
+        except ImportError:
+            raise ImportError("Pinocchio is not installed: pip install pin") from None
+        files, left_out = self._files("urdf", **options)
+        found = pinocchio.buildModelFromXML(files[""].decode())
+        # A URDF has no rotors: what they add to M(q) is the same everywhere.
+        q = np.zeros(len(self.joints))
+        bodies = pinocchio.crba(found, found.createData(), q)
+        rotors = np.diag(self.mass_matrix(q) - np.triu(bodies) - np.triu(bodies, 1).T)
+        found.armature = np.where(rotors > 1e-9 * np.diag(bodies).max(), rotors, 0.0)
+        if left_out:
+            warnings.warn(f"not in the Pinocchio model: {', '.join(left_out)}", stacklevel=2)
+        return found
+
     def plot(self, log: Any = None, **options: Any) -> Any:
         """Draws the arm, or with a log its torque: see :mod:`torquewise.plot`."""
         from . import plot
 
-        return plot.arm(self) if log is None else plot.torque(self, log, **options)
+        return plot.arm(self, **options) if log is None else plot.torque(self, log, **options)
+
+
+@dataclass(eq=False)
+class Rollout:
+    """Distance of simulated windows from the measured motion, after each of k times."""
+
+    joints: list[str]
+    horizons: NDArray[np.float64]
+    """Since the measured state [s], k."""
+    drift: NDArray[np.float64]
+    """RMS distance of each joint [rad], k×n; infinite where a simulation ran away."""
+    hold: NDArray[np.float64]
+    """The same of an arm that keeps its velocity."""
+    windows: NDArray[np.int64]
+    """Windows, k."""
+
+    def to_frame(self) -> Any:
+        """A frame of pandas with a row for each time and joint."""
+        k, n = self.drift.shape
+        columns = {"horizon": np.repeat(self.horizons, n), "joint": self.joints * k}
+        return frame({**columns, "drift": self.drift.ravel(), "hold": self.hold.ravel()})
 
 
 @dataclass
 class Symbolic:
     """Equations of motion in sympy: symbols, and matrices in them."""
 
-    q: tuple
-    dq: tuple
-    ddq: tuple
-    torque: object
-    mass_matrix: object
-    coriolis: object
-    gravity: object
-    friction: object
+    q: tuple[Any, ...]
+    dq: tuple[Any, ...]
+    ddq: tuple[Any, ...]
+    torque: Any
+    mass_matrix: Any
+    coriolis: Any
+    gravity: Any
+    friction: Any
 
 
 def _target(path: Path) -> str:

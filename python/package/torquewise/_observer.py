@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _core
-from ._log import Progress, read_log
+from ._log import read_log
 from ._model import Model
+from ._options import LogOptions, Progress, explicit
 from ._progress import shown
+from ._tables import frame
+
+if TYPE_CHECKING:
+    from ._options import Unpack
 
 
 @dataclass
@@ -19,25 +25,31 @@ class Contacts:
     """External torque of a log, and when it is more than a free arm shows."""
 
     joints: list[str]
-    t: np.ndarray
+    t: NDArray[np.float64]
     """Time [s], m."""
-    external: np.ndarray
+    external: NDArray[np.float64]
     """External torque of each joint [N·m], m×n."""
-    thresholds: np.ndarray
+    thresholds: NDArray[np.float64]
     """Beyond which it is taken for a contact, at each time [N·m], m×n."""
     seconds: float
     """Time of free motion that the thresholds come from [s]."""
     contacts: list[dict[str, Any]]
     """A dict each: begin, end [s], joint, torque [N·m], factor of the threshold."""
 
+    def to_frame(self) -> Any:
+        """A frame of pandas with a row for each contact."""
+        names = "begin", "end", "joint", "torque", "factor"
+        return frame({name: [own[name] for own in self.contacts] for name in names})
+
     def plot(self, **options: Any) -> Any:
-        """Draws it: see :func:`torquewise.plot.residuals`."""
+        """Draws it: see :func:`torquewise.plot.contacts`."""
         from . import plot
 
-        return plot.residuals(self, **options)
+        return plot.contacts(self, **options)
 
 
-def residuals(
+@explicit(LogOptions)
+def contacts(
     model: Model,
     log: Any = None,
     *,
@@ -45,7 +57,7 @@ def residuals(
     false_alarms: float | None = None,
     bandwidth: float | None = None,
     progress: Progress = None,
-    **options: Any,
+    **options: Unpack[LogOptions],
 ) -> Contacts:
     """External torque of a log by the momentum observer, and contacts beyond a threshold.
 
@@ -59,7 +71,7 @@ def residuals(
     log = read_log(log, **options)
     free = None if free is None else read_log(free, **options)
     with shown(progress) as told:
-        rows, thresholds, contacts = _core.contacts(
+        rows, thresholds, found = _core.contacts(
             model, log, free=free, bandwidth=bandwidth, false_alarms=false_alarms, progress=told
         )
     thresholds, n = json.loads(thresholds), len(model.joints)
@@ -69,8 +81,12 @@ def residuals(
         external=rows[:, 1 : n + 1],
         thresholds=rows[:, n + 1 :],
         seconds=thresholds["seconds"],
-        contacts=json.loads(contacts),
+        contacts=json.loads(found),
     )
+
+
+#: As the command line calls it too.
+residuals = contacts
 
 
 @dataclass
@@ -80,25 +96,28 @@ class Payload:
     mass: float
     """[kg]"""
     mass_error: float
-    center: np.ndarray
+    center: NDArray[np.float64]
     """Centre of mass [m], 3, in the frame of the link."""
-    center_error: np.ndarray
-    inertia: np.ndarray
+    center_error: NDArray[np.float64]
+    inertia: NDArray[np.float64]
     """Moments about the centre [kg·m²]: xx, yy, zz, xy, xz, yz."""
-    inertia_error: np.ndarray
+    inertia_error: NDArray[np.float64]
     link: str | None
     """As a URDF calls it, if one gave the geometry; else z is the last axis."""
     rows: int
-    residual_without: np.ndarray
+    residual_without: NDArray[np.float64]
     """RMS of what is left of the torque of each joint without the load [N·m]."""
-    residual_with: np.ndarray
+    residual_with: NDArray[np.float64]
     hints: list[str]
     """What the motion tells too little of, and which would tell it."""
     model: Model
     """The arm that carries the load."""
 
 
-def payload(model: Model, log: Any = None, *, progress: Progress = None, **options: Any) -> Payload:
+@explicit(LogOptions)
+def payload(
+    model: Model, log: Any = None, *, progress: Progress = None, **options: Unpack[LogOptions]
+) -> Payload:
     """Mass, centre and inertia of what hangs on the last link, from seconds of motion.
 
     model is of the arm without it, learned as a chain.
@@ -107,7 +126,10 @@ def payload(model: Model, log: Any = None, *, progress: Progress = None, **optio
     with shown(progress) as told:
         found, hints, loaded = _core.payload(model, log, told)
     found = json.loads(found)
-    values = lambda key, own: np.array([one[own] for one in found[key]])
+
+    def values(key: str, own: str) -> NDArray[np.float64]:
+        return np.array([one[own] for one in found[key]])
+
     return Payload(
         mass=found["mass"]["value"],
         mass_error=found["mass"]["std_error"],
@@ -128,9 +150,9 @@ def payload(model: Model, log: Any = None, *, progress: Progress = None, **optio
 class Gains:
     """What a unit of each torque column is worth; each error is one standard error."""
 
-    gains: np.ndarray
+    gains: NDArray[np.float64]
     """Torque for a unit of the column of each joint, such as N·m/A, n."""
-    gain_errors: np.ndarray
+    gain_errors: NDArray[np.float64]
     known_mass: float
     """[kg]"""
     apparent_mass: float
@@ -140,8 +162,14 @@ class Gains:
     """Why gains may be wrong, and what to do."""
 
 
+@explicit(LogOptions)
 def gains(
-    model: Model, log: Any = None, *, known_mass: float, progress: Progress = None, **options: Any
+    model: Model,
+    log: Any = None,
+    *,
+    known_mass: float,
+    progress: Progress = None,
+    **options: Unpack[LogOptions],
 ) -> Gains:
     """Gains of drives, from a log with a load of known mass on the last link.
 

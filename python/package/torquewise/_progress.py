@@ -1,11 +1,19 @@
 """Progress of long work, by tqdm where it is installed."""
 
+from __future__ import annotations
+
 import sys
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
+
+from ._options import Progress
+
+Told = Callable[[str, int, int | None], object]
 
 
 @contextmanager
-def shown(progress):
+def shown(progress: Progress) -> Iterator[Told | None]:
     """The function that is told what is done, or None.
 
     progress: a function of (what, rows since the last call, rows in all or None); True for a bar;
@@ -24,11 +32,11 @@ def shown(progress):
         bar.close()
 
 
-def _is_terminal():
+def _is_terminal() -> bool:
     return sys.stderr is not None and sys.stderr.isatty()
 
 
-def _bar():
+def _bar() -> _Bar | None:
     try:
         from tqdm.auto import tqdm
     except ImportError:
@@ -37,10 +45,12 @@ def _bar():
 
 
 class _Bar:
-    def __init__(self, tqdm):
-        self._tqdm, self._own, self._doing = tqdm, None, None
+    def __init__(self, tqdm: Any):
+        self._tqdm = tqdm
+        self._own: Any = None
+        self._doing: str | None = None
 
-    def told(self, doing, rows, total):
+    def told(self, doing: str, rows: int, total: int | None) -> None:
         if doing != self._doing:
             self.close()
             self._doing = doing
@@ -51,7 +61,7 @@ class _Bar:
             self._own.total = total
         self._own.update(rows)
 
-    def close(self):
+    def close(self) -> None:
         if self._own is not None:
             self._own.close()
             self._own = None

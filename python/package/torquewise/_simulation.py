@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from typing import Any
+import pathlib
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
 
 from . import _core
-from ._log import Path, write_log
+from ._log import write_log
 from ._model import Model
+from ._options import Path, Progress
+from ._progress import shown
 
 CASES = {2: (70.0, 50.0, 30.0), 3: (60.0, 40.0, 30.0)}
 
@@ -21,11 +24,11 @@ def arms() -> dict[str, int]:
 def simulate(
     arm: Path | Model,
     *,
-    motion: str = "moves",
+    motion: Literal["moves", "sines", "staged"] = "moves",
     seconds: float | None = None,
     rate: float | None = None,
     seed: int = 0,
-    case: int = 1,
+    case: Literal[1, 2, 3] = 1,
     noise_db: Sequence[float] | None = None,
     friction: Path | None = None,
     lock: Sequence[str] = (),
@@ -49,9 +52,6 @@ def simulate(
         if case not in CASES:
             raise ValueError("case: expected 1, 2 or 3")
         noise_db = CASES[case]
-    if friction is not None:
-        with open(friction) as file:
-            friction = file.read()
     joints, found = _core.simulate(
         _named(arm),
         motion=motion,
@@ -59,7 +59,7 @@ def simulate(
         rate=rate,
         seed=seed,
         noise_db=None if noise_db is None else list(noise_db),
-        friction=friction,
+        friction=None if friction is None else pathlib.Path(friction).read_text(),
         lock=list(lock),
     )
     found["joints"] = joints
@@ -68,23 +68,72 @@ def simulate(
     return found
 
 
-def excite(arm: Path | Model, **options: Any) -> list[dict[str, Any]]:
+def excite(
+    arm: Path | Model,
+    *,
+    seconds: Sequence[float] | None = None,
+    dwell: float | None = None,
+    slow_sweeps: bool = False,
+    range: Mapping[str, tuple[float, float]] | tuple[float, float] | None = None,
+    margin: float | None = None,
+    max_velocity: Mapping[str, float] | float | None = None,
+    max_acceleration: Mapping[str, float] | float | None = None,
+    speed_scale: float | None = None,
+    home: Sequence[float] | None = None,
+    lock: Sequence[str] = (),
+    interaction: int | None = None,
+    tries: int | None = None,
+    rate: float | None = None,
+    ros_rate: float = 20.0,
+    seed: int = 0,
+    progress: Progress = None,
+) -> list[dict[str, Any]]:
     """Plans the recordings from which a model can be reconstructed: a list of three dicts.
 
-    Each has a name, t, q, dq, ddq, and joint_trajectory, the text of a ROS 2 message. Options are
-    those of ``torquewise excite``: seconds (of the three recordings), dwell, slow_sweeps, range
-    (a dict from joint to (from, to), or one pair for all), margin, max_velocity, max_acceleration
-    (a dict, or one number), speed_scale, home, lock, interaction, tries, rate, ros_rate, seed.
+    Each has a name, t, q, dq, ddq, and joint_trajectory, the text of a ROS 2 message.
+
+    seconds, dwell, slow_sweeps
+        Of the recordings of standstill, uniform and variable velocity [s]; of each pose [s]; whether
+        each joint also moves at many slow speeds, for friction.
+    range, margin
+        A dict from joint to (from, to) [rad], or one pair for all; distance that is kept from both, as
+        a share of the way between them.
+    max_velocity, max_acceleration, speed_scale
+        A dict from joint to number, or one for all [rad/s], [rad/s²]; factor of all speeds.
+    home, lock
+        Pose at both ends [rad]; joints of a URDF that are held at 0.
+    interaction, tries, seed
+        How many joints move at once; how many plans are drawn, the best of which is kept.
+    rate, ros_rate
+        Rows per second of the arrays, and of the message [Hz].
     """
-    for key in ("range", "max_velocity", "max_acceleration"):
-        if options.get(key) is not None:
-            options[key] = _wishes(options[key])
-    return _core.excite(_named(arm), **options)
+    with shown(progress) as told:
+        return _core.excite(
+            _named(arm),
+            seconds=None if seconds is None else list(seconds),
+            dwell=dwell,
+            slow_sweeps=slow_sweeps,
+            range=_wishes(range),
+            margin=margin,
+            max_velocity=_wishes(max_velocity),
+            max_acceleration=_wishes(max_acceleration),
+            speed_scale=speed_scale,
+            home=None if home is None else list(home),
+            lock=list(lock),
+            interaction=interaction,
+            tries=tries,
+            rate=rate,
+            ros_rate=ros_rate,
+            seed=seed,
+            progress=told,
+        )
 
 
-def _named(arm):
+def _named(arm: Path | Model) -> str | Model:
     return os.fspath(arm) if isinstance(arm, (str, os.PathLike)) else arm
 
 
-def _wishes(values):
-    return list(values.items()) if isinstance(values, dict) else [(None, values)]
+def _wishes(values: Any) -> list[tuple[str | None, Any]]:
+    if values is None:
+        return []
+    return list(values.items()) if isinstance(values, Mapping) else [(None, values)]

@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from . import _core
-from ._fit import Fit, FitOptions, split
-from ._log import Progress, read_log
+from ._fit import Fit
+from ._log import read_log
+from ._options import FitOptions, MethodOptions, Progress, explicit, split
 from ._progress import shown
 
 if TYPE_CHECKING:
-    from typing_extensions import Unpack
+    from ._options import Unpack
 
 
 class Summary(_core.Summary):
@@ -24,6 +25,7 @@ class Summary(_core.Summary):
     """
 
     @classmethod
+    @explicit(FitOptions)
     def of(
         cls,
         log: Any = None,
@@ -55,12 +57,16 @@ class Summary(_core.Summary):
             found = _core.Summary.merge(found, other)
         return type(self)(found)
 
-    def update(self, log: Any = None, **options: Any) -> Summary:
+    @explicit(FitOptions)
+    def update(self, log: Any = None, **options: Unpack[FitOptions]) -> Summary:
         """The sums of these logs and one more."""
         return self.merge(type(self).of(log, **options))
 
-    def solve(self, *, progress: Progress = None, **options: Any) -> Fit | _core.Request:
+    @explicit(MethodOptions)
+    def solve(
+        self, *, progress: Progress = None, **options: Unpack[MethodOptions]
+    ) -> Fit | _core.Request:
         """The :class:`Fit` of a model, or the :class:`Request` of another round."""
         with shown(progress) as told:
-            found = self._solve(options, told)
+            found = self._solve({**options}, told)
         return found if isinstance(found, _core.Request) else Fit(found)

@@ -1,17 +1,29 @@
 """Figures by matplotlib: torque, friction, patterns, external torque, the arm.
 
-Each returns the figure; in a notebook it shows inline.
+Each returns the figure; in a notebook it shows inline. With `ax`, it draws into axes that are there:
+one, or as many as it says.
 """
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ._log import patterns as _patterns
 from ._log import read_log
+from ._options import LogOptions, explicit
+
+if TYPE_CHECKING:
+    from ._model import Model
+    from ._observer import Contacts
+    from ._options import Unpack
 
 _COLORS = ("#4c78a8", "#f58518", "#54a24b")
 
 
-def _pyplot():
+def _pyplot() -> Any:
     try:
         import matplotlib.pyplot as plt
     except ImportError:
@@ -19,7 +31,15 @@ def _pyplot():
     return plt
 
 
-def _grid(n, width=7.0, height=1.8, columns=1, **options):
+def _grid(
+    n: int, ax: Any, width: float = 7.0, height: float = 1.8, columns: int = 1, **options: Any
+) -> tuple[Any, list[Any]]:
+    """A figure and n axes, or those that were given."""
+    if ax is not None:
+        given = list(np.ravel(ax))
+        if len(given) != n:
+            raise ValueError(f"ax: {len(given)} axes were given, {n} are drawn into")
+        return given[0].figure, given
     plt = _pyplot()
     rows = -(-n // columns)
     figure, axes = plt.subplots(
@@ -35,10 +55,18 @@ def _grid(n, width=7.0, height=1.8, columns=1, **options):
     return figure, list(axes.flat[:n])
 
 
-def torque(model, log, *, interval=None, **options):
-    """Measured and predicted torque of each joint over time; options are those of ``read_log``."""
+@explicit(LogOptions)
+def torque(
+    model: Model,
+    log: Any = None,
+    *,
+    interval: float | None = None,
+    ax: Any = None,
+    **options: Unpack[LogOptions],
+) -> Any:
+    """Measured and predicted torque of each joint over time; `ax`: one for each joint."""
     found = model.predict(log, interval=interval, **options)
-    figure, axes = _grid(len(model.joints), sharex=True)
+    figure, axes = _grid(len(model.joints), ax, sharex=True)
     for joint, (axis, name) in enumerate(zip(axes, model.joints)):
         for k, own in enumerate(found):
             labels = ("measured", "model") if k == 0 else (None, None)
@@ -54,12 +82,15 @@ def torque(model, log, *, interval=None, **options):
     return figure
 
 
-def friction(model, *, points=401):
-    """Friction of each joint over its speed, and, where it remembers the path, loops of reversals."""
+def friction(model: Model, *, points: int = 401, ax: Any = None) -> Any:
+    """Friction of each joint over its speed, and, where it remembers the path, loops of reversals.
+
+    `ax`: one for each joint, two where friction remembers the path.
+    """
     n = len(model.joints)
     training = _ranges(model)
     columns = 2 if model.has_memory else 1
-    figure, axes = _grid(n * columns, columns=columns, height=2.2)
+    figure, axes = _grid(n * columns, ax, columns=columns, height=2.2)
     for joint, name in enumerate(model.joints):
         axis = axes[joint * columns]
         peak = training[joint][1]
@@ -73,7 +104,7 @@ def friction(model, *, points=401):
     return figure
 
 
-def _loop(model, joint, peak, axis, points):
+def _loop(model: Model, joint: int, peak: float, axis: Any, points: int) -> None:
     """Friction along three turns to and fro, ever smaller."""
     n = len(model.joints)
     state = model.state()
@@ -90,9 +121,7 @@ def _loop(model, joint, peak, axis, points):
     axis.set(xlabel="position [rad]", ylabel="friction [N·m]", title="reversals")
 
 
-def _ranges(model):
-    import json
-
+def _ranges(model: Model) -> list[Any]:
     training = json.loads(model.to_json())["training"]
     n = len(model.joints)
     ranges = training.get("q_range") or [[-np.pi, np.pi]] * n
@@ -100,7 +129,10 @@ def _ranges(model):
     return list(zip(ranges, peaks))
 
 
-def activation(log, *, points=5000, **options):
+@explicit(LogOptions)
+def activation(
+    log: Any = None, *, points: int = 5000, ax: Any = None, **options: Unpack[LogOptions]
+) -> Any:
     """Rows of a log in the plane of how fast and how strongly they accelerate, by pattern."""
     log = read_log(log, **options)
     found = _patterns(log)
@@ -111,7 +143,7 @@ def activation(log, *, points=5000, **options):
     if len(labels) != len(speed):
         labels = labels[np.linspace(0, len(labels) - 1, len(speed)).astype(int)]
     keep = np.linspace(0, len(speed) - 1, min(points, len(speed))).astype(int)
-    figure, (axis,) = _grid(1, height=4.5)
+    figure, (axis,) = _grid(1, ax, height=4.5)
     for k, (name, color) in enumerate(zip(found.NAMES, _COLORS)):
         own = keep[labels[keep] == k]
         axis.scatter(speed[own], rate[own], s=4, color=color, label=name, lw=0)
@@ -120,9 +152,9 @@ def activation(log, *, points=5000, **options):
     return figure
 
 
-def residuals(found, *, points=4000):
-    """External torque of :func:`torquewise.residuals`, with its thresholds and contacts."""
-    figure, axes = _grid(len(found.joints), sharex=True)
+def contacts(found: Contacts, *, points: int = 4000, ax: Any = None) -> Any:
+    """External torque of :func:`torquewise.contacts`, thresholds and contacts; `ax`: one a joint."""
+    figure, axes = _grid(len(found.joints), ax, sharex=True)
     step = max(1, len(found.t) // points)
     for joint, (axis, name) in enumerate(zip(axes, found.joints)):
         axis.plot(found.t[::step], found.external[::step, joint], color=_COLORS[0], lw=1)
@@ -137,17 +169,22 @@ def residuals(found, *, points=4000):
     return figure
 
 
-def arm(model):
-    """Axes of the joints where they were learned to lie, at q = 0; for models of a chain."""
+def arm(model: Model, *, ax: Any = None) -> Any:
+    """Axes of the joints where they were learned to lie, at q = 0; for models of a chain.
+
+    `ax`: one with ``projection="3d"``.
+    """
     axes = model.describe()["geometry"]
     if not axes:
         raise ValueError('the model has no geometry: fit a chain (library="chain")')
-    plt = _pyplot()
     points = np.array([own["point"] for own in axes])
     ways = np.array([own["axis"] for own in axes])
     size = max(np.ptp(points, axis=0).max(), 0.1)
-    figure = plt.figure(figsize=(5, 5))
-    space = figure.add_subplot(projection="3d")
+    if ax is None:
+        ax = _pyplot().figure(figsize=(5, 5)).add_subplot(projection="3d")
+    elif getattr(ax, "name", "") != "3d":
+        raise ValueError('ax: expected one of three dimensions (projection="3d")')
+    figure, space = ax.figure, ax
     space.plot(*np.vstack([np.zeros(3), points]).T, color="0.5", lw=3, marker="o", ms=4)
     for name, point, way in zip(model.joints, points, ways):
         end = point + 0.2 * size * way

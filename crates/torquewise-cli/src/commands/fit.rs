@@ -13,6 +13,7 @@ use crate::table::{Table, counts};
 use chrono::{DateTime, Utc};
 use clap::Args;
 use serde_json::json;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use torquewise::evaluate::evaluate_prepared;
@@ -53,7 +54,7 @@ pub(crate) struct Arguments {
     signals: SignalArguments,
 }
 
-pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+pub(crate) fn run(arguments: &Arguments, words: &[OsString]) -> Result<Outcome> {
     let inputs = arguments.logs.iter().chain(&arguments.test).chain(arguments.robot.file());
     let html = arguments.report.iter().map(|file| (file.as_path(), &["html", "htm"][..]));
     check_files(inputs, html.chain([(arguments.output.as_path(), &[][..])]))?;
@@ -93,7 +94,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     outcome.text.extend([format!("\nmodel: {}\n", arguments.output.display())]);
     if let Some(file) = &arguments.report {
-        write_whole(file, report(arguments, &fit, test.as_ref())?)?;
+        write_whole(file, report(arguments, words, &fit, test.as_ref())?)?;
         outcome.text.extend([format!("report: {}\n", file.display())]);
         outcome.json["costs"] = costs.json();
         outcome.json["report"] = json!(file.display().to_string());
@@ -101,11 +102,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     Ok(outcome)
 }
 
-fn report(arguments: &Arguments, fit: &FitResult, test: Option<&Prepared>) -> Result<String> {
+fn report(
+    arguments: &Arguments,
+    words: &[OsString],
+    fit: &FitResult,
+    test: Option<&Prepared>,
+) -> Result<String> {
     let [logs, tests] = [&arguments.logs, &arguments.test]
         .map(|paths| paths.iter().map(|path| log_file(path)).collect::<Vec<_>>());
     let command: Vec<String> =
-        std::env::args_os().skip(1).map(|word| quoted(&word.to_string_lossy())).collect();
+        words.iter().skip(1).map(|word| quoted(&word.to_string_lossy())).collect();
     let origin = Origin {
         logs: &logs,
         tests: &tests,

@@ -16,6 +16,7 @@ mod export;
 mod pitfalls;
 mod harm;
 mod bad_input;
+mod conformance;
 mod usage;
 mod flags;
 mod physics;

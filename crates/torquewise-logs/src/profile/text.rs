@@ -2,16 +2,41 @@
 
 use crate::error::{LogError, Result};
 use crate::profile::Profile;
+use std::io::ErrorKind;
 use std::path::Path;
 use torquewise_motion::bounded_file::read_text;
 
+/// Profiles of public data sets, by name.
+const BUILT_IN: [(&str, &str); 8] = [
+    ("delan_character", include_str!("../../profiles/delan_character.toml")),
+    ("dfki_double_pendulum", include_str!("../../profiles/dfki_double_pendulum.toml")),
+    ("dfki_simple_pendulum", include_str!("../../profiles/dfki_simple_pendulum.toml")),
+    ("kuka_kr300", include_str!("../../profiles/kuka_kr300.toml")),
+    ("panda", include_str!("../../profiles/panda.toml")),
+    ("staubli_tx40", include_str!("../../profiles/staubli_tx40.toml")),
+    ("tiago_arm", include_str!("../../profiles/tiago_arm.toml")),
+    ("ur10", include_str!("../../profiles/ur10.toml")),
+];
+
 impl Profile {
-    /// Reads a profile from a `.toml` file.
+    /// Reads a profile from a `.toml` file, or one that is built in by its name, such as `ur10`.
     ///
     /// # Errors
     /// [`LogError::Read`], or as [`from_toml`](Self::from_toml) with the name of the file.
     pub fn read(file: &Path) -> Result<Self> {
-        let text = read_text(file).map_err(LogError::read(file))?;
+        let built_in = BUILT_IN.iter().find(|(name, _)| file == *name);
+        if let Some((name, text)) = built_in.filter(|_| !file.exists()) {
+            return Self::parse(text, name);
+        }
+        let text = read_text(file).map_err(|source| {
+            let is_word = file.components().count() == 1 && file.extension().is_none();
+            if source.kind() != ErrorKind::NotFound || !is_word {
+                return LogError::read(file)(source);
+            }
+            let names = BUILT_IN.map(|(name, _)| name).join(", ");
+            let problem = format!(": no such file, and the built-in profiles are {names}");
+            LogError::unusable(file.display(), &problem, "name one of these, or a file")
+        })?;
         Self::parse(&text, &file.display().to_string())
     }
 

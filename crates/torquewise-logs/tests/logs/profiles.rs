@@ -1,7 +1,7 @@
 //! Logs as robots write them: a profile turns their columns into signals in SI units.
 use crate::{Files, with};
 use std::f64::consts::PI;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use torquewise_logs::{Clock, LogError, Logs, Options, Profile};
 use torquewise_motion::Motion;
 use torquewise_motion::signals::Raw;
@@ -261,6 +261,22 @@ fn a_profile_file_that_is_wrong_is_named() {
 
     assert!(refused.contains("arm.toml, line 4: unknown field `column`"), "{refused}");
     assert!(matches!(Profile::read(&file.join("no")), Err(LogError::Read { .. })));
+}
+
+#[test]
+fn profiles_that_are_built_in_are_found_by_name() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../profiles");
+
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let file = entry.unwrap().path();
+        let name = file.file_stem().unwrap();
+        if name != "README" {
+            assert_eq!(Profile::read(name.as_ref()).unwrap(), Profile::read(&file).unwrap());
+        }
+    }
+    let refused = Profile::read("ur11".as_ref()).unwrap_err().to_string();
+    assert!(refused.starts_with("ur11: no such file"), "{refused}");
+    assert!(refused.contains("delan_character, ") && refused.ends_with("ur10"), "{refused}");
 }
 
 #[test]

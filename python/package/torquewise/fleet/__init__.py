@@ -16,15 +16,18 @@ import glob
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .. import _core as _engine
-from .._log import Progress
 from .._model import Model
+from .._options import FitOptions, Progress, explicit
 from .._progress import shown
 from . import _dask, _drift
 from ._core import MOST_ROUNDS, File, Part, Plan, merge, pilot, rounds, solve, summarise
 from ._drift import Change, Reading
+
+if TYPE_CHECKING:
+    from .._options import Unpack
 
 __all__ = [
     "Change",
@@ -104,6 +107,7 @@ class Fleet:
         return "\n".join(lines)
 
 
+@explicit(FitOptions)
 def fit(
     paths: str | Sequence[str],
     client: Any = None,
@@ -115,7 +119,7 @@ def fit(
     storage_options: dict[str, Any] | None = None,
     retries: int = 3,
     progress: Progress = None,
-    **options: Any,
+    **options: Unpack[FitOptions],
 ) -> Fleet:
     """The model of all logs, of each robot, and what changed.
 
@@ -150,7 +154,7 @@ def fit(
     keys, unnamed = _keys(paths, by, name)
     paths = list(keys)
     with _dask.connected(client) as own, shown(progress) as told:
-        plan = Plan(options, storage_options or {}, store)
+        plan = Plan({**options}, storage_options or {}, store)
         call = _Rounds(own, plan, retries, told)
         call.choose_filter(paths)
         robots: dict[Any, list[str]] = {}
@@ -176,7 +180,7 @@ def _by_robot(
     found: Fleet,
     call: _Rounds,
     robots: dict[Any, list[str]],
-    keys: dict[str, tuple],
+    keys: dict[str, tuple[Any, Any]],
     good: set[str],
     level: float,
 ) -> None:
@@ -218,9 +222,11 @@ class _Rounds:
         chosen = _dask.called(self.client, pilot, some, self.plan, retries=self.retries)
         if chosen:
             options = {**self.plan.options, **chosen}
-            self.plan = Plan(options, self.plan.storage, self.plan.store)
+            self.plan = Plan({**options}, self.plan.storage, self.plan.store)
 
-    def model(self, robots: dict[Any, list[str]], what: str) -> tuple[tuple, int]:
+    def model(
+        self, robots: dict[Any, list[str]], what: str
+    ) -> tuple[tuple[str, dict[str, Any], list[File]], int]:
         """Model, facts and files, and the rounds that it took."""
         request: bytes | None = None
         bad: dict[str, File] = {}
@@ -236,7 +242,7 @@ class _Rounds:
         raise _engine.FitError(f"{what}: no model after {MOST_ROUNDS} rounds")
 
     def _summed(
-        self, robots: dict[Any, list[str]], request: bytes | None, bad: dict, what: str
+        self, robots: dict[Any, list[str]], request: bytes | None, bad: dict[str, File], what: str
     ) -> tuple[Any, list[File]]:
         if request is not None:
             left = {robot: [own for own in all if own not in bad] for robot, all in robots.items()}
@@ -277,7 +283,8 @@ class _Rounds:
             for path in paths
         ]
         try:
-            return self.client.gather(futures)
+            found: list[Reading] = self.client.gather(futures)
+            return found
         except BaseException:
             self.client.cancel(futures, force=True)
             raise
@@ -303,7 +310,7 @@ def _listed(paths: Sequence[str], storage: dict[str, Any]) -> list[str]:
 
 def _keys(
     paths: Sequence[str], by: Sequence[str], name: Any
-) -> tuple[dict[str, tuple], list[File]]:
+) -> tuple[dict[str, tuple[Any, Any]], list[File]]:
     """Robot and time of each path, and files whose name does not tell them."""
     if len(by) > 2:
         raise ValueError("by: at most two keys, of the robot and of time")

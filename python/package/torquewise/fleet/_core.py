@@ -10,16 +10,17 @@ import json
 import pickle
 import shutil
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from .. import _core
-from .._fit import OF_LOG, Fit
+from .._fit import Fit
 from .._log import read_log
 from .._model import Model
+from .._options import OF_LOG
 from .._sums import Summary
 
 #: Bytes of a file that are read at once.
@@ -76,7 +77,7 @@ class Part:
 
 
 @contextmanager
-def local(path: str, plan: Plan):
+def local(path: str, plan: Plan) -> Iterator[str]:
     """A path that can be read here: the file itself, or a copy of it while this lasts."""
     if "://" not in path:
         yield path
@@ -150,6 +151,7 @@ def solve(part: Part, plan: Plan) -> tuple[str | None, bytes | None, dict[str, A
     keys: tuple[str, ...] = (
         "friction",
         "counterbalance",
+        "refine",
         "noise_correction",
         "seed",
         "urdf",

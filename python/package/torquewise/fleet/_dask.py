@@ -167,7 +167,7 @@ def _left_out(client: Any, future: Any, path: str) -> Any:
     return client.submit(Part, None, (File(path, reason=reason),), pure=False)
 
 
-def called(client: Any, function: Callable, *arguments: Any, retries: int = 3) -> Any:
+def called(client: Any, function: Callable[..., Any], *arguments: Any, retries: int = 3) -> Any:
     """What a function returns on a worker."""
     future = client.submit(function, *arguments, pure=False, retries=retries)
     try:

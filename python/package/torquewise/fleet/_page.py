@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import _core
-from ._drift import PARAMETERS
+from ._drift import PARAMETERS, Reading
 
 if TYPE_CHECKING:
     from . import Fleet
@@ -23,7 +23,7 @@ def table(fleet: Fleet) -> Any:
     """A row for each log, joint and parameter."""
     import pyarrow as pa
 
-    columns: dict[str, list] = {
+    columns: dict[str, list[Any]] = {
         key: []
         for key in ("robot", "time", "file", "joint", "parameter", "unit", "change", "std_error")
     }
@@ -109,7 +109,7 @@ def _changes(fleet: Fleet) -> str:
     return f"<table>{head}{''.join(rows)}</table>"
 
 
-def _told(fleet: Fleet, robot: Any) -> list:
+def _told(fleet: Fleet, robot: Any) -> list[Reading]:
     return [own for _, own in fleet.readings[robot] if own.reason is None]
 
 

@@ -1,0 +1,39 @@
+//! The command line: one file per command, no logic beyond putting the library's parts together.
+//!
+//! [`run`] is the whole program, for `main` and for the console script of the Python package.
+
+mod error;
+mod table;
+mod score_table;
+mod interrupt;
+mod threads;
+mod outcome;
+mod files;
+mod moments_file;
+mod progress;
+mod signal_arguments;
+mod conditioning;
+mod selection;
+mod arguments;
+mod pattern_table;
+mod call_costs;
+mod commands;
+
+use clap::Parser;
+use std::ffi::OsString;
+
+/// Runs the command that words name, the first of them being that of the program; returns the code
+/// to exit with.
+///
+/// Ctrl-C ends the process from here on.
+pub fn run(words: &[OsString]) -> u8 {
+    interrupt::listen();
+    match commands::CommandLine::try_parse_from(words) {
+        Ok(line) => {
+            threads::start();
+            let run = || line.command.run(words);
+            outcome::report(files::all_or_none(run), line.json, line.strict)
+        }
+        Err(told) => outcome::told(&told),
+    }
+}
