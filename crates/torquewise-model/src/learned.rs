@@ -50,7 +50,7 @@ pub struct Measured {
 pub struct JointGeometry {
     /// Name of the joint.
     pub joint: String,
-    /// What it does: it turns.
+    /// What it does: `revolute` or `prismatic`.
     pub kind: &'static str,
     /// Its direction, a unit vector, in a frame at the base with z up.
     pub axis: [f64; 3],
@@ -91,7 +91,7 @@ pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
         let is_near = distance_to_previous_m.is_none_or(|found| found.std_error < RESOLVED);
         Ok(JointGeometry {
             joint: model.joints[joint].clone(),
-            kind: "revolute",
+            kind: chain.kinds.of(joint).name(),
             axis: axis.direction,
             point: axis.point,
             angle_to_previous_deg: relative(angle)?,

@@ -146,15 +146,8 @@ pub(crate) fn chain(n: usize, skew: bool, seed: u64) -> Model {
     let term = EnergyTerm { place: Place::Potential, function };
     let drives = rotors.chain([Drive::Energy { term: term.clone(), coefficient: -4.0 }]).collect();
     let (coupling, covariance) = (Coupling::default(), Vec::new());
-    let chain = RigidChain {
-        geometry,
-        fitted: Vec::new(),
-        links,
-        drives,
-        coupling,
-        robot: None,
-        covariance,
-    };
+    let chain =
+        RigidChain { geometry, links, drives, coupling, covariance, ..RigidChain::default() };
     let form = Form::Energy(vec![weighted(term, 1.0)]);
     Model { chain: Some(chain), ..model(n, form, friction(n), Vec::new()) }
 }
