@@ -65,6 +65,11 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
     let chain = UrdfChain::of_joints(text, names, locked, down)?;
     let tilt = torquewise_rigid::geometry::PER_BASE;
     let pairs = || chain.geometry.parameters()[tilt..].iter().zip(&geometry.parameters()[tilt..]);
+    let kinds = [&chain.geometry, &geometry].map(|own| own.kinds());
+    let other = (0..names.len()).find(|&joint| kinds[0].of(joint) != kinds[1].of(joint));
+    if let Some(joint) = other {
+        return Err(ExportError::OtherGeometry { joint: names[joint].clone() });
+    }
     if let Some(k) = pairs().position(|(a, b)| (a - b).abs() > SAME) {
         let joint = names[k / torquewise_rigid::geometry::PER_JOINT + 1].clone();
         return Err(ExportError::OtherGeometry { joint });

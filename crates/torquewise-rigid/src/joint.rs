@@ -1,6 +1,7 @@
 //! Kinds of joints: how each moves the frame behind it, and what its motor has to hold.
 
 use serde::{Deserialize, Serialize};
+use std::fmt::{Display, Formatter};
 
 /// How a joint lets a body move; z of its frame is the axis.
 #[derive(
@@ -75,6 +76,13 @@ impl From<Vec<JointKind>> for JointKinds {
 impl From<JointKinds> for Vec<JointKind> {
     fn from(kinds: JointKinds) -> Self {
         kinds.kinds
+    }
+}
+
+/// `rrpr`; nothing where all are revolute.
+impl Display for JointKinds {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        self.kinds.iter().try_for_each(|kind| write!(f, "{}", kind.letter()))
     }
 }
 

@@ -13,6 +13,7 @@ mod recovery;
 mod rounds;
 mod samples;
 mod six_joints;
+mod sliding;
 mod spoilt;
 mod summary;
 mod torque_sign;
