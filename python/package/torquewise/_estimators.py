@@ -297,6 +297,7 @@ class Chain(_Estimator):
         noise_correction=True,
         seed=0,
         rate=100.0,
+        kinds=None,
     ):
         self.friction = friction
         self.urdf = urdf
@@ -304,6 +305,7 @@ class Chain(_Estimator):
         self.noise_correction = noise_correction
         self.seed = seed
         self.rate = rate
+        self.kinds = kinds
 
 
 class SINDy(_Estimator):

@@ -47,6 +47,7 @@ class FitOptions(LogOptions, total=False):
     urdf: Path | None
     lock: Sequence[str] | None
     gravity: Sequence[float] | None
+    kinds: str | None
     counterbalance: Sequence[str] | None
     select: str | None
     threshold: float | None
@@ -238,6 +239,8 @@ def fit(log: Any = None, *, progress: Progress = None, **options: Unpack[FitOpti
         ``"none"``, ``"linear"``, ``"stribeck"`` or ``"auto"``.
     urdf, lock, gravity
         File with the joint axes, its joints that are held at 0, direction of gravity at its base.
+    kinds
+        Which joints turn and which slide, base to tip, as ``"r,r,p,r"``; found in the log without.
     counterbalance
         Joints that a spring or a weight balances.
     select, threshold, n_bootstrap, interaction, trig_order, gravity_order
