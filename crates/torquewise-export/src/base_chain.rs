@@ -100,9 +100,12 @@ impl BaseChain {
             };
             bodies[j - 1] = bodies[j - 1].plus(&moved);
         }
-        let left = |k: usize, body: &Body| match axes.kinds().slides(k) {
-            true => (body.mass, body.first.into()),
-            false => (0.0, [body.first[0], body.first[1], 0.0]),
+        let left = |k: usize, body: &Body| {
+            if axes.kinds().slides(k) {
+                (body.mass, body.first.into())
+            } else {
+                (0.0, [body.first[0], body.first[1], 0.0])
+            }
         };
         let link = |(k, ((joint, body), turn)): (usize, ((&Joint, &Body), &f64))| BaseLink {
             slides: axes.kinds().slides(k),

@@ -99,15 +99,12 @@ pub(crate) fn learn(
     let mut choices = Vec::new();
 
     let is_given = options.geometry.is_some();
-    let (mut spec, mut chain) = match (&options.geometry, given_kinds(motion, options)?) {
-        (Some(known), _) => {
+    let given = given_kinds(motion, options)?;
+    let (mut spec, mut chain) = match &options.geometry {
+        Some(known) => {
             learner.at_geometry(at_kinds(known.geometry.kinds().clone()), &known.geometry)?
         }
-        (None, Some(kinds)) => learner.coupled_geometry(&at_kinds(kinds), None, &mut choices)?,
-        (None, None) => {
-            let (spec, chain) = learner.moving_geometry(&at_kinds, &mut choices)?;
-            learner.coupled_geometry(&spec, Some(chain), &mut choices)?
-        }
+        None => learner.moving_geometry(given, &at_kinds, &mut choices)?,
     };
     let kinds = chain.geometry.kinds().clone();
     let mut offers = learner.springs(&balanced, &kinds);
@@ -143,16 +140,17 @@ pub(crate) fn learn(
     learner.finish((spec, offered), &chain, choices)
 }
 
-/// Which joints are said to slide, if that is said.
+/// Which joints are said to slide, if that is said: as many as the log has, and as a given geometry has
+/// them.
 fn given_kinds(
     motion: &Motion,
     options: &ChainOptions,
 ) -> Result<Option<JointKinds>, IdentifyError> {
-    let n = motion.n_joints();
+    let known = options.geometry.as_ref().map(|known| known.geometry.kinds());
     match &options.kinds {
-        Some(kinds) if !kinds.fit(n) => {
+        Some(own) if !own.fit(motion.n_joints()) || known.is_some_and(|known| known != own) => {
             let joints = motion.joints().join(", ");
-            Err(IdentifyError::Kinds { kinds: kinds.to_string(), joints })
+            Err(IdentifyError::Kinds { kinds: own.to_string(), joints })
         }
         given => Ok(given.clone()),
     }

@@ -20,20 +20,17 @@ const PROMISING: f64 = 0.7;
 const COUPLING_GAIN: f64 = 0.7;
 
 impl ChainLearner<'_> {
-    /// Searches the geometry, then looks for joints that the coordinate of the joint before turns
+    /// Looks beyond a geometry that was found for joints that the coordinate of the joint before turns
     /// as well, as behind a parallelogram \[E18\].
+    ///
+    /// - `chain`, `own`: what was found, and how its axes were chosen
     pub(super) fn coupled_geometry(
         &mut self,
         spec: &ChainSpec,
-        found: Option<Chain>,
+        (mut chain, mut own): (Chain, Vec<Choice>),
         choices: &mut Vec<Choice>,
     ) -> Result<(ChainSpec, Chain), IdentifyError> {
-        let mut own = Vec::new();
         let mut best = spec.clone();
-        let mut chain = match found {
-            Some(chain) => chain,
-            None => self.geometry(&mut best, None, &mut own)?,
-        };
         for _ in 0..MOST_COUPLED {
             let coupling = best.search.coupling.clone();
             let search = Search { coupling, ..spec.search.clone() };

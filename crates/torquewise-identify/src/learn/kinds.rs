@@ -20,20 +20,36 @@ const GLANCE: (usize, usize) = (3, 120);
 const WORTH_OF_SLIDES: f64 = 0.1;
 
 impl ChainLearner<'_> {
-    /// Searches the geometry of joints that all turn, then looks for those that rather slide.
+    /// Searches the geometry of joints of given kinds; or of joints that all turn, then looks for those
+    /// that rather slide. Then it looks for coupled ones.
     ///
     /// - `at`: the specification for joints of some kinds
     pub(super) fn moving_geometry(
         &mut self,
+        given: Option<JointKinds>,
         at: &(impl Fn(JointKinds) -> ChainSpec + Sync),
         choices: &mut Vec<Choice>,
     ) -> Result<(ChainSpec, Chain), IdentifyError> {
+        if let Some(kinds) = given {
+            let (mut spec, mut own) = (at(kinds), Vec::new());
+            let chain = self.geometry(&mut spec, None, &mut own)?;
+            return self.coupled_geometry(&spec, (chain, own), choices);
+        }
+        let (spec, chain, own) = self.kinds_and_geometry(at, choices)?;
+        self.coupled_geometry(&spec, (chain, own), choices)
+    }
+
+    /// The geometry of joints of the kinds that held-out rows choose, and how its axes were chosen.
+    fn kinds_and_geometry(
+        &mut self,
+        at: &(impl Fn(JointKinds) -> ChainSpec + Sync),
+        choices: &mut Vec<Choice>,
+    ) -> Result<(ChainSpec, Chain, Vec<Choice>), IdentifyError> {
         let (mut turning, mut own) = (at(JointKinds::default()), Vec::new());
         let chain = self.geometry(&mut turning, None, &mut own)?;
         let short = self.short_joints();
         if short.is_empty() {
-            choices.extend(own);
-            return Ok((turning, chain));
+            return Ok((turning, chain, own));
         }
         let (kinds, untold) = self.promising_kinds(at, &short)?;
         if !kinds.all_turn() {
@@ -54,16 +70,14 @@ impl ChainLearner<'_> {
                 ([turning_error, sliding_error], 1)
             };
             if record_worth("kinds of joints", &trials, WORTH_OF_SLIDES, choices) == slides {
-                choices.extend(made);
                 self.leave_untold(&kinds, &untold, choices);
-                return Ok((sliding, slid));
+                return Ok((sliding, slid, made));
             }
             self.found = found;
         }
-        choices.extend(own);
         let kinds = JointKinds::default();
         self.leave_untold(&kinds, &untold, choices);
-        Ok((turning, chain))
+        Ok((turning, chain, own))
     }
 
     /// Joints that moved so little that they may slide.
