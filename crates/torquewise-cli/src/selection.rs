@@ -38,6 +38,10 @@ pub(crate) struct SelectionArguments {
     /// Drop coefficients of a library that are at most this large [paper: 0.1]
     #[arg(long, value_name = "X", value_parser = threshold)]
     threshold: Option<f64>,
+    /// Which joints turn and which slide, base to tip, as r,r,p,r or RRPR, for --library chain; found
+    /// in the log without
+    #[arg(help_heading = "Learned chain", long, value_name = "KINDS", value_parser = joint_kinds)]
+    kinds: Option<String>,
     /// Joints that a spring or a weight is known to balance, for --library chain; others are looked
     /// for
     #[arg(help_heading = "Learned chain", long, value_name = "JOINT", value_delimiter = ',')]
@@ -71,4 +75,11 @@ impl SelectionArguments {
 fn threshold(text: &str) -> Result<f64, String> {
     let is_fit = |x: &f64| *x >= 0.0 && x.is_finite();
     parsed(text, is_fit, "expected a number that is zero or more")
+}
+
+fn joint_kinds(text: &str) -> Result<String, String> {
+    let known = torquewise::model::JointKinds::read(text).is_some();
+    known
+        .then(|| text.to_owned())
+        .ok_or_else(|| "expected r or p for each joint, as r,r,p,r".into())
 }

@@ -156,9 +156,17 @@ fn parameters(
         Mat::from_fn(order.len(), order.len(), |i, j| covariance[(order[i], order[j])]);
     let (geometry, fitted) = (at.geometry.clone(), at.structure.free.clone());
     let coupling = at.structure.coupling.clone();
-    let robot = at.structure.robot.clone();
-    let mut chain =
-        RigidChain { geometry, fitted, links, drives, coupling, robot, covariance: Vec::new() };
+    let (robot, kinds) = (at.structure.robot.clone(), at.structure.kinds.clone());
+    let mut chain = RigidChain {
+        geometry,
+        fitted,
+        links,
+        drives,
+        coupling,
+        kinds,
+        robot,
+        covariance: Vec::new(),
+    };
     chain.set_covariance(&covariance);
     (chain, friction)
 }

@@ -1,7 +1,7 @@
 //! From what the user wants to plan: a method with its own options, clusters and a seed.
 
 use torquewise_model::RobotNames;
-use torquewise_rigid::Geometry;
+use torquewise_rigid::{Geometry, JointKinds};
 use torquewise_stepwise::patterns::PatternPlan;
 
 pub use torquewise_stepwise::friction::FrictionKind;
@@ -12,6 +12,9 @@ pub use torquewise_stepwise::plan::{LibraryKind, LibraryOptions, MOST_CANDIDATES
 pub struct ChainOptions {
     /// Where the joint axes lie, if that is known, as from a URDF; else it is learned too.
     pub geometry: Option<KnownGeometry>,
+    /// Which joints turn and which slide, where that is known and the geometry is not; else it is
+    /// learned too (E26).
+    pub kinds: Option<JointKinds>,
     /// Friction beside M, C and G (17).
     pub friction: FrictionKind,
     /// Names of joints that a spring or a weight is known to balance: they are given functions of
@@ -66,6 +69,7 @@ impl Default for ChainOptions {
     fn default() -> Self {
         Self {
             geometry: None,
+            kinds: None,
             friction: FrictionKind::Auto,
             counterbalanced: Vec::new(),
             noise_correction: true,

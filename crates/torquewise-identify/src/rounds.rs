@@ -176,6 +176,7 @@ fn linearised(
         drive: spec.drive.clone(),
         chosen: spec.drive.len(),
         coupling: chain.geometry.coupling().clone(),
+        kinds: chain.geometry.kinds().clone(),
         robot: options.geometry.as_ref().and_then(|known| known.robot.clone()),
         free: spec.free.clone(),
         rest: laws.width.iter().map(|width| rest * width).collect(),

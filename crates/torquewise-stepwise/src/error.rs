@@ -52,6 +52,11 @@ pub enum IdentifyError {
     #[error("the counterbalanced joint {name} is not in the log, which has {joints}")]
     #[diagnostic(help("name one of these"))]
     NoSuchJoint { name: String, joints: String },
+    #[error("the kinds of joints {kinds} are not those of {joints}")]
+    #[diagnostic(help(
+        "give a letter for each joint, r where it turns and p where it slides, as a URDF has them where one is given"
+    ))]
+    Kinds { kinds: String, joints: String },
     #[error("{signal} of {joint} reaches {found:e}, which no arm does")]
     #[diagnostic(help("repair or drop such rows, and check the units"))]
     NoMotion { signal: &'static str, joint: String, found: f64 },

@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// Names of the options of a fit that are plain values.
-pub(crate) const OF_FIT: [&str; 15] = [
+pub(crate) const OF_FIT: [&str; 16] = [
     "library",
     "method",
     "friction",
@@ -13,6 +13,7 @@ pub(crate) const OF_FIT: [&str; 15] = [
     "select",
     "threshold",
     "n_bootstrap",
+    "kinds",
     "counterbalance",
     "noise_correction",
     "refine",

@@ -373,6 +373,7 @@ class Chain(_Estimator):
         noise_correction: bool = True,
         seed: int = 0,
         rate: float = 100.0,
+        kinds: str | None = None,
     ):
         self.friction = friction
         self.urdf = urdf
@@ -381,6 +382,7 @@ class Chain(_Estimator):
         self.noise_correction = noise_correction
         self.seed = seed
         self.rate = rate
+        self.kinds = kinds
 
 
 class OneShot(_Estimator):

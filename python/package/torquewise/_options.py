@@ -43,6 +43,7 @@ class MethodOptions(TypedDict, total=False):
     urdf: Path | None
     lock: Sequence[str] | None
     gravity: Sequence[float] | None
+    kinds: str | None
     counterbalance: Sequence[str] | None
     refine: Literal["rollout"] | None
     select: Literal["bic", "lasso", "stlsq"] | None

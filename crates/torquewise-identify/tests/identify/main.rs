@@ -14,6 +14,7 @@ mod rollouts;
 mod rounds;
 mod samples;
 mod six_joints;
+mod sliding;
 mod spoilt;
 mod summary;
 mod torque_sign;
