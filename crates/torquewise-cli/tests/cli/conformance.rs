@@ -16,18 +16,18 @@ fn each_log_of_the_conformance_set_gives_its_arm() {
         let options = case["fit"].as_object().unwrap();
 
         let keywords = FitOptions::of_keywords(options).unwrap();
-        let model = Fit::new(&Log::open(&file).unwrap()).options(keywords).run().unwrap().model;
+        let fit = Fit::new(&Log::open(&file).unwrap()).options(keywords).run().unwrap();
         let mut line = format!("fit {} -o model.json", file.display());
         for (option, value) in options {
             let flag = option.trim_start_matches("n_").replace('_', "-");
             line += &format!(" --{flag} {}", value.to_string().trim_matches('"'));
         }
         let terminal = Terminal::new();
-        terminal.done(&line);
+        assert_eq!(terminal.run(&line).code, 0, "{line}");
 
-        assert_eq!(Model::load(terminal.path("model.json")).unwrap(), model, "{name}");
-        assert_eq!(case["terms"], model.n_coefficients(), "{name}");
-        for (joint, percent) in errors(&model, &case).into_iter().enumerate() {
+        assert_eq!(Model::load(terminal.path("model.json")).unwrap(), fit.model, "{name}");
+        assert_eq!(case["terms"], fit.model.n_coefficients(), "{name}");
+        for (joint, percent) in errors(&fit.model, &case).into_iter().enumerate() {
             assert!(
                 percent < case["within_percent"].as_f64().unwrap(),
                 "{name} {joint}: {percent}"
