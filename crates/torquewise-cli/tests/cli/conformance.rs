@@ -17,11 +17,12 @@ fn each_log_of_the_conformance_set_gives_its_arm() {
 
         let keywords = FitOptions::of_keywords(options).unwrap();
         let fit = Fit::new(&Log::open(&file).unwrap()).options(keywords).run().unwrap();
-        let mut line = format!("fit {} -o model.json", file.display());
-        for (option, value) in options {
+        let flags = options.iter().map(|(option, value)| {
             let flag = option.trim_start_matches("n_").replace('_', "-");
-            line += &format!(" --{flag} {}", value.to_string().trim_matches('"'));
-        }
+            format!("--{flag} {}", value.to_string().trim_matches('"'))
+        });
+        let flags = flags.collect::<Vec<_>>().join(" ");
+        let line = format!("fit {} -o model.json {flags}", file.display());
         let terminal = Terminal::new();
         assert_eq!(terminal.run(&line).code, 0, "{line}");
 
