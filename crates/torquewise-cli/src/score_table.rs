@@ -2,14 +2,16 @@
 
 use crate::table::Table;
 use torquewise::evaluate::{Evaluation, JointEvaluation};
-use torquewise::model::number;
 use torquewise::model::rollout::Drift;
+use torquewise::model::units::heading;
+use torquewise::model::{JointKinds, number};
 
 /// One line per joint: errors in the band of the model, and against raw torque if it was filtered.
-pub(crate) fn text(evaluation: &Evaluation) -> String {
+pub(crate) fn text(evaluation: &Evaluation, kinds: &JointKinds) -> String {
     let joints = &evaluation.joints;
     let is_filtered = joints.iter().any(|joint| joint.noise_floor_percent.is_some());
-    let mut names = vec!["joint", "RMSE [N·m]", "NRMSE [%]", "R²"];
+    let rmse = heading(kinds, "RMSE [N·m]");
+    let mut names = vec!["joint", &rmse, "NRMSE [%]", "R²"];
     if is_filtered {
         names.extend(["of raw torque [%]", "its noise [%]"]);
     }
@@ -28,7 +30,7 @@ pub(crate) fn text(evaluation: &Evaluation) -> String {
 }
 
 /// One line per joint: how far simulated windows drift, beside an arm that keeps its velocity.
-pub(crate) fn rollouts(evaluation: &Evaluation) -> String {
+pub(crate) fn rollouts(evaluation: &Evaluation, kinds: &JointKinds) -> String {
     let Some(first) = evaluation.rollouts.first() else { return String::new() };
     let horizons = evaluation.rollouts.iter();
     let names = horizons.flat_map(|drift| [format!("after {} s", drift.horizon_s), "held".into()]);
@@ -40,7 +42,8 @@ pub(crate) fn rollouts(evaluation: &Evaluation) -> String {
     }
     let windows = first.windows;
     format!(
-        "\ndrift of {windows} simulated windows, RMS [rad], beside holding the velocity\n{}",
+        "\n{}, beside holding the velocity\n{}",
+        heading(kinds, &format!("drift of {windows} simulated windows, RMS [rad]")),
         table.text()
     )
 }

@@ -16,6 +16,12 @@ pub(crate) const FRICTION: [Word<&str>; 4] = [
     ),
 ];
 
+const REFINE: [Word<&str>; 1] = [(
+    "rollout",
+    "Windows of the log, simulated with the measured torque: for a model that is to move like the arm",
+    "rollout",
+)];
+
 const SELECT: [Word<&str>; 3] = [
     ("bic", "BIC-like information criterion", "bic"),
     ("lasso", "LASSO, then least squares", "lasso"),
@@ -32,10 +38,18 @@ pub(crate) struct SelectionArguments {
     /// Drop coefficients of a library that are at most this large [paper: 0.1]
     #[arg(long, value_name = "X", value_parser = threshold)]
     threshold: Option<f64>,
+    /// Which joints turn and which slide, base to tip, as r,r,p,r or RRPR, for --library chain; found
+    /// in the log without
+    #[arg(help_heading = "Learned chain", long, value_name = "KINDS", value_parser = joint_kinds)]
+    kinds: Option<String>,
     /// Joints that a spring or a weight is known to balance, for --library chain; others are looked
     /// for
     #[arg(help_heading = "Learned chain", long, value_name = "JOINT", value_delimiter = ',')]
     counterbalance: Vec<String>,
+    /// Refine a learned chain once its torque is fitted; what this counts is chosen on held-out
+    /// windows, and at most 2 % more of the torque is left
+    #[arg(help_heading = "Learned chain", long, value_parser = choice(&REFINE))]
+    refine: Option<&'static str>,
     /// Disable the correction of the bias that measurement noise causes, as --method sindy always does
     #[arg(help_heading = "Method", long)]
     no_noise_correction: bool,
@@ -61,4 +75,11 @@ impl SelectionArguments {
 fn threshold(text: &str) -> Result<f64, String> {
     let is_fit = |x: &f64| *x >= 0.0 && x.is_finite();
     parsed(text, is_fit, "expected a number that is zero or more")
+}
+
+fn joint_kinds(text: &str) -> Result<String, String> {
+    let known = torquewise::model::JointKinds::read(text).is_some();
+    known
+        .then(|| text.to_owned())
+        .ok_or_else(|| "expected r or p for each joint, as r,r,p,r".into())
 }

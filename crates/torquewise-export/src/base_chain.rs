@@ -5,7 +5,8 @@
 //! two links carries what does not notice the turn of the joint between them. Frames are turned so
 //! that each joint is a turn about x, a shift and a turn about z (Craig); mass, first moment along
 //! the axis and Iyy of each link are put into the link before it (Gautier and Khalil, 1990), so
-//! that links have seven parameters and no mass.
+//! that links have seven parameters and no mass. A slide notices no moments: they go into the link
+//! before, and it keeps mass and first moment.
 
 use crate::error::Result;
 use nalgebra::{Matrix3, Vector3};
@@ -25,9 +26,12 @@ pub(crate) struct BaseChain {
     pub(crate) gravity: [f64; 3],
 }
 
-/// A link and the joint before it: a shift, a turn about x, and a turn about z by q and an offset.
+/// A link and the joint before it: a shift, a turn about x, and a turn about z by q and an offset, or
+/// by the offset and a slide by q.
 #[derive(Clone, Debug)]
 pub(crate) struct BaseLink {
+    /// Whether the joint slides along z by q, in place of turning.
+    pub(crate) slides: bool,
     /// Integer multiples of the coordinates that turn the joint, n.
     pub(crate) turns: Vec<i8>,
     /// Origin of its frame \[m\], in the frame before.
@@ -36,8 +40,9 @@ pub(crate) struct BaseLink {
     pub(crate) twist: [f64; 2],
     /// Sine and cosine of what is added to q.
     pub(crate) offset: [f64; 2],
-    /// First moment across the axis \[kg·m\].
-    pub(crate) first: [f64; 2],
+    /// Mass \[kg\] and first moment \[kg·m\]; of a joint that turns, the moment across its axis alone.
+    pub(crate) mass: f64,
+    pub(crate) first: [f64; 3],
     /// Moments about the origin \[kg·m²\].
     pub(crate) moments: Moments,
 }
@@ -85,15 +90,31 @@ impl BaseChain {
             bodies.push(Body::of(link).turned(&about_z(-turn)));
         }
         for j in (1..n).rev() {
-            let moved = bodies[j].unturned(&about_x(joints[j].twist), &joints[j].origin);
+            let twist = about_x(joints[j].twist);
+            let moved = if axes.kinds().slides(j) {
+                let moments = Body { mass: 0.0, first: Vector::zeros(), ..bodies[j] };
+                bodies[j].moments = Matrix::zeros();
+                moments.turned(&(twist * about_z(joints[j].after + turns[j])))
+            } else {
+                bodies[j].unturned(&twist, &joints[j].origin)
+            };
             bodies[j - 1] = bodies[j - 1].plus(&moved);
         }
+        let left = |k: usize, body: &Body| {
+            if axes.kinds().slides(k) {
+                (body.mass, body.first.into())
+            } else {
+                (0.0, [body.first[0], body.first[1], 0.0])
+            }
+        };
         let link = |(k, ((joint, body), turn)): (usize, ((&Joint, &Body), &f64))| BaseLink {
+            slides: axes.kinds().slides(k),
+            mass: left(k, body).0,
             turns: chain.coupling.row(k, n),
             origin: joint.origin.into(),
             twist: sine_cosine(joint.twist),
             offset: sine_cosine(joint.after + turn),
-            first: [body.first[0], body.first[1]],
+            first: left(k, body).1,
             moments: body.base_moments(),
         };
         let links = joints.iter().zip(&bodies).zip(&turns).enumerate().map(link).collect();

@@ -26,6 +26,7 @@ pub(crate) fn rates(graph: &Graph, roots: &[Id], along: Along) -> Vec<Id> {
         let rate_of = |operand: Id| rates.get(&operand).copied().unwrap_or(zero);
         let rate = match graph.node(id) {
             Node::Sin(_) | Node::Cos(_) if along != Along::Motion => zero,
+            Node::Input(Input::Q(joint)) if along == Along::Motion => graph.input(Input::Dq(joint)),
             Node::Input(Input::Dq(joint)) if along == Along::Velocity(joint) => one,
             Node::Sin(multiples) => graph.mul(graph.cos(&multiples), angle_rate(graph, &multiples)),
             Node::Cos(multiples) => {
@@ -73,6 +74,10 @@ pub(crate) fn slopes(graph: &Graph, weighted: &[(Id, Id)], n_joints: usize) -> V
                 let part = graph.neg(graph.mul(adjoint, graph.sin(&multiples)));
                 by_angle.entry(multiples).or_default().push(part);
             }
+            Node::Input(Input::Q(joint)) => {
+                let own = (0..n_joints).map(|other| i32::from(other == joint)).collect();
+                by_angle.entry(own).or_default().push(adjoint);
+            }
             Node::Add(a, b) => [a, b].into_iter().for_each(|operand| hand(operand, adjoint)),
             Node::Sub(a, b) => {
                 hand(a, adjoint);
@@ -93,7 +98,7 @@ pub(crate) fn slopes(graph: &Graph, weighted: &[(Id, Id)], n_joints: usize) -> V
     by_joint(graph, &by_angle, n_joints)
 }
 
-/// Slopes by the angles k·q → slopes by each q.
+/// Slopes by the angles k·q, or positions → slopes by each q.
 fn by_joint(graph: &Graph, by_angle: &BTreeMap<Vec<i32>, Vec<Id>>, n_joints: usize) -> Vec<Id> {
     let mut joints = vec![Vec::new(); n_joints];
     for (multiples, parts) in by_angle {

@@ -61,11 +61,21 @@ fn guid(program: &Program) -> String {
     format!("{{torquewise-{:016x}}}", program.fingerprint)
 }
 
+/// A unit of joints that turn, where so many of them, up to two, slide.
+fn slid(unit: &str, slides: usize) -> String {
+    match slides {
+        0 => unit.to_owned(),
+        1 => unit.replace("N.m", "N").replace("rad", "m").replace("kg.m2", "kg.m"),
+        _ => unit.replace("(kg.m2)", "kg").replace("kg.m2", "kg"),
+    }
+}
+
 fn description(program: &Program, name: &str) -> Result<String> {
     let n = program.n_joints();
     let of_joint = |joint: usize| format!("joint {}", program.joints[joint]);
     let vector = |name: &str, unit: &'static str| -> Vec<[String; 3]> {
-        (0..n).map(|j| [format!("{name}[{}]", j + 1), unit.into(), of_joint(j)]).collect()
+        let own = |joint| slid(unit, usize::from(program.kinds.slides(joint)));
+        (0..n).map(|j| [format!("{name}[{}]", j + 1), own(j), of_joint(j)]).collect()
     };
     let signals = [("q", "rad"), ("dq", "rad/s"), ("ddq", "rad/s2"), ("effort", "N.m")];
     let inputs: Vec<_> = signals.iter().flat_map(|(signal, unit)| vector(signal, unit)).collect();
@@ -83,7 +93,8 @@ fn description(program: &Program, name: &str) -> Result<String> {
             outputs.extend((0..n * n).map(|place| {
                 let (i, j) = (place / n, place % n);
                 let text = format!("{} by {}", of_joint(i), of_joint(j));
-                [format!("{name}[{},{}]", i + 1, j + 1), unit.into(), text]
+                let slides = [i, j].into_iter().filter(|&k| program.kinds.slides(k)).count();
+                [format!("{name}[{},{}]", i + 1, j + 1), slid(unit, slides), text]
             }));
         } else {
             outputs.extend(vector(name, unit));
@@ -94,6 +105,7 @@ fn description(program: &Program, name: &str) -> Result<String> {
         include_str!("templates/modelDescription.xml.j2"),
         context! {
             name, inputs, outputs,
+            slides => !program.kinds.all_turn(),
             parameter => 4 * n,
             guid => guid(program),
             version => env!("CARGO_PKG_VERSION"),

@@ -8,7 +8,7 @@ use crate::lower::lowered;
 use crate::momentum::{Factors, coriolis_matrix, momentum};
 use crate::parts::{elements, friction, next_states};
 use crate::ways::{Frictionless, frictionless, gravity_of, sums};
-use torquewise_model::{Form, Model, to_json};
+use torquewise_model::{Form, JointKinds, Model, to_json};
 
 /// What a function of an exported file computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,6 +102,7 @@ pub enum Precision {
 #[derive(Clone, Debug)]
 pub struct Program {
     pub(crate) joints: Vec<String>,
+    pub(crate) kinds: JointKinds,
     pub(crate) graph: Graph,
     pub(crate) functions: Vec<(Quantity, Vec<Id>)>,
     pub(crate) steps: usize,
@@ -200,6 +201,7 @@ impl Program {
         }
         Ok(Self {
             joints: model.joints.clone(),
+            kinds: model.kinds(),
             graph,
             functions,
             steps: model.stages.len(),

@@ -39,8 +39,16 @@ struct Wrench {
     moment: Vector,
 }
 
-/// First moment and moments of several links together; they have no mass.
+impl Wrench {
+    /// What the motor of a link holds of it: its moment about z, or its force along it.
+    fn effort(&self, link: &BaseLink) -> Id {
+        if link.slides { self.force[2] } else { self.moment[2] }
+    }
+}
+
+/// Mass, which slides alone have, first moment and moments of several links together.
 struct Composite {
+    mass: f64,
     first: Vector,
     moments: [Vector; 3],
 }
@@ -50,8 +58,11 @@ impl<'a> Recursion<'a> {
         let mut angles = Vec::with_capacity(chain.links.len());
         for link in &chain.links {
             let multiples: Vec<i32> = link.turns.iter().map(|&k| k.into()).collect();
-            let own = [graph.sin(&multiples), graph.cos(&multiples)];
-            angles.push(turned(graph, link.offset, own));
+            angles.push(if link.slides {
+                link.offset.map(|x| graph.constant(x))
+            } else {
+                turned(graph, link.offset, [graph.sin(&multiples), graph.cos(&multiples)])
+            });
         }
         Self { graph, chain, angles }
     }
@@ -65,7 +76,7 @@ impl<'a> Recursion<'a> {
             let Wrench { force, moment } = self.wrench(link, moved);
             let force = self.plus(&force, &wrench.force);
             wrench = Wrench { force, moment: self.plus(&moment, &wrench.moment) };
-            torque.push(wrench.moment[2]);
+            torque.push(wrench.effort(link));
             wrench = self.carried(joint, &wrench);
         }
         torque.reverse();
@@ -78,15 +89,20 @@ impl<'a> Recursion<'a> {
         let n = self.chain.links.len();
         let zero = self.graph.constant(0.0);
         let mut matrix = vec![zero; n * n];
-        let mut beyond = Composite { first: [zero; 3], moments: [[zero; 3]; 3] };
+        let mut beyond = Composite { mass: 0.0, first: [zero; 3], moments: [[zero; 3]; 3] };
         for (j, link) in self.chain.links.iter().enumerate().rev() {
             let all = self.with(link, &beyond);
             let [x, y, _] = all.first;
-            let force = [self.graph.neg(y), x, zero];
-            let mut wrench = Wrench { force, moment: all.moments[2] };
+            let mut wrench = if link.slides {
+                let force = [zero, zero, self.graph.constant(all.mass)];
+                Wrench { force, moment: [y, self.graph.neg(x), zero] }
+            } else {
+                Wrench { force: [self.graph.neg(y), x, zero], moment: all.moments[2] }
+            };
             for i in (0..=j).rev() {
-                matrix[i * n + j] = wrench.moment[2];
-                matrix[j * n + i] = wrench.moment[2];
+                let effort = wrench.effort(&self.chain.links[i]);
+                matrix[i * n + j] = effort;
+                matrix[j * n + i] = effort;
                 wrench = self.carried(i, &wrench);
             }
             beyond = self.shifted(j, &all);
@@ -123,7 +139,7 @@ impl<'a> Recursion<'a> {
         let mut all: Vec<Moved> = Vec::new();
         for (joint, link) in self.chain.links.iter().enumerate() {
             if let Some(before) = all.last() {
-                let origin = link.origin.map(|x| self.graph.constant(x));
+                let origin = self.origin(joint);
                 acceleration =
                     self.plus(&before.acceleration, &self.times(&before.spread, &origin));
                 (omega, alpha) = (before.omega, before.alpha);
@@ -133,10 +149,18 @@ impl<'a> Recursion<'a> {
             alpha = self.inward(joint, &alpha);
             acceleration = self.inward(joint, &acceleration);
             let (left, right) = (self.graph.mul(omega[1], speed), self.graph.mul(omega[0], speed));
-            alpha[0] = self.graph.add(alpha[0], left);
-            alpha[1] = self.graph.sub(alpha[1], right);
-            alpha[2] = self.graph.add(alpha[2], rate);
-            omega[2] = self.graph.add(omega[2], speed);
+            if link.slides {
+                // 2 ω×z q̇ + z q̈.
+                let twice = |x| self.graph.add(x, x);
+                acceleration[0] = self.graph.add(acceleration[0], twice(left));
+                acceleration[1] = self.graph.sub(acceleration[1], twice(right));
+                acceleration[2] = self.graph.add(acceleration[2], rate);
+            } else {
+                alpha[0] = self.graph.add(alpha[0], left);
+                alpha[1] = self.graph.sub(alpha[1], right);
+                alpha[2] = self.graph.add(alpha[2], rate);
+                omega[2] = self.graph.add(omega[2], speed);
+            }
             let spread = self.spread(&omega, &alpha);
             all.push(Moved { omega, alpha, acceleration, spread });
         }
@@ -178,13 +202,13 @@ impl<'a> Recursion<'a> {
         ]
     }
 
-    /// Force and moment that the motion of a link takes: Us, and Jω̇ + ω×Jω + s×a.
+    /// Force and moment that the motion of a link takes: ma + Us, and Jω̇ + ω×Jω + s×a.
     fn wrench(&self, link: &BaseLink, moved: &Moved) -> Wrench {
-        let zero = self.graph.constant(0.0);
-        let [x, y] = link.first.map(|s| self.graph.constant(s));
-        let force = self.times(&moved.spread, &[x, y, zero]);
+        let first = link.first.map(|s| self.graph.constant(s));
+        let force = self.times(&moved.spread, &first);
+        let force = self.plus(&force, &self.scaled(link.mass, &moved.acceleration));
         let turning = self.turning(&link.moments, moved);
-        let weight = self.cross(&[x, y, zero], &moved.acceleration);
+        let weight = self.cross(&first, &moved.acceleration);
         Wrench { force, moment: self.plus(&turning, &weight) }
     }
 
@@ -232,16 +256,19 @@ impl<'a> Recursion<'a> {
         let Moments { xx, zz, xy, xz, yz } = link.moments;
         let own = [[xx, xy, xz], [xy, 0.0, yz], [xz, yz, zz]];
         let own = own.map(|row| row.map(|x| self.graph.constant(x)));
-        let first = [link.first[0], link.first[1], 0.0].map(|x| self.graph.constant(x));
+        let first = link.first.map(|x| self.graph.constant(x));
         let moments = [0, 1, 2].map(|i| self.plus(&own[i], &beyond.moments[i]));
-        Composite { first: self.plus(&first, &beyond.first), moments }
+        let mass = link.mass + beyond.mass;
+        Composite { mass, first: self.plus(&first, &beyond.first), moments }
     }
 
     /// The same body in the frame before that of a joint, about its origin.
     fn shifted(&self, joint: usize, body: &Composite) -> Composite {
         let graph = self.graph;
-        let by = self.chain.links[joint].origin.map(|x| graph.constant(x));
-        let first = self.outward(joint, &body.first);
+        let by = self.origin(joint);
+        let turned_first = self.outward(joint, &body.first);
+        // With half of the mass at the origin, 2 o·s + m o·o is 2 o·s again, and o sᵀ + s oᵀ likewise.
+        let first = self.plus(&turned_first, &self.scaled(0.5 * body.mass, &by));
         let columns = body.moments.map(|column| self.outward(joint, &column));
         let rows = [0, 1, 2].map(|i| columns.map(|column| column[i]));
         let turned = rows.map(|row| self.outward(joint, &row));
@@ -261,15 +288,33 @@ impl<'a> Recursion<'a> {
                 moments[j][i] = moments[i][j];
             }
         }
-        Composite { first, moments }
+        let first = self.plus(&first, &self.scaled(0.5 * body.mass, &by));
+        Composite { mass: body.mass, first, moments }
     }
 
     /// A wrench in the frame before that of a joint, about its origin.
     fn carried(&self, joint: usize, wrench: &Wrench) -> Wrench {
         let force = self.outward(joint, &wrench.force);
         let moment = self.outward(joint, &wrench.moment);
-        let origin = self.chain.links[joint].origin.map(|x| self.graph.constant(x));
+        let origin = self.origin(joint);
         Wrench { force, moment: self.plus(&moment, &self.cross(&origin, &force)) }
+    }
+
+    /// The origin of the frame of a joint, in the frame before: what slides moves it along its z.
+    fn origin(&self, joint: usize) -> Vector {
+        let (graph, link) = (self.graph, &self.chain.links[joint]);
+        let own = link.origin.map(|x| graph.constant(x));
+        if !link.slides {
+            return own;
+        }
+        let [sine, cosine] = link.twist;
+        let q = graph.input(Input::Q(joint));
+        let along = [0.0, -sine, cosine].map(|x| graph.mul(graph.constant(x), q));
+        self.plus(&own, &along)
+    }
+
+    fn scaled(&self, factor: f64, v: &Vector) -> Vector {
+        v.map(|x| self.graph.mul(self.graph.constant(factor), x))
     }
 
     /// Components in the frame of a joint of a vector of the frame before.

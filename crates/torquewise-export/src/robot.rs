@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::learned::{JointGeometry, Measured, joint_geometry};
 use torquewise_model::shaft_friction::ShaftFriction;
-use torquewise_model::{Drive, Model, RigidChain, Torque, number};
+use torquewise_model::{Drive, JointKind, Model, RigidChain, Torque, number};
 use torquewise_rigid::geometry::Placement;
 
 #[derive(Clone, Debug)]
@@ -30,6 +30,7 @@ pub(crate) struct Robot {
 pub(crate) struct RobotJoint {
     pub(crate) name: String,
     pub(crate) link: String,
+    pub(crate) kind: JointKind,
     /// Its frame at q = 0 in the one before; of the first in the world, z up.
     pub(crate) frame: Placement,
     /// m, m·c and moments about the origin.
@@ -88,6 +89,7 @@ impl Robot {
                 name: names.map_or_else(|| own.clone(), |names| names.joints[k].clone()),
                 link: names.map_or_else(|| format!("{own}_link"), |names| names.links[k].clone()),
                 frame,
+                kind: chain.kinds.of(k),
                 inertial: chain.links[k],
                 losses: losses[k],
                 range: training.q_range.get(k).copied().unwrap_or([-PI, PI]),
@@ -117,6 +119,8 @@ impl Robot {
             context! {
                 name => &joint.name,
                 link => &joint.link,
+                kind => joint.kind.name(),
+                motion => if joint.kind.turns() { "hinge" } else { "slide" },
                 parent => k.checked_sub(1).map_or(&self.base, |before| &self.joints[before].link),
                 origin => numbers(joint.frame.origin.into()),
                 rpy => numbers(rpy(&joint.frame.rotation)),

@@ -4,6 +4,7 @@ use crate::error::{ExportError, Result};
 use crate::robot::{Losses, Robot};
 use crate::template::filled_xml;
 use torquewise_model::Model;
+use torquewise_rigid::Geometry;
 use torquewise_sim::UrdfChain;
 use torquewise_sim::urdf::edit::{Dynamics, edited};
 
@@ -65,6 +66,11 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
     let chain = UrdfChain::of_joints(text, names, locked, down)?;
     let tilt = torquewise_rigid::geometry::PER_BASE;
     let pairs = || chain.geometry.parameters()[tilt..].iter().zip(&geometry.parameters()[tilt..]);
+    let kinds = [&chain.geometry, &geometry].map(Geometry::kinds);
+    let other = (0..names.len()).find(|&joint| kinds[0].of(joint) != kinds[1].of(joint));
+    if let Some(joint) = other {
+        return Err(ExportError::OtherGeometry { joint: names[joint].clone() });
+    }
     if let Some(k) = pairs().position(|(a, b)| (a - b).abs() > SAME) {
         let joint = names[k / torquewise_rigid::geometry::PER_JOINT + 1].clone();
         return Err(ExportError::OtherGeometry { joint });

@@ -17,8 +17,10 @@ pub(crate) type Energies = BTreeMap<EnergyTerm, f64>;
 pub(crate) fn joint_sums(energies: &Energies) -> Energies {
     let mut sums = Energies::new();
     for (term, coefficient) in energies {
-        for (weight, wave) in waves_of(*coefficient, &term.function) {
-            let function = harmonic(&wave);
+        let (angles, positions) = without_positions(&term.function);
+        for (weight, wave) in waves_of(*coefficient, &angles) {
+            let mut function = harmonic(&wave);
+            function.factors.extend(positions.iter().cloned());
             *sums.entry(EnergyTerm { place: term.place, function }).or_insert(0.0) += weight;
         }
     }
@@ -28,7 +30,8 @@ pub(crate) fn joint_sums(energies: &Energies) -> Energies {
 /// The products of sines and cosines that a harmonic of a joint sum is part of, each with the weight
 /// it has there; a product is its own.
 fn products_in(term: &EnergyTerm) -> Vec<(EnergyTerm, f64)> {
-    let [factor] = &term.function.factors[..] else { return vec![(term.clone(), 1.0)] };
+    let (angles, positions) = without_positions(&term.function);
+    let [factor] = &angles.factors[..] else { return vec![(term.clone(), 1.0)] };
     let mut products = vec![Term::one(factor.multiples.len())];
     for (joint, multiple) in factor.multiples.iter().enumerate().filter(|(_, k)| **k != 0) {
         let with = |product: &Term| {
@@ -38,7 +41,10 @@ fn products_in(term: &EnergyTerm) -> Vec<(EnergyTerm, f64)> {
     }
     let weighted = products.into_iter().filter_map(|function| {
         let mut own = waves_of(1.0, &function).into_iter();
-        let (weight, _) = own.find(|(_, wave)| harmonic(wave) == term.function)?;
+        let (weight, _) = own.find(|(_, wave)| harmonic(wave) == angles)?;
+        let mut function = function;
+        function.factors.extend(positions.iter().cloned());
+        function.factors.sort();
         Some((EnergyTerm { place: term.place, function }, weight))
     });
     weighted.collect()
@@ -69,6 +75,13 @@ impl Wanted {
         let mut shares = self.weights.iter().zip(found).map(|(weight, own)| weight * own);
         Ok(self.counts.iter().map(|count| shares.by_ref().take(*count).sum()).collect())
     }
+}
+
+/// A function of sliding joints without their positions, and these.
+fn without_positions(function: &Term) -> (Term, Vec<Factor>) {
+    let is_position = |factor: &Factor| factor.function == Trig::Position;
+    let (positions, factors) = function.factors.iter().cloned().partition(is_position);
+    (Term { factors, ..function.clone() }, positions)
 }
 
 fn harmonic(wave: &Wave) -> Term {

@@ -4,7 +4,7 @@ use crate::states::States;
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 use torquewise_model::friction::{Direction, FrictionLaw};
-use torquewise_model::{EnergyTerm, FrictionTerm, Place, Term, Trig};
+use torquewise_model::{EnergyTerm, FrictionTerm, JointKind, Place, Term, Trig};
 use torquewise_motion::Motion;
 use torquewise_rigid::{Chain, Kinematics};
 
@@ -52,14 +52,19 @@ impl DriveTerm {
     }
 
     /// A counterbalance of a joint: what a spring adds to V(q) that no mass does, since the masses
-    /// that weigh are those that resist.
-    pub(crate) fn counterbalance(n_joints: usize, joint: usize) -> Vec<Self> {
-        let harmonics = [(Trig::Cos, 1), (Trig::Sin, 1), (Trig::Cos, 2), (Trig::Sin, 2)];
-        let spring = |(trig, multiple)| {
-            let function = Term::one(n_joints).times(trig, joint, multiple, 1);
+    /// that weigh are those that resist. Of a slide: a constant force and a spring.
+    pub(crate) fn counterbalance(n_joints: usize, joint: usize, kind: JointKind) -> Vec<Self> {
+        let functions = match kind {
+            JointKind::Revolute => {
+                vec![(Trig::Cos, 1, 1), (Trig::Sin, 1, 1), (Trig::Cos, 2, 1), (Trig::Sin, 2, 1)]
+            }
+            JointKind::Prismatic => vec![(Trig::Position, 1, 1), (Trig::Position, 1, 2)],
+        };
+        let spring = |(trig, multiple, power)| {
+            let function = Term::one(n_joints).times(trig, joint, multiple, power);
             Self::Energy(EnergyTerm { place: Place::Potential, function })
         };
-        harmonics.map(spring).to_vec()
+        functions.into_iter().map(spring).collect()
     }
 
     /// Whether it is the rotor of a shaft that several joints turn.

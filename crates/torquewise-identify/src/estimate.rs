@@ -13,11 +13,14 @@ mod step;
 mod tuning;
 mod solve;
 mod refine;
+mod windows;
+mod rollouts;
 
 pub use linearisation::Linearisation;
 pub(crate) use linearisation::Structure;
 pub(crate) use nominal::Sizes;
 pub use pass::add_up;
 pub(crate) use refine::{Next, Passes, refine};
+pub(crate) use rollouts::refined_by_rollouts;
 pub(crate) use solve::Solved;
 pub(crate) use step::{LEAST_RESIDUAL, weights};

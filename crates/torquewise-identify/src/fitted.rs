@@ -47,8 +47,8 @@ pub(crate) struct Fitted {
     pub(crate) choices: Vec<Choice>,
     /// How often it found the geometry.
     pub(crate) found: Option<GeometryFound>,
-    /// RMS of what it left of each joint \[N·m\], n.
-    pub(crate) searched_rms: Vec<f64>,
+    /// What is to be said of the passes, if anything.
+    pub(crate) warning: Option<Warning>,
 }
 
 impl Fitted {
@@ -63,7 +63,7 @@ impl Fitted {
         seed: u64,
         watch: Watch<'_>,
     ) -> Result<Reconstruction, IdentifyError> {
-        let Self { solved, residual_rms, mut choices, found, searched_rms } = self;
+        let Self { solved, residual_rms, mut choices, found, warning } = self;
         let mut training = survey.training(residual_rms);
         (training.held_out_rms, training.held_out_by_region_rms) =
             held_out_rms(&solved.at.narrowed(), &survey.sample)?;
@@ -75,7 +75,7 @@ impl Fitted {
             equations(&chain, &friction, (&survey, residual_rms), seed, watch)?;
         choices.extend(solved.choice);
         let mut warnings = Warning::of_survey(&survey);
-        warnings.extend(Warning::of_refit(&searched_rms, residual_rms, &survey.torque_std));
+        warnings.extend(warning);
         let mut model = Model {
             joints: survey.joints.clone(),
             form: Form::Energy(terms),
@@ -156,11 +156,27 @@ fn parameters(
         Mat::from_fn(order.len(), order.len(), |i, j| covariance[(order[i], order[j])]);
     let (geometry, fitted) = (at.geometry.clone(), at.structure.free.clone());
     let coupling = at.structure.coupling.clone();
-    let robot = at.structure.robot.clone();
-    let mut chain =
-        RigidChain { geometry, fitted, links, drives, coupling, robot, covariance: Vec::new() };
+    let (robot, kinds) = (at.structure.robot.clone(), at.structure.kinds.clone());
+    let mut chain = RigidChain {
+        geometry,
+        fitted,
+        links,
+        drives,
+        coupling,
+        kinds,
+        robot,
+        covariance: Vec::new(),
+    };
     chain.set_covariance(&covariance);
     (chain, friction)
+}
+
+/// The model of a linearisation as far as it moves: without its equations, certain of all.
+pub(crate) fn movable(at: &Linearisation, joints: &[String]) -> Model {
+    let p = at.n_parameters();
+    let (chain, friction) = parameters(at, &Mat::zeros(p, p));
+    let (joints, chain) = (joints.to_vec(), Some(chain));
+    Model { joints, form: Form::Energy(Vec::new()), chain, friction, ..Model::default() }
 }
 
 /// RMS of what is left of the raw torque of each joint \[N·m\] on rows that were held out and that

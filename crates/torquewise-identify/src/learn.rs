@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
 use torquewise_rigid::search::{Stage, all_parameters};
-use torquewise_rigid::{Chain, ChainError, Geometry, Rows, Search, refine, search};
+use torquewise_rigid::{Chain, ChainError, Geometry, JointKinds, Rows, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
 use torquewise_stepwise::held_out::CvScore;
@@ -21,6 +21,7 @@ use torquewise_stepwise::noise::NoiseFloor;
 use torquewise_stepwise::survey::thinned;
 
 mod couplings;
+mod kinds;
 mod offers;
 
 /// A chain with what stands beside it, and how both were chosen.
@@ -80,25 +81,35 @@ pub(crate) fn learn(
     let (n, friction) = (motion.n_joints(), options.friction);
     let balanced = balanced(motion, &options.counterbalanced)?;
     let mut learner = ChainLearner::new(motion, watch);
-    let springs = balanced.iter().flat_map(|&joint| DriveTerm::counterbalance(n, joint));
-    let mut drive: Vec<DriveTerm> = DriveTerm::rotors(n).into_iter().chain(springs).collect();
-    let known = drive.clone();
+    let known = |kinds: &JointKinds| -> Vec<DriveTerm> {
+        let springs =
+            balanced.iter().flat_map(|&joint| DriveTerm::counterbalance(n, joint, kinds.of(joint)));
+        DriveTerm::rotors(n).into_iter().chain(springs).collect()
+    };
     let has_friction = friction != FrictionKind::None;
-    if has_friction {
-        drive.extend(DriveTerm::friction(learner.laws.linear()));
-    }
-    let search = Search { seed, ..Search::default() };
-    let spec = ChainSpec { drive, search, free: all_parameters(n), gravity: None };
+    let linear: Vec<DriveTerm> = DriveTerm::friction(learner.laws.linear()).collect();
+    let at_kinds = |kinds: JointKinds| {
+        let mut drive = known(&kinds);
+        if has_friction {
+            drive.extend(linear.clone());
+        }
+        let search = Search { seed, kinds, ..Search::default() };
+        ChainSpec { drive, search, free: all_parameters(n), gravity: None }
+    };
     let mut choices = Vec::new();
 
     let is_given = options.geometry.is_some();
+    let given = given_kinds(motion, options)?;
     let (mut spec, mut chain) = match &options.geometry {
-        Some(known) => learner.at_geometry(spec, &known.geometry)?,
-        None => learner.coupled_geometry(&spec, &mut choices)?,
+        Some(known) => {
+            learner.at_geometry(at_kinds(known.geometry.kinds().clone()), &known.geometry)?
+        }
+        None => learner.moving_geometry(given, &at_kinds, &mut choices)?,
     };
-    let mut offers = learner.springs(&balanced);
+    let kinds = chain.geometry.kinds().clone();
+    let mut offers = learner.springs(&balanced, &kinds);
     if has_friction {
-        offers.extend(learner.shafts());
+        offers.extend(learner.shafts(&kinds));
     }
     let mut offered = Vec::new();
     match friction {
@@ -108,7 +119,7 @@ pub(crate) fn learn(
             let laws = learner.friction();
             offered = laws.iter().flat_map(Offer::terms).collect();
             offers.extend(laws);
-            spec.drive = known;
+            spec.drive = known(&kinds);
         }
     }
     Progress::Choices.tell(watch)?;
@@ -127,6 +138,22 @@ pub(crate) fn learn(
     }
     Progress::Refit.tell(watch)?;
     learner.finish((spec, offered), &chain, choices)
+}
+
+/// Which joints are said to slide, if that is said: as many as the log has, and as a given geometry has
+/// them.
+fn given_kinds(
+    motion: &Motion,
+    options: &ChainOptions,
+) -> Result<Option<JointKinds>, IdentifyError> {
+    let known = options.geometry.as_ref().map(|known| known.geometry.kinds());
+    match &options.kinds {
+        Some(own) if !own.fit(motion.n_joints()) || known.is_some_and(|known| known != own) => {
+            let joints = motion.joints().join(", ");
+            Err(IdentifyError::Kinds { kinds: own.to_string(), joints })
+        }
+        given => Ok(given.clone()),
+    }
 }
 
 /// Places of joints that are said to be balanced, each once.
@@ -286,6 +313,7 @@ impl<'a> ChainLearner<'a> {
             chosen: drive.len(),
             drive,
             coupling: chain.geometry.coupling().clone(),
+            kinds: chain.geometry.kinds().clone(),
             robot: None,
             free: Vec::new(),
             rest: self.laws.width.iter().map(|width| AT_REST * width).collect(),

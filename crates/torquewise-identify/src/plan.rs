@@ -1,7 +1,7 @@
 //! From what the user wants to plan: a method with its own options, clusters and a seed.
 
 use torquewise_model::RobotNames;
-use torquewise_rigid::Geometry;
+use torquewise_rigid::{Geometry, JointKinds};
 use torquewise_stepwise::patterns::PatternPlan;
 
 pub use torquewise_stepwise::friction::FrictionKind;
@@ -12,6 +12,9 @@ pub use torquewise_stepwise::plan::{LibraryKind, LibraryOptions, MOST_CANDIDATES
 pub struct ChainOptions {
     /// Where the joint axes lie, if that is known, as from a URDF; else it is learned too.
     pub geometry: Option<KnownGeometry>,
+    /// Which joints turn and which slide, where that is known and the geometry is not; else it is
+    /// learned too (E26).
+    pub kinds: Option<JointKinds>,
     /// Friction beside M, C and G (17).
     pub friction: FrictionKind,
     /// Names of joints that a spring or a weight is known to balance: they are given functions of
@@ -20,6 +23,15 @@ pub struct ChainOptions {
     /// Whether the bias that noise in q, q̇, q̈ leaves in the normal equations is to be taken out
     /// (E7).
     pub noise_correction: bool,
+    /// What the chain is refined by once its torque is fitted, if by anything.
+    pub refine: Option<Refine>,
+}
+
+/// What a fitted chain is refined by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refine {
+    /// Windows of the log, simulated from a measured state with the measured torque (E23).
+    Rollout,
 }
 
 /// Where the joint axes of an arm lie, known beforehand.
@@ -57,9 +69,11 @@ impl Default for ChainOptions {
     fn default() -> Self {
         Self {
             geometry: None,
+            kinds: None,
             friction: FrictionKind::Auto,
             counterbalanced: Vec::new(),
             noise_correction: true,
+            refine: None,
         }
     }
 }

@@ -1,7 +1,9 @@
 //! From recording to Reconstruction: sums of its logs, then the steps of the paper or a learned
 //! chain.
 
-use crate::plan::{ChainOptions, Method, Plan};
+use crate::estimate::refined_by_rollouts;
+use crate::fitted::Fitted;
+use crate::plan::{ChainOptions, Method, Plan, Refine};
 use crate::reconstruction::{Progress, Reconstruction, Watch};
 use crate::rounds::{Request, Round};
 use crate::score::score;
@@ -60,8 +62,11 @@ fn rounds(
     plan: &Plan,
     watch: Watch<'_>,
 ) -> Result<Reconstruction, IdentifyError> {
+    let refined = |fitted: Fitted, pass: &Pass| -> Result<Fitted, IdentifyError> {
+        refined_by_rollouts(recording, fitted, (&pass.sums, &pass.request.sizes), watch)
+    };
     loop {
-        match solve(summary.clone(), plan, watch)? {
+        match solve_refined(summary.clone(), plan, &refined, watch)? {
             Solution::Model(mut found) => {
                 if !summary.settings().friction().is_empty() {
                     // Rows near reversals were left out of the sums, but not of what is told.
@@ -86,6 +91,18 @@ fn rounds(
 /// [`IdentifyError`]: too few rows, a library too large, missing torque, or a plan for a library of
 /// which nothing was summed.
 pub fn solve(summary: Summary, plan: &Plan, watch: Watch<'_>) -> Result<Solution, IdentifyError> {
+    solve_refined(summary, plan, &|_, _| Err(IdentifyError::RolloutsOfSums), watch)
+}
+
+/// Refines a chain by what its sums were made of.
+type Refined<'r> = dyn Fn(Fitted, &Pass) -> Result<Fitted, IdentifyError> + 'r;
+
+fn solve_refined(
+    summary: Summary,
+    plan: &Plan,
+    refined: &Refined<'_>,
+    watch: Watch<'_>,
+) -> Result<Solution, IdentifyError> {
     let survey = summary.survey()?;
     survey.sample.require_tau()?;
     require_rows(&survey)?;
@@ -96,7 +113,7 @@ pub fn solve(summary: Summary, plan: &Plan, watch: Watch<'_>) -> Result<Solution
             let found = Reconstruction::of_library(survey, fit, plan.seed, watch)?;
             Ok(Solution::Model(Box::new(found)))
         }
-        Method::Chain(options) => by_chain(&summary, survey, options, plan.seed, watch),
+        Method::Chain(options) => by_chain(&summary, survey, (options, refined), plan.seed, watch),
     }
 }
 
@@ -105,19 +122,23 @@ pub fn solve(summary: Summary, plan: &Plan, watch: Watch<'_>) -> Result<Solution
 fn by_chain(
     summary: &Summary,
     survey: Survey,
-    options: &ChainOptions,
+    (options, refined): (&ChainOptions, &Refined<'_>),
     seed: u64,
     watch: Watch<'_>,
 ) -> Result<Solution, IdentifyError> {
     let settings = summary.settings();
-    let Some(Pass { request, sums }) = summary.pass.as_ref() else {
+    let Some(pass) = summary.pass.as_ref() else {
         let request = Request::first(&survey, options, settings.filtered, seed, watch)?;
         return Ok(Solution::Request(Box::new(request)));
     };
     Progress::Refit.tell(watch)?;
-    match request.clone().take(sums)? {
+    match pass.request.clone().take(&pass.sums)? {
         Round::Again(request) => Ok(Solution::Request(request)),
         Round::Done(fitted) => {
+            let fitted = match options.refine {
+                Some(Refine::Rollout) => refined(*fitted, pass)?,
+                None => *fitted,
+            };
             let patterns = find_patterns(&survey, &settings.patterns)?;
             let chain = SignTest::at(&fitted.solved.at, options.geometry.is_some())?;
             Progress::Judging.tell(watch)?;

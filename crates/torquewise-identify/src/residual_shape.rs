@@ -107,8 +107,8 @@ impl fmt::Display for Shape {
             Place::Fast => f.write_str("fast ones: record more fast motion, with many reversals"),
             Place::Pose([from, to]) => write!(
                 f,
-                "between {from:.2} and {to:.2} rad: record more there, and look for a stop, a cable or a \
-                 load that acts in this pose"
+                "between positions {from:.2} and {to:.2}: record more there, and look for a stop, a cable or \
+                 a load that acts in this pose"
             ),
         }
     }

@@ -10,6 +10,7 @@ use crate::learn::{LAST_ROWS, Learned, learn};
 use crate::plan::ChainOptions;
 use crate::reconstruction::{Progress, Watch};
 use crate::regions::Regions;
+use crate::warning::Warning;
 use serde::{Deserialize, Serialize};
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
@@ -146,8 +147,9 @@ impl Request {
                     let passes = self.passes.without_noise_correction(MOST_PASSES);
                     return Ok(Round::Again(Box::new(Self { passes, ..self })));
                 }
-                let Self { choices, found, searched_rms, .. } = self;
-                Round::Done(Box::new(Fitted { solved, residual_rms, choices, found, searched_rms }))
+                let Self { choices, found, searched_rms, sizes, .. } = self;
+                let warning = Warning::of_refit(&searched_rms, &residual_rms, &sizes.torque);
+                Round::Done(Box::new(Fitted { solved, residual_rms, choices, found, warning }))
             }
         })
     }
@@ -174,6 +176,7 @@ fn linearised(
         drive: spec.drive.clone(),
         chosen: spec.drive.len(),
         coupling: chain.geometry.coupling().clone(),
+        kinds: chain.geometry.kinds().clone(),
         robot: options.geometry.as_ref().and_then(|known| known.robot.clone()),
         free: spec.free.clone(),
         rest: laws.width.iter().map(|width| rest * width).collect(),

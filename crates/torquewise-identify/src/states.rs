@@ -12,6 +12,8 @@ use torquewise_motion::memory::Memory;
 pub(crate) struct States {
     /// `[joint]` → cos q, sin q, cos 2q, sin 2q of each state.
     waves: Vec<[Vec<f64>; 4]>,
+    /// `[joint]` → q of each state.
+    q: Vec<Vec<f64>>,
     /// `[joint]` → q̇ of each state.
     dq: Vec<Vec<f64>>,
     /// `[joint]` → q̈ of each state.
@@ -58,6 +60,7 @@ impl States {
         };
         Self {
             waves: joints.clone().map(waves).collect(),
+            q: joints.clone().map(|joint| taken(motion.q(), joint, 0)).collect(),
             dq: joints.clone().map(|joint| taken(motion.dq(), joint, 1)).collect(),
             ddq: joints.map(|joint| taken(motion.ddq(), joint, 2)).collect(),
             memory: motion.memory().map(|memory| {
@@ -172,14 +175,28 @@ impl States {
 
     /// Values of a factor and of its slope.
     fn part(&self, factor: &Factor) -> [Vec<f64>; 2] {
+        if factor.function == Trig::Position {
+            return self.powers(factor);
+        }
         let (sin, mut cos) = self.turn(&factor.multiples);
         match factor.function {
-            Trig::Cos => {
+            Trig::Cos | Trig::Position => {
                 let slope = sin.into_iter().map(|s| -s).collect();
                 [std::mem::take(&mut cos), slope]
             }
             Trig::Sin => [sin, cos],
         }
+    }
+
+    /// Powers of a sum of positions, and their slopes.
+    fn powers(&self, factor: &Factor) -> [Vec<f64>; 2] {
+        let power = i32::from(factor.power);
+        let values = (0..self.len()).map(|state| {
+            let of_joints = factor.multiples.iter().zip(&self.q);
+            let sum: f64 = of_joints.map(|(k, q)| f64::from(*k) * q[state]).sum();
+            (sum.powi(power), f64::from(power) * sum.powi(power - 1))
+        });
+        values.unzip::<f64, f64, Vec<f64>, Vec<f64>>().into()
     }
 
     /// Sine and cosine of a sum of joint angles.

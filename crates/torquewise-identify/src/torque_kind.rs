@@ -78,6 +78,10 @@ pub(crate) fn torque_kind(
     let rows = JointRows::new(&columns, &weights, &tau, drive);
     let Some((per, loads)) = rows.gains(&at.linear) else { return Ok(None) };
     let mean = geometric_mean(&per);
+    // Gains are found to so many digits: nearer to one they are rounding, as of a log without noise.
+    if per.iter().all(|per| (per / mean - 1.0).abs() < ROUNDS.1) {
+        return Ok(None);
+    }
     Ok(leaves(&rows.widened(&columns, &per, &loads), WORTH)
         .then(|| TorqueKind::Gains(per.iter().map(|per| mean / per).collect())))
 }

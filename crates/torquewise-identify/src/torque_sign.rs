@@ -2,14 +2,14 @@
 //! explains those of all joints far better.
 
 use crate::drive_terms::{DriveTerm, columns};
-use crate::estimate::{Linearisation, Structure};
+use crate::estimate::Linearisation;
 use crate::learn::searching;
 use crate::reconstruction::Watch;
 use faer::Mat;
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
 use torquewise_motion::Motion;
-use torquewise_rigid::search::{all_parameters, glance};
+use torquewise_rigid::search::glance;
 use torquewise_rigid::{Chain, ChainError, Geometry, Kinematics, Rows, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
@@ -50,10 +50,9 @@ impl SignTest {
     /// # Errors
     /// [`IdentifyError::Chain`] if it has no geometry.
     pub(crate) fn at(at: &Linearisation, is_given: bool) -> Result<Self, IdentifyError> {
-        let Structure { coupling, drive, .. } = at.structure.clone();
-        let geometry = Geometry::new(&at.geometry)?.coupled(coupling);
-        let free = if is_given { Vec::new() } else { all_parameters(geometry.n_joints()) };
-        Ok(Self { geometry, free, drive })
+        let geometry = at.axes()?;
+        let free = if is_given { Vec::new() } else { geometry.movable() };
+        Ok(Self { geometry, free, drive: at.structure.drive.clone() })
     }
 
     /// A chain that is searched on few rows.
@@ -74,7 +73,7 @@ impl SignTest {
         let found = search(&rows(&motion, &extras)?, &settings, &searching(watch))?;
         let geometry = found.chains.into_iter().next().map(|chain| chain.geometry);
         let geometry = geometry.ok_or(ChainError::Singular)?;
-        Ok(Self { geometry, free: all_parameters(survey.joints.len()), drive })
+        Ok(Self { free: geometry.movable(), geometry, drive })
     }
 
     /// Joints whose torque, turned round, lets a chain explain the torques of all joints far better.

@@ -103,6 +103,19 @@ impl Warning {
     /// Leaves out what a rough look at the torque of a joint found amiss, where the model predicts
     /// its held-out rows well: a rough look knows neither the other joints nor the noise.
     pub(crate) fn retain_founded(warnings: &mut Vec<Self>, model: &Model) {
+        // What is little of a turn, in rad, is not of a slide, in m.
+        let slides = |joint: &str| {
+            let place = model.joints.iter().position(|name| name == joint);
+            place.is_some_and(|joint| model.kinds().slides(joint))
+        };
+        warnings.retain(|warning| match warning {
+            Self::Excitation(
+                Finding::Range { joint, .. }
+                | Finding::Speed { joint, .. }
+                | Finding::Acceleration { joint, .. },
+            ) => !slides(joint),
+            _ => true,
+        });
         let Some(errors) = model.training.held_out_errors() else { return };
         let is_predicted = |joint: &str| {
             model

@@ -1,19 +1,28 @@
-//! M(q) and V(q) of a rigid chain as the sums of harmonics that they are (E4).
+//! M(q) and V(q) of a rigid chain as the sums of harmonics that they are, and of powers of what slides
+//! (E4) (E26).
 
 use crate::energy::{EnergyTerm, Place};
 use crate::error::ModelError;
 use crate::term::{Term, Trig};
-use torquewise_rigid::{Geometry, Kinematics, Moved};
+use torquewise_rigid::{Geometry, JointKind, Kinematics, Moved};
 
 /// Joints of an arm whose energy can be listed: 5ⁿ⁻¹ states are looked at.
 const MOST_JOINTS: usize = 8;
 /// Coefficients below this part of the largest of their kind are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Values of a function on a grid: the same number of evenly spaced angles for each joint.
+/// What a function may be of one joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Basis {
+    /// 1, cos, sin, cos 2, sin 2 … of a joint that turns, up to a harmonic.
+    Harmonics(usize),
+    /// 1, q, q² of a joint that slides, up to a power, at most 2.
+    Powers(usize),
+}
+
+/// Values of a function on a grid: for each joint as many positions as it has functions.
 struct Grid {
-    /// Highest harmonic of each joint; 2·harmonics + 1 angles.
-    harmonics: Vec<usize>,
+    bases: Vec<Basis>,
     /// The last joint runs fastest.
     values: Vec<f64>,
 }
@@ -30,8 +39,8 @@ pub fn check_joints(n: usize) -> Result<(), ModelError> {
 /// All energy terms of a chain with their coefficients, in the functions of the energy library.
 ///
 /// M(q) and V(q) of a chain are sums of products over the joints of 1, cos kq and sin kq, k up to 2
-/// and 1, and where a coordinate turns several joints up to as many times more; their values on an
-/// even grid of angles give the coefficients exactly.
+/// and 1, and where a coordinate turns several joints up to as many times more; of 1, q and q², or 1
+/// and q, of a joint that slides. Their values on a grid give the coefficients exactly.
 ///
 /// - `inertial`: inertial parameters of the bodies, 10 each
 ///
@@ -83,27 +92,34 @@ fn grids(
     check_joints(n)?;
     let kinematics = Kinematics::new(geometry);
     let turns: Vec<usize> = (0..n).map(|joint| geometry.coupling().multiples_of(joint)).collect();
-    let mut grids = Vec::new();
+    let (kinds, mut grids) = (geometry.kinds(), Vec::new());
     if wanted(Place::Potential) {
         let value = |q: &[f64]| kinematics.potential_energy(q, inertial);
-        grids.push((Place::Potential, Grid::of(turns.clone(), value)));
+        let bases = turns.iter().enumerate().map(|(joint, turns)| match kinds.of(joint) {
+            JointKind::Revolute => Basis::Harmonics(*turns),
+            JointKind::Prismatic => Basis::Powers(1),
+        });
+        grids.push((Place::Potential, Grid::of(bases.collect(), value)));
     }
-    // The first angle of a chain turns the whole arm: M does not depend on it.
+    // The first joint of a chain moves the whole arm: M does not depend on it.
     let own = |joint: usize| usize::from(joint > 0);
-    let harmonics: Vec<usize> =
-        turns.iter().enumerate().map(|(joint, turns)| 2 * (turns - 1 + own(joint))).collect();
+    let of_joint = |(joint, turns): (usize, &usize)| match kinds.of(joint) {
+        JointKind::Revolute => Basis::Harmonics(2 * (turns - 1 + own(joint))),
+        JointKind::Prismatic => Basis::Powers(2 * own(joint)),
+    };
+    let bases: Vec<Basis> = turns.iter().enumerate().map(of_joint).collect();
     let first = grids.len();
     let mut places = vec![None; n * n];
     for (i, j) in (0..n).flat_map(|i| (i..n).map(move |j| (i, j))) {
         if wanted(Place::Inertia(i, j)) {
             places[i * n + j] = Some(grids.len());
-            let grid = Grid { harmonics: harmonics.clone(), values: Vec::new() };
+            let grid = Grid { bases: bases.clone(), values: Vec::new() };
             grids.push((Place::Inertia(i, j), grid));
         }
     }
     if grids.len() > first {
         let mut moved = Moved::default();
-        for q in Grid::points(&harmonics) {
+        for q in Grid::points(&bases) {
             kinematics.mass_matrix(&q, inertial, &mut moved, |i, j, value| {
                 if let Some(grid) = places[i * n + j] {
                     grids[grid].1.values.push(value);
@@ -115,21 +131,20 @@ fn grids(
 }
 
 impl Grid {
-    fn of(harmonics: Vec<usize>, value: impl Fn(&[f64]) -> f64) -> Self {
-        let values = Self::points(&harmonics).map(|q| value(&q)).collect();
-        Self { harmonics, values }
+    fn of(bases: Vec<Basis>, value: impl Fn(&[f64]) -> f64) -> Self {
+        let values = Self::points(&bases).map(|q| value(&q)).collect();
+        Self { bases, values }
     }
 
-    /// The angles of every point, the last joint running fastest.
-    fn points(harmonics: &[usize]) -> impl Iterator<Item = Vec<f64>> {
-        let bases: Vec<usize> = harmonics.iter().map(|most| 2 * most + 1).collect();
-        let count = bases.iter().product();
+    /// The positions of every point, the last joint running fastest.
+    fn points(bases: &[Basis]) -> impl Iterator<Item = Vec<f64>> {
+        let count = bases.iter().map(|basis| basis.size()).product();
         (0..count).map(move |place| {
             let mut rest = place;
             let mut q = vec![0.0; bases.len()];
-            for (angle, base) in q.iter_mut().zip(&bases).rev() {
-                *angle = std::f64::consts::TAU / *base as f64 * (rest % base) as f64;
-                rest /= base;
+            for (position, basis) in q.iter_mut().zip(bases).rev() {
+                *position = basis.point(rest % basis.size());
+                rest /= basis.size();
             }
             q
         })
@@ -144,39 +159,40 @@ impl Grid {
                 continue;
             }
             let mut rest = place;
-            let mut digits = vec![0; self.harmonics.len()];
-            for (digit, most) in digits.iter_mut().zip(&self.harmonics).rev() {
-                let base = 2 * most + 1;
-                (*digit, rest) = (rest % base, rest / base);
+            let mut digits = vec![0; self.bases.len()];
+            for (digit, basis) in digits.iter_mut().zip(&self.bases).rev() {
+                (*digit, rest) = (rest % basis.size(), rest / basis.size());
             }
-            put(function_of(&digits), coefficient);
+            put(self.function_of(&digits), coefficient);
         }
     }
 
     /// Where the coefficient of a function stands, if it is one of those listed.
     fn position_of(&self, function: &Term) -> Option<usize> {
-        let mut digits = vec![0; self.harmonics.len()];
+        let mut digits = vec![0; self.bases.len()];
         for factor in &function.factors {
             let joint = factor.multiples.iter().position(|k| *k > 0)?;
             let multiple = usize::try_from(factor.multiples[joint]).ok()?;
-            digits[joint] = 2 * multiple - usize::from(factor.function == Trig::Cos);
+            digits[joint] = match factor.function {
+                Trig::Sin => 2 * multiple,
+                Trig::Cos => 2 * multiple - 1,
+                Trig::Position => factor.power.into(),
+            };
         }
-        let is_listed = function_of(&digits) == *function
-            && digits.iter().zip(&self.harmonics).all(|(digit, most)| *digit <= 2 * most);
-        let bases = self.harmonics.iter().map(|most| 2 * most + 1);
-        let position =
-            digits.iter().zip(bases).fold(0, |place, (digit, base)| place * base + digit);
+        let is_listed = self.function_of(&digits) == *function
+            && digits.iter().zip(&self.bases).all(|(digit, basis)| *digit < basis.size());
+        let pairs = digits.iter().zip(&self.bases);
+        let position = pairs.fold(0, |place, (digit, basis)| place * basis.size() + digit);
         is_listed.then_some(position)
     }
 
-    /// Coefficients of 1, cos, sin, cos 2, sin 2 … of each joint, the last joint running fastest: a
-    /// discrete Fourier transform along each joint.
+    /// Coefficients of the functions of each joint, the last joint running fastest: a discrete Fourier
+    /// transform along each joint that turns, interpolation along one that slides.
     fn coefficients(&self) -> Vec<f64> {
         let mut values = self.values.clone();
         let mut stride = 1;
-        for most in self.harmonics.iter().rev() {
-            let base = 2 * most + 1;
-            let transform = transform(base);
+        for basis in self.bases.iter().rev() {
+            let (base, transform) = (basis.size(), basis.transform());
             let mut line = vec![0.0; base];
             for start in (0..values.len()).filter(|place| (place / stride) % base == 0) {
                 for (k, out) in line.iter_mut().enumerate() {
@@ -191,21 +207,61 @@ impl Grid {
         }
         values
     }
+
+    /// The product of one function of each joint.
+    fn function_of(&self, digits: &[usize]) -> Term {
+        let one = Term::one(digits.len());
+        let factors = self.bases.iter().zip(digits).enumerate();
+        factors.fold(one, |term, (joint, (basis, digit))| basis.factor(term, joint, *digit))
+    }
 }
 
-/// The product of 1, cos, sin, cos 2, sin 2 … of each joint.
-fn function_of(digits: &[usize]) -> Term {
-    let mut function = Term::one(digits.len());
-    for (joint, digit) in digits.iter().enumerate().filter(|(_, digit)| **digit > 0) {
-        let trig = if digit % 2 == 1 { Trig::Cos } else { Trig::Sin };
-        let multiple = i8::try_from(digit.div_ceil(2)).unwrap_or(i8::MAX);
-        function = function.times(trig, joint, multiple, 1);
+impl Basis {
+    /// How many functions it is of, as many as points.
+    fn size(self) -> usize {
+        match self {
+            Self::Harmonics(most) => 2 * most + 1,
+            Self::Powers(most) => most + 1,
+        }
     }
-    function
+
+    /// A point of the grid: even angles \[rad\], or a place beside 0 \[m\].
+    fn point(self, k: usize) -> f64 {
+        match self {
+            Self::Harmonics(_) => std::f64::consts::TAU / self.size() as f64 * k as f64,
+            Self::Powers(most) => k as f64 - (most / 2) as f64,
+        }
+    }
+
+    /// A term times one of the functions.
+    fn factor(self, term: Term, joint: usize, digit: usize) -> Term {
+        if digit == 0 {
+            return term;
+        }
+        let small = |k: usize| i8::try_from(k).unwrap_or(i8::MAX);
+        match self {
+            Self::Harmonics(_) => {
+                let trig = if digit % 2 == 1 { Trig::Cos } else { Trig::Sin };
+                term.times(trig, joint, small(digit.div_ceil(2)), 1)
+            }
+            Self::Powers(_) => term.times(Trig::Position, joint, 1, small(digit).unsigned_abs()),
+        }
+    }
+
+    /// From values at the points to the coefficients of the functions.
+    fn transform(self) -> Vec<Vec<f64>> {
+        let rows: &[&[f64]] = match self {
+            Self::Harmonics(_) => return fourier(self.size()),
+            Self::Powers(0) => &[&[1.0]],
+            Self::Powers(1) => &[&[1.0, 0.0], &[-1.0, 1.0]],
+            Self::Powers(_) => &[&[0.0, 1.0, 0.0], &[-0.5, 0.0, 0.5], &[0.5, -1.0, 0.5]],
+        };
+        rows.iter().map(|row| row.to_vec()).collect()
+    }
 }
 
 /// Rows of the real discrete Fourier transform of `base` points: 1, cos, sin, cos 2, sin 2 …
-fn transform(base: usize) -> Vec<Vec<f64>> {
+fn fourier(base: usize) -> Vec<Vec<f64>> {
     let step = std::f64::consts::TAU / base as f64;
     (0..base)
         .map(|digit| {

@@ -39,7 +39,7 @@ impl Harmonic {
 }
 
 /// A product of sines and cosines as a sum of such, each with its share; `None` where that takes
-/// more than `most`.
+/// more than `most`, or a factor is neither.
 pub fn sum_of_product(
     factors: &[Factor],
     n_joints: usize,
@@ -47,6 +47,9 @@ pub fn sum_of_product(
 ) -> Option<Vec<(f64, Harmonic)>> {
     let one = Harmonic { function: Trig::Cos, multiples: vec![0; n_joints] };
     let mut sum = BTreeMap::from([(one, 1.0)]);
+    if factors.iter().any(|factor| factor.function == Trig::Position) {
+        return None;
+    }
     for factor in factors {
         for _ in 0..factor.power {
             let mut longer: BTreeMap<Harmonic, f64> = BTreeMap::new();
@@ -69,11 +72,12 @@ fn times(share: f64, left: &Harmonic, right: &Factor) -> [(f64, Harmonic); 2] {
         let right = right.multiples.iter().map(|&k| sign * i32::from(k));
         left.multiples.iter().zip(right).map(|(a, b)| a + b).collect()
     };
-    let (function, sign_of_difference, sign_of_sum) = match (left.function, right.function) {
-        (Trig::Cos, Trig::Cos) => (Trig::Cos, 1.0, 1.0),
-        (Trig::Sin, Trig::Sin) => (Trig::Cos, 1.0, -1.0),
-        (Trig::Sin, Trig::Cos) => (Trig::Sin, 1.0, 1.0),
-        (Trig::Cos, Trig::Sin) => (Trig::Sin, -1.0, 1.0),
+    let are_sines = (left.function == Trig::Sin, right.function == Trig::Sin);
+    let (function, sign_of_difference, sign_of_sum) = match are_sines {
+        (false, false) => (Trig::Cos, 1.0, 1.0),
+        (true, true) => (Trig::Cos, 1.0, -1.0),
+        (true, false) => (Trig::Sin, 1.0, 1.0),
+        (false, true) => (Trig::Sin, -1.0, 1.0),
     };
     [(-1, sign_of_difference), (1, sign_of_sum)].map(|(direction, sign)| {
         let (own, harmonic) = Harmonic { function, multiples: with(direction) }.signed();

@@ -3,7 +3,7 @@
 use crate::error::ModelError;
 use crate::model::{GeometryFound, Model, Training};
 use crate::print::with_error;
-use crate::rigid_chain::{Drive, RigidChain};
+use crate::rigid_chain::{Drive, JointKind, RigidChain};
 use crate::selection::Selection;
 use serde::Serialize;
 use torquewise_rigid::base_parameters::base_parameters;
@@ -50,7 +50,7 @@ pub struct Measured {
 pub struct JointGeometry {
     /// Name of the joint.
     pub joint: String,
-    /// What it does: it turns.
+    /// What it does: `revolute` or `prismatic`.
     pub kind: &'static str,
     /// Its direction, a unit vector, in a frame at the base with z up.
     pub axis: [f64; 3],
@@ -58,7 +58,7 @@ pub struct JointGeometry {
     pub point: [f64; 3],
     /// Angle to the axis before \[°\]; none of the first.
     pub angle_to_previous_deg: Option<Measured>,
-    /// Distance of both as lines \[m\]; none of the first.
+    /// Distance of both as lines \[m\]; none of the first, nor where one of them slides.
     pub distance_to_previous_m: Option<Measured>,
     /// Whether the log tells where it lies: the search found it often enough, its torque on held-out
     /// rows is followed, no other right angle does nearly as well, and its distance is certain.
@@ -84,14 +84,17 @@ pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
             let std_error = geometry_error(chain, |axes| of(&axes[before], &axes[joint]))?;
             Ok(Some(Measured { value, std_error }))
         };
-        let distance_to_previous_m = relative(distance)?;
+        // A slide has a direction alone, and no place.
+        let has_distance = chain.kinds.of(joint).turns()
+            && joint.checked_sub(1).is_none_or(|before| chain.kinds.of(before).turns());
+        let distance_to_previous_m = if has_distance { relative(distance)? } else { None };
         let is_found = found.is_none_or(GeometryFound::is_certain);
         let is_named = found.is_some_and(|found| found.unresolved.contains(&joint));
         let is_followed = errors.get(joint).is_none_or(|error| *error < Training::POOR);
         let is_near = distance_to_previous_m.is_none_or(|found| found.std_error < RESOLVED);
         Ok(JointGeometry {
             joint: model.joints[joint].clone(),
-            kind: "revolute",
+            kind: chain.kinds.of(joint).name(),
             axis: axis.direction,
             point: axis.point,
             angle_to_previous_deg: relative(angle)?,
@@ -131,14 +134,17 @@ pub fn geometry(model: &Model, selection: &Selection) -> Result<Table, ModelErro
             // No minus before what rounds to zero.
             triple.map(|x| format!("{:.3}", if x.abs() < 5e-4 { 0.0 } else { x })).join(" ")
         };
-        let note = if found.resolved { "" } else { "not resolved" };
+        let slides = (found.kind == JointKind::Prismatic.name()).then_some("slides");
+        let open = (!found.resolved).then_some("not resolved");
+        let note: Vec<&str> = slides.into_iter().chain(open).collect();
+        let point = if slides.is_some() { DASH.to_owned() } else { triple(found.point) };
         table.push(vec![
             found.joint,
             triple(found.axis),
-            triple(found.point),
+            point,
             relative(found.angle_to_previous_deg),
             relative(found.distance_to_previous_m),
-            note.to_owned(),
+            note.join(", "),
         ]);
     }
     Ok(table)
@@ -196,7 +202,7 @@ fn geometry_error(chain: &RigidChain, of: impl Fn(&[Axis]) -> f64) -> Result<f64
 
 /// What torque determines of the links (Gautier and Khalil): first moments across the axis
 /// \[kg·m\] and moments about the origin of the joint \[kg·m²\], the rest counted into the link
-/// before; a dash where they cannot be told from zero.
+/// before, and of a slide its mass; a dash where they cannot be told from zero.
 ///
 /// # Errors
 /// As [`axes`].
@@ -205,8 +211,11 @@ pub fn links(
     joints: &[String],
     selection: &Selection,
 ) -> Result<Table, ModelError> {
-    const SHOWN: [(usize, &str); 7] =
+    const OF_TURNS: [(usize, &str); 7] =
         [(1, "m·x"), (2, "m·y"), (4, "Ixx-Iyy"), (6, "Izz"), (7, "Ixy"), (8, "Ixz"), (9, "Iyz")];
+    const OF_SLIDES: [(usize, &str); 2] = [(0, "m"), (3, "m·z")];
+    let slides = if chain.kinds.all_turn() { &[][..] } else { &OF_SLIDES[..] };
+    let cells: Vec<(usize, &str)> = slides.iter().chain(&OF_TURNS).copied().collect();
     let axes = chain.axes()?;
     let inertial = chain.inertial();
     let base = base_parameters(&axes, &inertial);
@@ -217,17 +226,17 @@ pub fn links(
             base_parameters(&axes, &unit)
         })
         .collect();
-    let names = SHOWN.map(|(_, name)| name.to_owned());
+    let names = cells.iter().map(|(_, name)| (*name).to_owned());
     let mut table: Table = vec![std::iter::once("link".to_owned()).chain(names).collect()];
     for (joint, name) in joints.iter().enumerate().filter(|(joint, _)| selection.has_joint(*joint))
     {
-        let cell = |(k, _): (usize, &str)| {
+        let cell = |&(k, _): &(usize, &str)| {
             let at = PER_BODY * joint + k;
             let mut weights: Vec<f64> = columns.iter().map(|column| column[at]).collect();
             weights.resize(chain.covariance.len(), 0.0);
             shown(base[at], chain.variance_of(&weights).sqrt(), selection)
         };
-        table.push(std::iter::once(name.clone()).chain(SHOWN.map(cell)).collect());
+        table.push(std::iter::once(name.clone()).chain(cells.iter().map(cell)).collect());
     }
     Ok(table)
 }
@@ -247,7 +256,10 @@ pub fn drives(chain: &RigidChain, joints: &[String], selection: &Selection) -> T
             Drive::Rotor { shaft, inertia } => {
                 let turned = joints.iter().zip(shaft).filter(|(_, share)| **share != 0.0);
                 let on: Vec<&str> = turned.map(|(name, _)| name.as_str()).collect();
-                (on.join(", "), "rotor inertia [kg·m²]".to_owned(), *inertia)
+                let slides =
+                    shaft.iter().enumerate().any(|(k, s)| *s != 0.0 && chain.kinds.slides(k));
+                let what = if slides { "rotor as a mass [kg]" } else { "rotor inertia [kg·m²]" };
+                (on.join(", "), what.to_owned(), *inertia)
             }
             Drive::Energy { term, coefficient } => {
                 (term.place.name(), term.function.name(), *coefficient)

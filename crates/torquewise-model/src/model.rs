@@ -3,7 +3,7 @@
 use crate::energy::EnergyTerm;
 use crate::error::ModelError;
 use crate::friction::FrictionTerm;
-use crate::rigid_chain::RigidChain;
+use crate::rigid_chain::{JointKinds, RigidChain};
 use crate::term::{Sum, Term, collect};
 pub use crate::weighted::Weighted;
 use serde::{Deserialize, Serialize};
@@ -238,6 +238,11 @@ impl Model {
     /// Number of joints n.
     pub fn n_joints(&self) -> usize {
         self.joints.len()
+    }
+
+    /// Which of its joints turn and which slide.
+    pub fn kinds(&self) -> JointKinds {
+        self.chain.as_ref().map(|chain| chain.kinds.clone()).unwrap_or_default()
     }
 
     /// Number of coefficients, those of friction included.

@@ -6,6 +6,7 @@ use crate::model::{Form, Model, Weighted};
 use crate::selection::{Selection, shortest};
 use crate::shaft_friction::{Estimated, ShaftFriction};
 use crate::term::{Kind, Term};
+use crate::units;
 use std::collections::BTreeMap;
 
 /// Digits shown where no uncertainty is known, or where it is below the precision of the data.
@@ -186,7 +187,9 @@ pub fn friction_tables(model: &Model) -> Vec<Vec<Vec<String>>> {
         };
         words.iter().map(ToString::to_string).chain(numbers.map(cell)).collect::<Vec<String>>()
     };
-    let headings = |headings: &[&str]| headings.iter().map(ToString::to_string).collect();
+    let kinds = model.kinds();
+    let headings =
+        |headings: &[&str]| headings.iter().map(|text| units::heading(&kinds, text)).collect();
     let sliding = ["F_c [N·m]", "F_s [N·m]", "v_s [rad/s]", "F_v [N·m·s/rad]"];
     let other = ["offset [N·m]", "stiffness [N·m/rad]", "travel [rad]", "load factor [1]"];
     let mut tables: [Vec<Vec<String>>; 2] = [

@@ -11,12 +11,13 @@ use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Geometry, Kinematics, Moved, State, inertia};
 
 pub use torquewise_rigid::coupling::{Coupled, Coupling};
+pub use torquewise_rigid::joint::{JointKind, JointKinds};
 
 /// A chain of n rigid bodies with what turns on its shafts.
 ///
 /// Axis 1 is z of the base; axis i + 1 is fixed in the frame of link i, see
 /// [`torquewise_rigid::Geometry`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RigidChain {
     /// Tilt of gravity (2, rad), then direction (2, rad) and place (2, m) of each axis from the
@@ -32,6 +33,9 @@ pub struct RigidChain {
     /// How the logged coordinates turn the joints of the chain \[E18\].
     #[serde(default, skip_serializing_if = "Coupling::is_none")]
     pub coupling: Coupling,
+    /// Which of its joints turn and which slide \[E26\]; all turn where none are given.
+    #[serde(default, skip_serializing_if = "JointKinds::all_turn")]
+    pub kinds: JointKinds,
     /// What a URDF calls its parts, where one gave the geometry.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robot: Option<RobotNames>,
@@ -149,7 +153,7 @@ impl RigidChain {
     /// [`ModelError::Chain`] if these are no parameters of a geometry.
     pub fn axes(&self) -> Result<Geometry, ModelError> {
         Geometry::new(&self.geometry)
-            .map(|geometry| geometry.coupled(self.coupling.clone()))
+            .map(|geometry| geometry.coupled(self.coupling.clone()).of_kinds(self.kinds.clone()))
             .map_err(|error| ModelError::Chain { reason: error.to_string() })
     }
 
@@ -322,6 +326,11 @@ impl RigidChain {
         }
         if !self.coupling.is_sound(n) {
             return fail("its coupling is not one of its joints, each to one before it");
+        }
+        let slides = |joint: &usize| self.kinds.slides(*joint);
+        let coupled = self.coupling.coupled().iter().flat_map(|own| [own.joint, own.driver]);
+        if !self.kinds.fit(n) || coupled.into_iter().any(|joint| slides(&joint)) {
+            return fail("its kinds are not those of its joints, or one that slides is coupled");
         }
         let numbers = self.geometry.iter().chain(self.links.iter().flatten());
         if !numbers.chain(self.covariance.iter().flatten()).all(|x| x.is_finite()) {

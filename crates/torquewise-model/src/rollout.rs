@@ -54,7 +54,7 @@ pub struct Moving {
     /// \[rad/s\], n.
     pub dq: Vec<f64>,
     /// Of the last step \[rad/s²\], n.
-    ddq: Vec<f64>,
+    pub ddq: Vec<f64>,
 }
 
 impl<'m> Simulator<'m> {
@@ -118,32 +118,6 @@ impl<'m> Simulator<'m> {
         arm.dq = speed;
         Ok(())
     }
-
-    /// Where a row of a trajectory leads under its torque, at each horizon; q, n each.
-    fn window(
-        &self,
-        rows: &Rows,
-        (path, first): (Path, usize),
-        horizons: &[f64],
-    ) -> Result<Vec<Vec<f64>>, ModelError> {
-        let mut arm = self.start(path, rows.dq[first].clone());
-        let (mut row, mut t) = (first, rows.t[first]);
-        let mut reached = Vec::new();
-        for horizon in horizons {
-            let end = rows.t[first] + horizon;
-            while t < end - 0.01 * STEP {
-                let seconds = STEP.min(end - t);
-                let middle = t + 0.5 * seconds;
-                while row + 2 < rows.t.len() && rows.t[row + 1] <= middle {
-                    row += 1;
-                }
-                self.step(&mut arm, &rows.between(&rows.tau, row, middle), seconds)?;
-                t += seconds;
-            }
-            reached.push(arm.path.q().to_vec());
-        }
-        Ok(reached)
-    }
 }
 
 /// Friction at the end of a step as c + s·v, exact at a speed that is near: \[c, s\] per unit of its
@@ -189,6 +163,29 @@ impl Rows {
         x[row].iter().zip(next).map(|(a, b)| a + share * (b - a)).collect()
     }
 
+    /// The last row at a time or before, from a row on.
+    fn before(&self, mut row: usize, t: f64) -> usize {
+        while row + 2 < self.t.len() && self.t[row + 1] <= t {
+            row += 1;
+        }
+        row
+    }
+
+    /// Windows of some length \[s\].
+    fn windows(&self, mut path: Path, longest: f64) -> Vec<Window<'_>> {
+        let [first, .., last] = self.t[..] else { return Vec::new() };
+        let apart = (0.5 * longest).max((last - first - longest) / WINDOWS as f64);
+        let (mut windows, mut next) = (Vec::new(), first);
+        for (row, q) in self.q.iter().enumerate() {
+            path.step(q);
+            if self.t[row] >= next && self.t[row] + longest <= last {
+                windows.push(Window { rows: self, path: path.clone(), first: row });
+                next = self.t[row] + apart;
+            }
+        }
+        windows
+    }
+
     /// Whether a row goes on after those that are here.
     fn goes_on(&self, t: f64) -> bool {
         match self.t[..] {
@@ -202,8 +199,92 @@ impl Rows {
     }
 }
 
-/// Sums of squares of each horizon: of the drift and of the held velocity, n each.
-type Squares = (usize, Vec<[Vec<f64>; 2]>);
+/// A stretch of a trajectory that can be simulated: from a measured state on, with measured torque.
+pub struct Window<'r> {
+    rows: &'r Rows,
+    path: Path,
+    first: usize,
+}
+
+/// What is shown each step of a simulation: the arm after it, and how long it took \[s\].
+pub type SeeStep<'s> = dyn FnMut(&Moving, f64) + 's;
+
+impl Window<'_> {
+    /// Where it leads at each horizon \[s\], ascending; q, n each.
+    ///
+    /// # Errors
+    /// As [`Simulator::step`].
+    pub fn simulated(
+        &self,
+        simulator: &Simulator<'_>,
+        horizons: &[f64],
+        see: &mut SeeStep<'_>,
+    ) -> Result<Vec<Vec<f64>>, ModelError> {
+        let Self { rows, path, first } = self;
+        let mut arm = simulator.start(path.clone(), rows.dq[*first].clone());
+        let (mut row, mut t) = (*first, rows.t[*first]);
+        let mut reached = Vec::new();
+        for horizon in horizons {
+            let end = rows.t[*first] + horizon;
+            while t < end - 0.01 * STEP {
+                let seconds = STEP.min(end - t);
+                let middle = t + 0.5 * seconds;
+                row = rows.before(row, middle);
+                simulator.step(&mut arm, &rows.between(&rows.tau, row, middle), seconds)?;
+                see(&arm, seconds);
+                t += seconds;
+            }
+            reached.push(arm.path.q().to_vec());
+        }
+        Ok(reached)
+    }
+
+    /// Where the arm is measured to begin; q, n.
+    pub fn start(&self) -> &[f64] {
+        &self.rows.q[self.first]
+    }
+
+    /// Where the arm was after some time \[s\]; q, n.
+    pub fn measured(&self, after: f64) -> Vec<f64> {
+        let t = self.rows.t[self.first] + after;
+        self.rows.between(&self.rows.q, self.rows.before(self.first, t), t)
+    }
+
+    /// Where it would be at the velocity that it had; q, n.
+    fn held(&self, after: f64) -> Vec<f64> {
+        let state = self.rows.q[self.first].iter().zip(&self.rows.dq[self.first]);
+        state.map(|(q, dq)| q + after * dq).collect()
+    }
+}
+
+/// Hands over windows all over a recording, those of a stretch without gaps together; they begin
+/// half their length apart or more.
+///
+/// - `longest`: their length \[s\]
+///
+/// # Errors
+/// The reader's message; [`ModelError`] if the recording is of another arm or without torque.
+pub fn windows(
+    model: &Model,
+    recording: &(impl Recording + ?Sized),
+    longest: f64,
+    take: &mut dyn FnMut(&[Window<'_>]) -> Result<(), ReadError>,
+) -> Result<(), ReadError> {
+    model.check_joints(recording.joints())?;
+    let path = Torque::new(model).path();
+    let (mut rows, mut own) = (Rows::default(), None);
+    recording.read(&mut |trajectory, block| {
+        for row in 0..block.n_rows() {
+            if own != Some(trajectory) || !rows.goes_on(block.t()[row]) {
+                take(&std::mem::take(&mut rows).windows(path.clone(), longest))?;
+                own = Some(trajectory);
+            }
+            rows.add(block, row)?;
+        }
+        Ok(())
+    })?;
+    take(&rows.windows(path, longest))
+}
 
 /// Simulates windows all over a recording from their first measured state with the measured torque,
 /// and compares where they end with where the arm was.
@@ -211,80 +292,43 @@ type Squares = (usize, Vec<[Vec<f64>; 2]>);
 /// - `horizons`: times from the start of a window \[s\], ascending
 ///
 /// # Errors
-/// The reader's message; [`ModelError`] if the recording is of another arm or without torque, or the
-/// model cannot be simulated.
+/// As of [`windows`], and [`ModelError`] if the model cannot be simulated.
 pub fn drifts(
     model: &Model,
     recording: &(impl Recording + ?Sized),
     horizons: &[f64],
 ) -> Result<Vec<Drift>, ReadError> {
-    model.check_joints(recording.joints())?;
+    let Some(&longest) = horizons.last() else { return Ok(Vec::new()) };
     let simulator = Simulator::new(model);
     let n = model.n_joints();
-    let none = vec![[vec![0.0; n], vec![0.0; n]]; horizons.len()];
-    let mut sums: Squares = (0, none);
-    let (mut rows, mut own) = (Rows::default(), None);
-    recording.read(&mut |trajectory, block| {
-        for row in 0..block.n_rows() {
-            if own != Some(trajectory) || !rows.goes_on(block.t()[row]) {
-                add(&simulator, &std::mem::take(&mut rows), horizons, &mut sums)?;
-                own = Some(trajectory);
+    let mut squares = vec![[vec![0.0; n], vec![0.0; n]]; horizons.len()];
+    let mut count = 0;
+    windows(model, recording, longest, &mut |windows| {
+        let ends = |window: &Window<'_>| window.simulated(&simulator, horizons, &mut |_, _| ());
+        let ends = windows.par_iter().map(ends).collect::<Result<Vec<_>, ModelError>>()?;
+        for (window, ends) in windows.iter().zip(ends) {
+            for ((horizon, end), sums) in horizons.iter().zip(ends).zip(&mut squares) {
+                let (truth, held) = (window.measured(*horizon), window.held(*horizon));
+                for (sums, ends) in sums.iter_mut().zip([end, held]) {
+                    for ((sum, end), truth) in sums.iter_mut().zip(ends).zip(&truth) {
+                        // What ran away is no number.
+                        let apart = end - truth;
+                        *sum += if apart.is_finite() { apart.powi(2) } else { f64::INFINITY };
+                    }
+                }
             }
-            rows.add(block, row)?;
         }
+        count += windows.len();
         Ok(())
     })?;
-    add(&simulator, &rows, horizons, &mut sums)?;
-    let (windows, squares) = sums;
     let rms = |squares: Vec<f64>| -> Vec<f64> {
-        squares.iter().map(|square| (square / windows as f64).sqrt()).collect()
+        squares.iter().map(|square| (square / count as f64).sqrt()).collect()
     };
     let drift = |(&horizon_s, [drift, held]): (&f64, [Vec<f64>; 2])| Drift {
         horizon_s,
         rms_drift_rad: rms(drift),
         hold_rms_rad: rms(held),
-        windows,
+        windows: count,
     };
-    Ok(if windows == 0 { Vec::new() } else { horizons.iter().zip(squares).map(drift).collect() })
-}
-
-/// Adds the windows of one trajectory, which begin half a horizon apart or more.
-fn add(
-    simulator: &Simulator<'_>,
-    rows: &Rows,
-    horizons: &[f64],
-    (windows, squares): &mut Squares,
-) -> Result<(), ModelError> {
-    let (Some(&longest), [first, .., last]) = (horizons.last(), &rows.t[..]) else { return Ok(()) };
-    let apart = (0.5 * longest).max((last - first - longest) / WINDOWS as f64);
-    let mut path = simulator.torque.path();
-    let mut starts: Vec<(Path, usize)> = Vec::new();
-    let mut next = *first;
-    for (row, q) in rows.q.iter().enumerate() {
-        path.step(q);
-        if rows.t[row] >= next && rows.t[row] + longest <= *last {
-            starts.push((path.clone(), row));
-            next = rows.t[row] + apart;
-        }
-    }
-    let ends = |start: &(Path, usize)| simulator.window(rows, start.clone(), horizons);
-    let ends = starts.par_iter().map(ends).collect::<Result<Vec<_>, ModelError>>()?;
-    for ((_, row), ends) in starts.iter().zip(ends) {
-        let mut now = *row;
-        for ((horizon, end), [drift, held]) in horizons.iter().zip(ends).zip(squares.iter_mut()) {
-            let t = rows.t[*row] + horizon;
-            while now + 2 < rows.t.len() && rows.t[now + 1] <= t {
-                now += 1;
-            }
-            for (joint, truth) in rows.between(&rows.q, now, t).into_iter().enumerate() {
-                // What ran away is no number.
-                let apart = end[joint] - truth;
-                drift[joint] += if apart.is_finite() { apart.powi(2) } else { f64::INFINITY };
-                held[joint] +=
-                    (rows.q[*row][joint] + horizon * rows.dq[*row][joint] - truth).powi(2);
-            }
-        }
-    }
-    *windows += starts.len();
-    Ok(())
+    Ok(if count == 0 { Vec::new() } else { horizons.iter().zip(squares).map(drift).collect() })
 }

@@ -2,7 +2,7 @@
 
 use crate::energy::Place;
 use crate::harmonic::sum_of_product;
-use crate::term::{Factor, Kind, Term};
+use crate::term::{Factor, Kind, Term, Trig};
 use crate::weighted::Weighted;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -139,9 +139,12 @@ fn summed(
     Some(sums.into_iter().map(weighted).collect())
 }
 
-/// Factors of the angles of some joints alone, and the others.
+/// Factors of the angles of some joints alone, and the others, positions of what slides among them.
 pub fn parted(factors: &[Factor], joints: &Range<usize>) -> (Vec<Factor>, Vec<Factor>) {
     let is_inside = |factor: &Factor| {
+        if factor.function == Trig::Position {
+            return false;
+        }
         let turned = factor.multiples.iter().enumerate().filter(|(_, multiple)| **multiple != 0);
         turned.into_iter().all(|(joint, _)| joints.contains(&joint))
     };

@@ -1,11 +1,11 @@
-//! From functions of one state to terms: products of sines and cosines with velocities,
-//! accelerations.
+//! From functions of one state to terms: products of sines and cosines, or positions of sliding
+//! joints, with velocities, accelerations.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Sine or cosine.
+/// Sine or cosine; of a sliding joint, the position itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Trig {
@@ -13,15 +13,17 @@ pub enum Trig {
     Sin,
     /// cos
     Cos,
+    /// The position \[m\] of a joint that slides.
+    Position,
 }
 
-/// sin(k·q)^power or cos(k·q)^power.
+/// sin(k·q)^power or cos(k·q)^power, or (k·q)^power of a joint that slides.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Factor {
     /// Integer multiple k of each joint angle, n.
     pub multiples: Vec<i8>,
-    /// Sine or cosine.
+    /// Sine, cosine or position.
     pub function: Trig,
     /// Its power, at least 1.
     pub power: u8,
@@ -135,8 +137,9 @@ impl Term {
                 continue;
             }
             let (sign, other) = match factor.function {
-                Trig::Sin => (1.0, Trig::Cos),
-                Trig::Cos => (-1.0, Trig::Sin),
+                Trig::Sin => (1.0, Some(Trig::Cos)),
+                Trig::Cos => (-1.0, Some(Trig::Sin)),
+                Trig::Position => (1.0, None),
             };
             let mut term = self.clone();
             if factor.power == 1 {
@@ -144,7 +147,8 @@ impl Term {
             } else {
                 term.factors[place].power -= 1;
             }
-            term.factors.push(Factor { function: other, power: 1, ..factor.clone() });
+            let inner_slope = other.map(|function| Factor { function, power: 1, ..factor.clone() });
+            term.factors.extend(inner_slope);
             sum.push((sign * inner, term.tidied()));
         }
         collect(sum)
@@ -194,32 +198,53 @@ impl Term {
 }
 
 impl Factor {
-    /// Value at joint angles q \[rad\], n.
+    /// Value at joint positions q \[rad, m\], n.
     pub fn value(&self, q: &[f64]) -> f64 {
         let angle: f64 = self.multiples.iter().zip(q).map(|(&k, q)| f64::from(k) * q).sum();
         let base = match self.function {
             Trig::Sin => angle.sin(),
             Trig::Cos => angle.cos(),
+            Trig::Position => angle,
         };
         base.powi(i32::from(self.power))
     }
 
     fn name(&self) -> String {
-        let function = if self.function == Trig::Sin { "sin" } else { "cos" };
+        let function = match self.function {
+            Trig::Sin => "sin",
+            Trig::Cos => "cos",
+            Trig::Position => {
+                let angle = self.angle(|joint| format!("q{joint}"), "*");
+                return raised(
+                    if self.is_plain() { angle } else { format!("({angle})") },
+                    self.power,
+                );
+            }
+        };
         raised(format!("{function}({})", self.angle(|joint| format!("q{joint}"), "*")), self.power)
     }
 
     fn latex(&self) -> String {
-        let function = if self.function == Trig::Sin { r"\sin" } else { r"\cos" };
+        let function = match self.function {
+            Trig::Sin => r"\sin",
+            Trig::Cos => r"\cos",
+            Trig::Position => "",
+        };
         let power = if self.power > 1 { format!("^{{{}}}", self.power) } else { String::new() };
         let angle = self.angle(|joint| format!("q_{{{joint}}}"), r"\,");
-        let plain =
-            self.multiples.iter().filter(|&&k| k != 0).count() == 1 && self.multiples.contains(&1);
-        if plain {
+        if self.function == Trig::Position {
+            return if self.is_plain() { angle + &power } else { format!("({angle}){power}") };
+        }
+        if self.is_plain() {
             format!("{function}{power} {angle}")
         } else {
             format!("{function}{power}({angle})")
         }
+    }
+
+    /// Whether it is a function of one angle, once.
+    fn is_plain(&self) -> bool {
+        self.multiples.iter().filter(|&&k| k != 0).count() == 1 && self.multiples.contains(&1)
     }
 
     /// The angle as text: `q2`, `2*q2`, `q2+q3`.

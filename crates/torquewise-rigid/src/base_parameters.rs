@@ -7,7 +7,8 @@ use nalgebra::Matrix4;
 
 /// The same chain with mass, first moment along the axis and Iyy of each link counted into the link
 /// before it, which does not notice the turn between the two; those of the first link turn nothing.
-/// What is left of a link are first moments across its axis, Ixx − Iyy, Izz, Ixy, Ixz and Iyz.
+/// What is left of a link are first moments across its axis, Ixx − Iyy, Izz, Ixy, Ixz and Iyz. A slide
+/// does not notice moments: all six go into the link before, and mass and first moments are left.
 ///
 /// The map is linear in the parameters.
 ///
@@ -22,7 +23,13 @@ pub fn base_parameters(geometry: &Geometry, inertial: &[f64]) -> Vec<f64> {
     for link in (0..placements.len()).rev() {
         let own = PER_BODY * link;
         let [m, mz, yy] = [base[own], base[own + 3], base[own + 5]];
-        let round = [m, 0.0, 0.0, mz, yy, yy, 0.0, 0.0, 0.0, 0.0];
+        let round = if geometry.kinds().slides(link) {
+            let mut moments: [f64; PER_BODY] = std::array::from_fn(|k| base[own + k]);
+            moments[..4].fill(0.0);
+            moments
+        } else {
+            [m, 0.0, 0.0, mz, yy, yy, 0.0, 0.0, 0.0, 0.0]
+        };
         base[own..].iter_mut().zip(round).for_each(|(own, round)| *own -= round);
         if let Some(before) = own.checked_sub(PER_BODY) {
             let mut place = Matrix4::identity();

@@ -1,7 +1,10 @@
 //! From parameters to geometry: where the joint axes of a chain lie, as far as torque can tell.
 
+mod choices;
+
 use crate::coupling::Coupling;
 use crate::error::ChainError;
+use crate::joint::JointKinds;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -12,12 +15,13 @@ pub const PER_JOINT: usize = 4;
 /// Numbers that say where gravity points in the base.
 pub const PER_BASE: usize = 2;
 
-/// Where the joint axes of a chain of n revolute joints lie.
+/// Where the joint axes of a chain of n joints lie.
 ///
-/// Joint 1 turns about z of the base. Joint i + 1 turns about an axis that is fixed in the frame of
+/// Joint 1 moves about or along z of the base. Joint i + 1 moves so by an axis that is fixed in the frame of
 /// joint i: its direction is that of z turned by the rotation vector (w₁, w₂, 0), its place the
 /// shift (p₁, p₂, 0) seen from the turned frame. Neither a shift along the axis nor a turn about it
-/// is a parameter: the masses of the link behind it are free, so torque cannot tell them.
+/// is a parameter: the masses of the link behind it are free, so torque cannot tell them. Nor is
+/// the place of a sliding joint, which stays 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Geometry {
     /// Turns of gravity from −z of the base about x and y \[rad\], then w₁, w₂ \[rad\], p₁, p₂
@@ -25,6 +29,8 @@ pub struct Geometry {
     parameters: Vec<f64>,
     /// How logged coordinates turn the joints.
     coupling: Coupling,
+    /// Which of the joints turn and which slide.
+    kinds: JointKinds,
 }
 
 /// A frame that is fixed in the frame before it.
@@ -67,7 +73,7 @@ impl Geometry {
     /// All axes along z, through one point.
     pub fn straight(n_joints: usize) -> Self {
         let parameters = vec![0.0; PER_BASE + PER_JOINT * n_joints.saturating_sub(1)];
-        Self { parameters, coupling: Coupling::default() }
+        Self { parameters, coupling: Coupling::default(), kinds: JointKinds::default() }
     }
 
     /// A chain whose axes lie as `parameters` say: two of gravity, then four of each joint from the
@@ -82,19 +88,28 @@ impl Geometry {
         if found != expected {
             return Err(ChainError::Shape { what: "geometry", found, expected });
         }
-        Ok(Self { parameters: parameters.to_vec(), coupling: Coupling::default() })
+        Ok(Self { parameters: parameters.to_vec(), ..Self::straight(0) })
     }
 
-    /// The geometry of a chain whose joint frames are given, z of each the axis; and the frame of
-    /// each of its links, seen from the given one.
+    /// The geometry of a chain whose joint frames are given, z of each the axis, all revolute; and
+    /// the frame of each of its links, seen from the given one.
     ///
     /// The base is the first frame at q = 0; a frame of the geometry has the axis of the given one
-    /// and differs from it by a turn about z and a shift along it.
+    /// and differs from it by a turn about z and a shift along it, or any shift if it slides.
     ///
     /// - `placements`: each in the frame before, at q = 0, the first in the world; n ≥ 1
     /// - `down`: where things fall in the world, of any length but zero
     pub fn of_frames(placements: &[Placement], down: [f64; 3]) -> (Self, Vec<Placement>) {
-        let mut geometry = Self::straight(placements.len());
+        Self::of_joints(placements, &JointKinds::default(), down)
+    }
+
+    /// The same of joints of any kind.
+    pub fn of_joints(
+        placements: &[Placement],
+        kinds: &JointKinds,
+        down: [f64; 3],
+    ) -> (Self, Vec<Placement>) {
+        let mut geometry = Self::straight(placements.len()).of_kinds(kinds.clone());
         let zero = Vector3::zeros();
         let mut own = Placement { rotation: Matrix3::identity(), origin: zero };
         let mut frames = vec![own];
@@ -110,9 +125,13 @@ impl Geometry {
             let turned = turn(direction);
             let place = turned.tr_mul(&origin);
             geometry.set_direction(joint, direction);
-            geometry.set_place(joint, [place.x, place.y]);
-            let along = Vector3::new(0.0, 0.0, -place.z);
-            own = Placement { rotation: rotation.tr_mul(&turned), origin: along };
+            own.rotation = rotation.tr_mul(&turned);
+            if kinds.slides(joint) {
+                own.origin = -(own.rotation * place);
+            } else {
+                geometry.set_place(joint, [place.x, place.y]);
+                own.origin = Vector3::new(0.0, 0.0, -place.z);
+            }
             frames.push(own);
         }
         (geometry, frames)
@@ -127,6 +146,17 @@ impl Geometry {
     /// How logged coordinates turn the joints.
     pub fn coupling(&self) -> &Coupling {
         &self.coupling
+    }
+
+    /// The same axes, of which some slide.
+    #[must_use]
+    pub fn of_kinds(self, kinds: JointKinds) -> Self {
+        Self { kinds, ..self }
+    }
+
+    /// Which of the joints turn and which slide.
+    pub fn kinds(&self) -> &JointKinds {
+        &self.kinds
     }
 
     /// Number of joints n.
@@ -187,54 +217,6 @@ impl Geometry {
             let start = PER_BASE + PER_JOINT * before + first;
             self.parameters[start..start + 2].copy_from_slice(&values);
         }
-    }
-
-    /// The same arm with axes nearer than `angle` \[rad\] to a right angle put there, gravity among
-    /// them, and the parameters that may move: all places, and directions farther away.
-    pub fn snapped(&self, angle: f64) -> (Self, Vec<usize>) {
-        let mut snapped = self.clone();
-        let mut free = Vec::new();
-        let right = nearest_right_angle(self.tilt());
-        if axis(self.tilt()).angle(&axis(right)) < angle {
-            snapped.set_tilt(right);
-        } else {
-            free.extend(0..PER_BASE);
-        }
-        for joint in 1..self.n_joints() {
-            let first = PER_BASE + PER_JOINT * (joint - 1);
-            let direction = self.direction(joint);
-            let right = nearest_right_angle(direction);
-            if axis(direction).angle(&axis(right)) < angle {
-                snapped.set_direction(joint, right);
-            } else {
-                free.extend([first, first + 1]);
-            }
-            free.extend(first + 2..first + PER_JOINT);
-        }
-        (snapped, free)
-    }
-
-    /// Whether the axis of a joint, not the first, is parallel to that of the joint before.
-    pub fn is_parallel(&self, joint: usize) -> bool {
-        axis(nearest_right_angle(self.direction(joint))).z.abs() > 0.5
-    }
-
-    /// The same arm but for one axis, which is turned to stand across the one before in each of four
-    /// ways; the axes beyond lie where they lay at q = 0.
-    pub fn turned_across(&self, joint: usize) -> Vec<Self> {
-        let turned = |direction: &[f64; 2]| {
-            let mut frames = self.placements();
-            let by = turn(*direction);
-            frames[joint].rotation *= by;
-            if let Some(next) = frames.get_mut(joint + 1) {
-                next.rotation = by.tr_mul(&next.rotation);
-                next.origin = by.tr_mul(&next.origin);
-            }
-            let (mut geometry, _) = Self::of_frames(&frames, self.gravity());
-            geometry.set_tilt(self.tilt());
-            geometry.coupled(self.coupling.clone())
-        };
-        RIGHT_ANGLES.iter().filter(|w| axis(**w).z.abs() < 0.5).map(turned).collect()
     }
 
     /// Acceleration of gravity \[m/s²\] in the base.

@@ -6,6 +6,7 @@
 //! and torque alone, and lists the energy terms that follow.
 
 pub mod error;
+pub mod joint;
 pub mod coupling;
 pub mod geometry;
 pub mod recursion;
@@ -22,6 +23,7 @@ pub mod usual_arm;
 pub use coupling::Coupling;
 pub use error::ChainError;
 pub use geometry::Geometry;
+pub use joint::{JointKind, JointKinds};
 pub use recursion::{Kinematics, Moved, State};
 pub use rows::Rows;
 pub use search::{Chain, Search, fit, refine, search};

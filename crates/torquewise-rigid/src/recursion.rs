@@ -5,10 +5,12 @@
 
 mod derivative;
 mod mass;
+mod prismatic;
 mod torque;
 
 use crate::coupling::Coupling;
 use crate::geometry::{Geometry, Placement};
+use crate::joint::JointKinds;
 use nalgebra::{Matrix3, SimdRealField, Vector3};
 use simba::simd::WideF64x4;
 
@@ -34,9 +36,12 @@ pub struct Kinematics {
     gravity: Vector3<f64>,
     /// How the coordinates turn the joints.
     coupling: Coupling,
+    /// Which of the joints turn and which slide.
+    kinds: JointKinds,
 }
 
-/// q \[rad\], q̇ \[rad/s\] and q̈ \[rad/s²\] of one instant, n each.
+/// q \[rad\], q̇ \[rad/s\] and q̈ \[rad/s²\] of one instant, n each; m in place of rad where a joint
+/// slides, and N in place of N·m.
 #[derive(Clone, Copy, Debug)]
 pub struct State<'a, T> {
     /// Joint positions.
@@ -84,6 +89,9 @@ pub struct Moved<T> {
     base: Body<T>,
     wrenches: Vec<Wrench<T>>,
     coupling: Coupling,
+    kinds: JointKinds,
+    /// q, q̇ and q̈ of each joint; empty where all turn.
+    slides: Vec<[T; 3]>,
 }
 
 fn splat<T: Scalar>(v: &Vector3<f64>) -> Vector3<T> {
@@ -101,15 +109,23 @@ fn along_z<T: Scalar>(z: T) -> Vector3<T> {
 impl Kinematics {
     /// The frames of a geometry.
     pub fn new(geometry: &Geometry) -> Self {
-        let coupling = geometry.coupling().clone();
-        Self { placements: geometry.placements(), gravity: geometry.gravity().into(), coupling }
+        let (coupling, kinds) = (geometry.coupling().clone(), geometry.kinds().clone());
+        let gravity = geometry.gravity().into();
+        Self { placements: geometry.placements(), gravity, coupling, kinds }
     }
 
-    /// Frames given one by one; joint i turns about z of frame i.
+    /// Frames given one by one; joint i turns about z of frame i, or slides along it.
     ///
     /// - `gravity`: \[m/s²\], in the base
     pub fn of_frames(placements: Vec<Placement>, gravity: [f64; 3]) -> Self {
-        Self { placements, gravity: gravity.into(), coupling: Coupling::default() }
+        let (coupling, kinds) = (Coupling::default(), JointKinds::default());
+        Self { placements, gravity: gravity.into(), coupling, kinds }
+    }
+
+    /// The same frames, of which some slide.
+    #[must_use]
+    pub fn of_kinds(self, kinds: JointKinds) -> Self {
+        Self { kinds, ..self }
     }
 
     /// The same chain where nothing weighs.
@@ -137,13 +153,22 @@ impl Kinematics {
     fn move_bodies<T: Scalar>(&self, state: impl Fn(usize) -> [T; 3], moved: &mut Moved<T>) {
         moved.base = Body { acceleration: -splat(&self.gravity), ..Body::at_rest() };
         moved.coupling.clone_from(&self.coupling);
+        moved.kinds.clone_from(&self.kinds);
+        moved.slides.clear();
         moved.bodies.clear();
         moved.bodies.reserve(self.n_joints());
         let mut before = moved.base;
         for (joint, placement) in self.placements.iter().enumerate() {
             let [q, dq, ddq] =
                 [0, 1, 2].map(|signal| self.coupling.drive(joint, |joint| state(joint)[signal]));
-            before = before.next(placement, q, dq, ddq);
+            if !self.kinds.all_turn() {
+                moved.slides.push([q, dq, ddq]);
+            }
+            before = if self.kinds.slides(joint) {
+                before.slid(placement, q, dq, ddq)
+            } else {
+                before.next(placement, q, dq, ddq)
+            };
             moved.bodies.push(before);
         }
     }
@@ -166,9 +191,14 @@ impl Kinematics {
         let mut origin = Vector3::zeros();
         let mut sum = Vector3::zeros();
         for (joint, placement) in self.placements.iter().enumerate() {
-            let (sin, cos) = self.coupling.drive(joint, |joint| q[joint]).sin_cos();
             origin += turned * placement.origin;
-            turned *= turned_about_z(&placement.rotation, sin, cos);
+            if self.kinds.slides(joint) {
+                turned *= placement.rotation;
+                origin += turned.column(2) * q[joint];
+            } else {
+                let (sin, cos) = self.coupling.drive(joint, |joint| q[joint]).sin_cos();
+                turned *= turned_about_z(&placement.rotation, sin, cos);
+            }
             let body = &inertial[PER_BODY * joint..];
             sum += origin * body[0] + turned * Vector3::new(body[1], body[2], body[3]);
         }
@@ -184,8 +214,14 @@ fn turned_about_z<T: Scalar>(rotation: &Matrix3<T>, sin: T, cos: T) -> Matrix3<T
 
 impl<T: Scalar> Default for Moved<T> {
     fn default() -> Self {
-        let coupling = Coupling::default();
-        Self { bodies: Vec::new(), base: Body::at_rest(), wrenches: Vec::new(), coupling }
+        Self {
+            bodies: Vec::new(),
+            base: Body::at_rest(),
+            wrenches: Vec::new(),
+            coupling: Coupling::default(),
+            kinds: JointKinds::default(),
+            slides: Vec::new(),
+        }
     }
 }
 
@@ -200,7 +236,7 @@ impl<T: Scalar> Moved<T> {
         for (joint, body) in self.bodies.iter().enumerate().rev() {
             wrench = wrench.plus(&body.wrench(&Inertia::of(&inertial[PER_BODY * joint..])));
             self.wrenches.push(wrench);
-            torque[joint] = wrench.moment.z;
+            torque[joint] = wrench.effort(self.kinds.slides(joint));
             wrench = wrench.before(body);
         }
         self.wrenches.reverse();
@@ -226,6 +262,10 @@ impl<T: Scalar> Moved<T> {
     /// The regressor of the torques of the joints of the chain.
     fn regressor_of_chain(&self, mut put: impl FnMut(usize, usize, T)) {
         for joint in 0..self.bodies.len() {
+            if self.kinds.slides(joint) {
+                self.regressor_of_slide(joint, &mut put);
+                continue;
+            }
             // The axis of the joint, and the arm from it to the body, in the frame of the body.
             let (mut axis, mut arm) = (along_z(T::one()), Vector3::zeros());
             for (k, body) in self.bodies.iter().enumerate().skip(joint) {
@@ -323,6 +363,12 @@ impl<T: Scalar> Wrench<T> {
 
     fn plus(&self, other: &Self) -> Self {
         Self { force: self.force + other.force, moment: self.moment + other.moment }
+    }
+
+    /// What the motor of a joint holds of it: its moment about z, or its force along it.
+    #[inline]
+    fn effort(&self, slides: bool) -> T {
+        if slides { self.force.z } else { self.moment.z }
     }
 
     /// The same in the frame before that of a body.

@@ -3,6 +3,7 @@
 use crate::coupling::Coupling;
 use crate::error::ChainError;
 use crate::geometry::{Geometry, PER_BASE, PER_JOINT, RIGHT_ANGLES};
+use crate::joint::JointKinds;
 use crate::levenberg_marquardt::{Fitted, Target};
 use crate::recursion::{Lanes, MOST_JOINTS, Moved, N_LANES, PER_BODY};
 use crate::rows::Rows;
@@ -40,6 +41,8 @@ pub struct Search {
     pub seed: u64,
     /// How logged coordinates turn the joints of the starts.
     pub coupling: Coupling,
+    /// Which of the joints of the starts turn and which slide.
+    pub kinds: JointKinds,
 }
 
 impl Default for Search {
@@ -56,6 +59,7 @@ impl Default for Search {
             prior: 7.5e-3,
             seed: 0,
             coupling: Coupling::default(),
+            kinds: JointKinds::default(),
         }
     }
 }
@@ -211,7 +215,7 @@ pub fn search(rows: &Rows, search: &Search, watch: Watch<'_>) -> Result<Found, C
     }
     let weights = first_weights(rows);
     let (glance, start) = (rows.thinned(search.glance_rows), rows.thinned(search.start_rows));
-    let free = all_parameters(n);
+    let free = Geometry::straight(n).of_kinds(search.kinds.clone()).movable();
     let made = |place: usize| {
         let fitted = right_angles(&glance, &weights, (search, place), watch)?;
         // A joint whose torque is mostly noise must not dominate the others.
@@ -335,13 +339,16 @@ fn right_angles(
     let n = rows.n_joints();
     let mut random = ChaCha8Rng::seed_from_u64(search.seed);
     random.set_stream(place as u64);
-    let mut geometry = Geometry::straight(n).coupled(search.coupling.clone());
+    let mut geometry =
+        Geometry::straight(n).coupled(search.coupling.clone()).of_kinds(search.kinds.clone());
     let (usual, strength) = (UsualArm::near(&geometry), 0.0);
     let target = Target { rows, weights, ridge: search.ridge, usual, strength };
     for joint in 1..n {
         geometry.set_direction(joint, RIGHT_ANGLES[random.random_range(0..RIGHT_ANGLES.len())]);
         let place = [random.random_range(-PLACE..PLACE), random.random_range(-PLACE..PLACE)];
-        geometry.set_place(joint, place);
+        if geometry.has_place(joint) {
+            geometry.set_place(joint, place);
+        }
     }
     let mut best = target.fit(&geometry).ok()?;
     let mut least = logarithm(&best, &target);

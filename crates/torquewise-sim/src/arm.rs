@@ -8,23 +8,24 @@ use std::f64::consts::PI;
 use torquewise_motion::unfit_joint_name;
 use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::recursion::PER_BODY;
-use torquewise_rigid::{Geometry, Kinematics};
+use torquewise_rigid::{Geometry, JointKind, JointKinds, Kinematics};
 
 /// Gravity \[m/s²\] where none is given: along −z of the world.
 pub(crate) const STANDARD_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
-/// A revolute joint and the body it turns, in the frame J that turns with it.
+/// A joint and the body it moves, in the frame J that moves with it.
 #[derive(Clone, Debug)]
 pub(crate) struct Joint {
     /// J at q = 0, seen from the joint before (the world for the first).
     pub(crate) X_PJ: Pose,
-    /// Direction the joint turns about, in J.
+    pub(crate) kind: JointKind,
+    /// Direction the joint turns about or slides along, in J.
     pub(crate) axis: Unit<Vector3<f64>>,
     /// All that moves with this joint and not with the next, in J.
     pub(crate) body: Body,
-    /// Inertia of the motor's rotor \[kg·m²\] as felt at the joint: gear² × rotor.
+    /// Inertia of the motor's rotor \[kg·m²\], or \[kg\] of a slide, as felt at the joint: gear² × rotor.
     pub(crate) rotor: f64,
-    /// Positions \[rad\] that simulated motions keep to.
+    /// Positions \[rad, m\] that simulated motions keep to.
     pub(crate) range: [f64; 2],
     pub(crate) limits: JointLimits,
 }
@@ -49,7 +50,7 @@ impl JointLimits {
     }
 }
 
-/// A serial arm of revolute joints on a fixed base, with all its masses known.
+/// A serial arm of joints that turn or slide, on a fixed base, with all its masses known.
 ///
 /// The truth that simulated logs are made from. Equations are those of a rigid arm,
 /// τ = M(q) q̈ + C(q, q̇) q̇ + G(q), method.md (1).
@@ -86,7 +87,8 @@ impl Arm {
         }
         joints.iter().try_for_each(|(name, joint)| joint.check(name))?;
         let (joint_names, joints): (_, Vec<Joint>) = joints.into_iter().unzip();
-        let kinematics = Kinematics::of_frames(placements(&joints), gravity);
+        let kinematics =
+            Kinematics::of_frames(placements(&joints), gravity).of_kinds(kinds(&joints));
         let inertial = joints.iter().flat_map(Joint::inertial_parameters).collect();
         Ok(Self { name, joint_names, joints, gravity, kinematics, inertial })
     }
@@ -111,7 +113,12 @@ impl Arm {
         self.gravity
     }
 
-    /// Lower and upper position \[rad\] of each joint that simulated motions keep to, n.
+    /// Which of its joints turn and which slide.
+    pub fn kinds(&self) -> JointKinds {
+        kinds(&self.joints)
+    }
+
+    /// Lower and upper position \[rad, m\] of each joint that simulated motions keep to, n.
     pub fn ranges(&self) -> Vec<[f64; 2]> {
         self.joints.iter().map(|joint| joint.range).collect()
     }
@@ -142,7 +149,7 @@ impl Arm {
 
     /// Where its axes lie, as a fit is told of them.
     pub fn geometry(&self) -> Geometry {
-        Geometry::of_frames(&placements(&self.joints), self.gravity).0
+        Geometry::of_joints(&placements(&self.joints), &self.kinds(), self.gravity).0
     }
 }
 
@@ -153,6 +160,8 @@ pub struct ArmParts {
     pub name: String,
     /// Joint names, base to tip, n.
     pub joints: Vec<String>,
+    /// Which of them turn and which slide.
+    pub kinds: JointKinds,
     /// The frame of each joint at q = 0 in the one before, z the axis, n.
     pub placements: Vec<Placement>,
     /// Gravity in the frame of the base \[m/s²\].
@@ -171,16 +180,19 @@ impl Arm {
     /// # Errors
     /// The variant of [`SimError`] that names the joint or number at fault.
     pub fn from_parts(parts: ArmParts) -> Result<Self> {
-        let ArmParts { name, joints, placements, gravity, inertial, rotors, limits } = parts;
+        let ArmParts { name, joints, kinds, placements, gravity, inertial, rotors, limits } = parts;
         let frames = joints.into_iter().zip(placements).zip(inertial.chunks_exact(PER_BODY));
         let frames = frames.zip(rotors.into_iter().zip(limits));
-        let all = frames.map(|(((name, placement), body), (rotor, (range, velocity)))| {
+        let all = frames.enumerate().map(|(k, frame)| {
+            let (((name, placement), body), (rotor, (range, velocity))) = frame;
+            let kind = kinds.of(k);
             let joint = Joint {
+                kind,
                 X_PJ: Pose { R_AB: placement.rotation, p_AB: placement.origin },
                 axis: Vector3::z_axis(),
                 body: Body::of_parameters(&std::array::from_fn(|k| body[k])),
                 rotor,
-                range: at_most_one_turn(range),
+                range: motion_range(kind, range),
                 limits: JointLimits::new(range, velocity, 0.0),
             };
             (name, joint)
@@ -199,6 +211,10 @@ fn placements(joints: &[Joint]) -> Vec<Placement> {
         Placement { rotation: X_ZZ.R_AB, origin: X_ZZ.p_AB }
     });
     placed.collect()
+}
+
+fn kinds(joints: &[Joint]) -> JointKinds {
+    joints.iter().map(|joint| joint.kind).collect::<Vec<_>>().into()
 }
 
 impl Joint {
@@ -238,8 +254,13 @@ pub(crate) fn direction(joint: &str, axis: [f64; 3]) -> Result<Unit<Vector3<f64>
         .ok_or_else(|| SimError::NoDirection { what: format!("axis of joint `{joint}`") })
 }
 
+/// Positions that simulated motions keep to: of a slide its limits, which it must have.
+pub(crate) fn motion_range(kind: JointKind, limits: [f64; 2]) -> [f64; 2] {
+    if kind.turns() { at_most_one_turn(limits) } else { limits }
+}
+
 /// At most one turn of a joint's range, about its middle; a full turn where there is no limit.
-pub(crate) fn at_most_one_turn([lower, upper]: [f64; 2]) -> [f64; 2] {
+fn at_most_one_turn([lower, upper]: [f64; 2]) -> [f64; 2] {
     let (middle, half) = (f64::midpoint(lower, upper), (upper - lower) / 2.0);
     if half > 0.0 && half.is_finite() {
         [middle - half.min(PI), middle + half.min(PI)]

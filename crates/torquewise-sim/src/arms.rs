@@ -24,16 +24,23 @@ macro_rules! summary {
     };
 }
 
-const BUILTIN: [(ArmSummary, &str); 6] = [
+const BUILTIN: [(ArmSummary, &str); 9] = [
     summary!("planar-2", 2, "two links in a vertical plane, whose equations fit on one line"),
     summary!("puma560-3", 3, "first three joints of the PUMA 560, the arm of the paper"),
     summary!("generic-4", 4, "palletiser: waist, shoulder, elbow and a turning gripper flange"),
     summary!("generic-5", 5, "small assembly arm with pitching and rolling wrist"),
     summary!("generic-6", 6, "industrial arm with spherical wrist"),
     summary!("generic-7", 7, "redundant lightweight arm with offset-free shoulder and wrist"),
+    summary!("gantry-3", 3, "gantry: three slides across each other, the last a lift"),
+    summary!("scara-4", 4, "SCARA: two parallel turns, a sliding spindle that turns (RRPR)"),
+    summary!(
+        "surgical-6",
+        6,
+        "surgical arm: yaw, pitch, a sliding instrument and its wrist (RRPRRR)"
+    ),
 ];
 
-/// The reference arms, fewest joints first.
+/// The reference arms, fewest joints first, then those that slide.
 pub fn arms() -> Vec<ArmSummary> {
     BUILTIN.iter().map(|(summary, _)| *summary).collect()
 }

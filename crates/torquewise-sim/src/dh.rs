@@ -7,6 +7,7 @@ use crate::spatial::{Body, Pose};
 use nalgebra::Vector3;
 use serde::Deserialize;
 use std::f64::consts::PI;
+use torquewise_rigid::JointKind;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -34,6 +35,8 @@ struct Row {
     #[serde(default)]
     rotor: f64,
     range: Option<[f64; 2]>,
+    #[serde(default)]
+    kind: JointKind,
 }
 
 fn standard_gravity() -> [f64; 3] {
@@ -48,8 +51,8 @@ impl Arm {
     /// `name`, `a`, `alpha`, `d`, `mass` \[kg\], `com` \[m\] and `inertia` \[kg·m²\] about it as
     /// `[ixx, iyy, izz, ixy, ixz, iyz]`, both in frame i. Optional are `offset`, `rotor` (inertia
     /// \[kg·m²\] of the motor as felt at the joint) and `range` (`[lower, upper]` \[rad\] that
-    /// simulated motions keep to, one turn by default). Beside `name`, the file may give `gravity`
-    /// \[m/s²\] (`[0, 0, -9.81]`) and `base_rpy` \[rad\], the base's roll, pitch, yaw in the world.
+    /// simulated motions keep to, one turn by default). A row of `kind = "prismatic"` slides along z of
+    /// frame i−1, by `d` + q, and needs a `range` \[m\]. Beside `name`, the file may give `gravity` \[m/s²\] (`[0, 0, -9.81]`) and `base_rpy` \[rad\], the base's roll, pitch, yaw in the world.
     ///
     /// ```
     /// let arm = torquewise_sim::Arm::from_dh_toml(
@@ -81,17 +84,18 @@ impl Arm {
         check_finite("base_rpy", &table.name, &table.base_rpy)?;
         let mut X_PF = Pose::from_xyz_rpy([0.0; 3], table.base_rpy);
         for row in table.joints {
-            // Frame J turns with the joint but sits where the joint is, before d, a and alpha.
+            // Frame J moves with the joint but sits where the joint is, before d, a and alpha.
             let X_PJ = X_PF * Pose::from_dh(row.offset, 0.0, 0.0, 0.0);
             let X_JF = Pose::from_dh(0.0, row.d, row.a, row.alpha);
             let body = Body::new(row.mass, row.com, row.inertia);
             check_body(&row.name, &body)?;
             let joint = Joint {
                 X_PJ,
+                kind: row.kind,
                 axis: Vector3::z_axis(),
                 body: body.seen_from(&X_JF),
                 rotor: row.rotor,
-                range: row.range.unwrap_or([-PI, PI]),
+                range: row.range.unwrap_or(if row.kind.turns() { [-PI, PI] } else { [0.0; 2] }),
                 limits: JointLimits { position: row.range, ..JointLimits::default() },
             };
             joints.push((row.name, joint));

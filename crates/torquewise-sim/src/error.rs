@@ -51,7 +51,7 @@ pub enum SimError {
     #[error("cannot lock joint `{joint}`, the URDF has no such joint")]
     #[diagnostic(help("choose from {known}"))]
     UnknownLocked { joint: String, known: String },
-    #[error("only revolute and continuous joints may move, found {joints}")]
+    #[error("only revolute, continuous and prismatic joints may move, found {joints}")]
     #[diagnostic(help("lock them (at 0, mass kept)"))]
     UnsupportedJoints { joints: String },
     #[error("the arm branches at link `{link}`")]
@@ -80,8 +80,10 @@ pub enum SimError {
     #[error("inertia of `{place}` has a negative principal moment")]
     #[diagnostic(help("check the signs and the order ixx, iyy, izz, ixy, ixz, iyz"))]
     Inertia { place: String },
-    #[error("range of joint `{joint}` is [{lower}, {upper}] rad")]
-    #[diagnostic(help("give lower < upper, within the limits of the arm"))]
+    #[error("range of joint `{joint}` is [{lower}, {upper}]")]
+    #[diagnostic(help(
+        "give lower < upper, within the limits of the arm; a joint that slides must have limits"
+    ))]
     Range { joint: String, lower: f64, upper: f64 },
     #[error("the friction cannot be read")]
     #[diagnostic(help("write a table with `coulomb` for each joint that rubs"))]

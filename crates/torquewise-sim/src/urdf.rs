@@ -6,7 +6,7 @@ pub mod edit;
 mod robot;
 mod tree;
 
-use crate::arm::{Arm, Joint, JointLimits, STANDARD_GRAVITY, at_most_one_turn, direction};
+use crate::arm::{Arm, Joint, JointLimits, STANDARD_GRAVITY, direction, motion_range};
 use crate::error::Result;
 use robot::Robot;
 use tree::Tree;
@@ -16,14 +16,14 @@ pub use chain::{UrdfChain, UrdfInertial, UrdfJoint};
 impl Arm {
     /// Reads an arm from URDF text, its base fixed in the world, gravity −9.81 m/s² along z.
     ///
-    /// Revolute and continuous joints move. Fixed joints and the joints named in `locked` (held at
+    /// Revolute, continuous and prismatic joints move. Fixed joints and the joints named in `locked` (held at
     /// position 0, whatever their type) weld their links together: no mass is lost. Limits of a
     /// joint become the range of simulated motions and its [`Arm::limits`]; damping and friction
     /// are not read.
     ///
     /// # Errors
     /// `SimError::Urdf` and its neighbours if the text is no URDF;
-    /// `SimError::UnsupportedJoints` for moving prismatic, planar, floating, spherical or
+    /// `SimError::UnsupportedJoints` for moving planar, floating, spherical or
     /// mimic joints and `SimError::Branches` for a tree, both with the joints to lock;
     /// otherwise the variant that names the link, joint or number at fault.
     pub fn from_urdf(text: &str, locked: &[String]) -> Result<Self> {
@@ -36,12 +36,14 @@ impl Arm {
         for (joint, X_PJ, after) in chain {
             let range = if joint.kind == "continuous" { [0.0, 0.0] } else { joint.range };
             let [velocity, acceleration] = joint.peaks;
+            let kind = joint.moves();
             let moved = Joint {
                 X_PJ,
+                kind,
                 axis: direction(&joint.name, joint.axis)?,
                 body: tree.body(&after)?,
                 rotor: 0.0,
-                range: at_most_one_turn(range),
+                range: motion_range(kind, range),
                 limits: JointLimits::new(range, velocity, acceleration),
             };
             joints.push((joint.name.clone(), moved));

@@ -20,6 +20,12 @@ pub enum IdentifyError {
     #[error("the log has {rows} rows, at least {needed} are needed to fit {joints} joints")]
     #[diagnostic(help("record a longer motion"))]
     TooFewRows { rows: usize, needed: usize, joints: usize },
+    #[error("the log has {windows} windows to be simulated, at least {needed} are needed")]
+    #[diagnostic(help("record a longer motion without gaps, or do not refine by rollouts"))]
+    TooFewWindows { windows: usize, needed: usize },
+    #[error("sums of logs cannot be refined by rollouts, which need the logs themselves")]
+    #[diagnostic(help("fit the logs at once, or do not refine"))]
+    RolloutsOfSums,
     #[error("the regression of step {step} failed")]
     #[diagnostic(help("record more rows of this pattern, or fit in one shot by the method sindy"))]
     Step { step: String, source: SparseError },
@@ -46,6 +52,11 @@ pub enum IdentifyError {
     #[error("the counterbalanced joint {name} is not in the log, which has {joints}")]
     #[diagnostic(help("name one of these"))]
     NoSuchJoint { name: String, joints: String },
+    #[error("the kinds of joints {kinds} are not those of {joints}")]
+    #[diagnostic(help(
+        "give a letter for each joint, r where it turns and p where it slides, as a URDF has them where one is given"
+    ))]
+    Kinds { kinds: String, joints: String },
     #[error("{signal} of {joint} reaches {found:e}, which no arm does")]
     #[diagnostic(help("repair or drop such rows, and check the units"))]
     NoMotion { signal: &'static str, joint: String, found: f64 },

@@ -5,7 +5,8 @@ use crate::options::{FitOptions, Library};
 use crate::setting::OF_FIT;
 use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value, json};
-use torquewise_identify::plan::{FrictionKind, Regression};
+use torquewise_identify::plan::{FrictionKind, Refine, Regression};
+use torquewise_model::JointKinds;
 use torquewise_regression::select::Selector;
 use torquewise_regression::select::criterion::Criterion;
 use torquewise_regression::select::lasso::Lasso;
@@ -80,6 +81,12 @@ impl Word for FrictionKind {
     }
 }
 
+impl Word for Refine {
+    fn all() -> Vec<(&'static str, Self)> {
+        vec![("rollout", Self::Rollout)]
+    }
+}
+
 impl Word for Selector {
     fn all() -> Vec<(&'static str, Self)> {
         vec![
@@ -103,6 +110,15 @@ pub(crate) fn word<'de, D: Deserializer<'de>, T: Word>(deserializer: D) -> Resul
         let names: Vec<&str> = all.iter().map(|(own, _)| *own).collect();
         serde::de::Error::custom(format!("{word:?}: expected one of {}", names.join(", ")))
     })
+}
+
+/// `r,r,p,r`: a letter for each joint.
+pub(crate) fn joint_kinds<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<JointKinds>, D::Error> {
+    let text = String::deserialize(deserializer)?;
+    let wrong = || format!("{text:?}: expected r or p for each joint, as r,r,p,r");
+    JointKinds::read(&text).map(Some).ok_or_else(|| serde::de::Error::custom(wrong()))
 }
 
 pub(crate) fn some_word<'de, D: Deserializer<'de>, T: Word>(

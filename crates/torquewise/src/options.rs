@@ -1,14 +1,15 @@
 //! What is fitted to a log unless it is said otherwise, and which options go with it.
 
 use crate::error::{Error, Result};
-use crate::keywords::{some_word, word};
+use crate::keywords::{joint_kinds, some_word, word};
 use crate::setting::Remedy;
 use serde::Deserialize;
 use torquewise_identify::plan::{
-    ChainOptions, FrictionKind, KnownGeometry, LibraryOptions, Regression,
+    ChainOptions, FrictionKind, KnownGeometry, LibraryOptions, Refine, Regression,
 };
 use torquewise_identify::settings::Settings;
 use torquewise_identify::{LibraryKind, Method, PatternPlan, Plan};
+use torquewise_model::JointKinds;
 use torquewise_model::expansion::check_joints;
 use torquewise_regression::select::Selector;
 use torquewise_stepwise::activation::Scaling;
@@ -62,11 +63,17 @@ pub struct FitOptions {
     /// learned too.
     #[serde(skip)]
     pub geometry: Option<KnownGeometry>,
+    /// Which joints of a chain turn and which slide; else it is learned too.
+    #[serde(deserialize_with = "joint_kinds")]
+    pub kinds: Option<JointKinds>,
     /// Joints of a chain that a spring or a weight is known to balance.
     #[serde(rename = "counterbalance")]
     pub counterbalanced: Vec<String>,
     /// Whether the bias that noise in q, q̇, q̈ leaves is taken out (E7).
     pub noise_correction: bool,
+    /// What a chain is refined by once its torque is fitted, if by anything (E23).
+    #[serde(deserialize_with = "some_word")]
+    pub refine: Option<Refine>,
     /// Constants of the activation index.
     #[serde(deserialize_with = "word")]
     pub activation: Scaling,
@@ -89,8 +96,10 @@ impl Default for FitOptions {
             threshold: None,
             n_bootstrap: None,
             geometry: None,
+            kinds: None,
             counterbalanced: Vec::new(),
             noise_correction: true,
+            refine: None,
             activation: Scaling::default(),
             clusters: None,
             seed: 0,
@@ -199,7 +208,9 @@ impl FitOptions {
             None if self.geometry.is_some() => {
                 (Library::Chain, "the geometry of the arm is given".into())
             }
+            None if self.slides() => (Library::Chain, "a joint slides".into()),
             None if log.filtered => (Library::Chain, "the log is filtered".into()),
+            None if self.refine.is_some() => (Library::Chain, "it is to be refined".into()),
             None if self.has_friction() => (Library::Chain, "friction was asked for".into()),
             None if many => (Library::Chain, too_many),
             None if !self.counterbalanced.is_empty() => {
@@ -207,6 +218,11 @@ impl FitOptions {
             }
             None => (Library::Energy, "no other library was chosen".into()),
         }
+    }
+
+    /// Whether a joint is said to slide.
+    fn slides(&self) -> bool {
+        self.kinds.as_ref().is_some_and(|kinds| !kinds.all_turn())
     }
 
     fn has_friction(&self) -> bool {
@@ -229,7 +245,9 @@ impl FitOptions {
             ("threshold", self.threshold.is_some(), !chain, Remedy::Terms),
             ("n_bootstrap", self.n_bootstrap.is_some(), !chain, Remedy::Terms),
             ("urdf", self.geometry.is_some(), chain, Remedy::Chain),
+            ("kinds", self.slides(), chain, Remedy::Chain),
             ("counterbalance", !self.counterbalanced.is_empty(), chain, Remedy::Chain),
+            ("refine", self.refine.is_some(), chain, Remedy::Chain),
         ];
         for (setting, is_given, is_used, remedy) in all {
             if is_given && !is_used && !spared.contains(&setting) {
@@ -249,9 +267,11 @@ impl FitOptions {
                 let usual = ChainOptions::default();
                 Method::Chain(ChainOptions {
                     geometry: self.geometry.clone(),
+                    kinds: self.kinds.clone(),
                     friction: self.friction.unwrap_or(usual.friction),
                     counterbalanced: self.counterbalanced.clone(),
                     noise_correction: usual.noise_correction && self.noise_correction,
+                    refine: self.refine,
                 })
             }
         };

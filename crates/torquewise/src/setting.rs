@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// Names of the options of a fit that are plain values.
-pub(crate) const OF_FIT: [&str; 14] = [
+pub(crate) const OF_FIT: [&str; 16] = [
     "library",
     "method",
     "friction",
@@ -13,8 +13,10 @@ pub(crate) const OF_FIT: [&str; 14] = [
     "select",
     "threshold",
     "n_bootstrap",
+    "kinds",
     "counterbalance",
     "noise_correction",
+    "refine",
     "activation",
     "clusters",
     "seed",

@@ -31,6 +31,7 @@ pub fn arm(model: &Model) -> Result<Arm> {
     Ok(Arm::from_parts(ArmParts {
         name: "twin".to_owned(),
         joints: model.joints.clone(),
+        kinds: model.kinds(),
         placements: axes.placements(),
         gravity: axes.gravity(),
         inertial: chain.inertial(),

@@ -369,16 +369,20 @@ class Chain(_Estimator):
         friction: Literal["none", "linear", "stribeck", "auto"] | None = None,
         urdf: Path | None = None,
         counterbalance: Sequence[str] | None = None,
+        refine: Literal["rollout"] | None = None,
         noise_correction: bool = True,
         seed: int = 0,
         rate: float = 100.0,
+        kinds: str | None = None,
     ):
         self.friction = friction
         self.urdf = urdf
         self.counterbalance = counterbalance
+        self.refine = refine
         self.noise_correction = noise_correction
         self.seed = seed
         self.rate = rate
+        self.kinds = kinds
 
 
 class OneShot(_Estimator):

@@ -205,8 +205,12 @@ def fit(log: Any = None, *, progress: Progress = None, **options: Unpack[FitOpti
         ``"none"``, ``"linear"``, ``"stribeck"`` or ``"auto"``.
     urdf, lock, gravity
         File with the joint axes, its joints that are held at 0, direction of gravity at its base.
+    kinds
+        Which joints turn and which slide, base to tip, as ``"r,r,p,r"``; found in the log without.
     counterbalance
         Joints that a spring or a weight balances.
+    refine
+        ``"rollout"``: the rotors of a chain are moved so that simulated windows of the log drift less.
     select, threshold, n_bootstrap
         ``"bic"``, ``"lasso"`` or ``"stlsq"``, the threshold of the last, and how many resampled logs
         tell which terms stay.

@@ -43,7 +43,9 @@ class MethodOptions(TypedDict, total=False):
     urdf: Path | None
     lock: Sequence[str] | None
     gravity: Sequence[float] | None
+    kinds: str | None
     counterbalance: Sequence[str] | None
+    refine: Literal["rollout"] | None
     select: Literal["bic", "lasso", "stlsq"] | None
     threshold: float | None
     n_bootstrap: int | None

@@ -47,9 +47,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         text: format!(
             "{}{}\n{} rows\n{}{}",
             log.text(),
-            score_table::text(&scores),
+            score_table::text(&scores, &model.kinds()),
             scores.rows,
-            score_table::rollouts(&scores),
+            score_table::rollouts(&scores, &model.kinds()),
             conditioning::text(&repairs)
         ),
         json,

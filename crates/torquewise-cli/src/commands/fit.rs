@@ -20,7 +20,8 @@ use torquewise::evaluate::evaluate_prepared;
 use torquewise::identify::Warning;
 
 use torquewise::log::{Prepared, Rows};
-use torquewise::model::{Model, number};
+use torquewise::model::units::heading;
+use torquewise::model::{JointKinds, Model, number};
 use torquewise::page::{LogFile, Origin, page};
 use torquewise::summary::FitSummary;
 use torquewise::{Error, Fit, FitResult, Grade};
@@ -83,7 +84,7 @@ pub(crate) fn run(arguments: &Arguments, words: &[OsString]) -> Result<Outcome> 
     if let Some(test) = &test {
         let scores = evaluate_prepared(&fit.model, test, &watch())?;
         outcome.text += "\nOn the test log:\n\n";
-        outcome.text += &score_table::text(&scores);
+        outcome.text += &score_table::text(&scores, &fit.model.kinds());
         outcome.json["test"] = object(&scores);
         outcome.warnings.extend(scores.warnings);
         outcome.notes.extend(scores.notes);
@@ -160,7 +161,7 @@ pub(crate) fn outcome(fit: &FitResult, summary: &FitSummary<'_>, explain: bool) 
     if explain {
         text.push(steps(fit) + "\n");
     }
-    text.push(joints(summary));
+    text.push(joints(summary, &fit.model.kinds()));
     if explain {
         text.push(choices(&fit.model));
         text.push(format!(
@@ -209,8 +210,9 @@ fn steps(fit: &FitResult) -> String {
     steps.text()
 }
 
-fn joints(summary: &FitSummary<'_>) -> String {
-    let mut headings = vec!["joint", "terms", "residual [N·m]", "residual [% of std]"];
+fn joints(summary: &FitSummary<'_>, kinds: &JointKinds) -> String {
+    let residual = heading(kinds, "residual [N·m]");
+    let mut headings = vec!["joint", "terms", &residual, "residual [% of std]"];
     let mut errors = vec![summary.residual_rms, &summary.residual_percent];
     // The same figure as in the verdict.
     let pairs = summary.held_out_percent.iter().zip(&summary.held_out_by_region_percent);

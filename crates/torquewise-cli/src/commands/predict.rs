@@ -13,6 +13,7 @@ use serde_json::json;
 use std::path::PathBuf;
 use torquewise::log::Rows;
 use torquewise::logs::{Column, TableWriter, Values};
+use torquewise::model::units::heading;
 use torquewise::model::{Torque, number};
 use torquewise::motion::{Motion, ReadError, Recording};
 use torquewise::observe::Watched;
@@ -86,7 +87,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     )?;
     writer.finish()?;
     let (file, repairs) = (arguments.output.display(), logs.repairs());
-    let mut table = Table::new(["joint", "largest |tau| [N·m]"]);
+    let mut table =
+        Table::new(["joint".to_owned(), heading(&model.kinds(), "largest |tau| [N·m]")]);
     for (name, &largest) in model.joints.iter().zip(&largest) {
         table.row(name, [number(largest)]);
     }

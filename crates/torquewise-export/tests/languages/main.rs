@@ -10,7 +10,7 @@ mod ros;
 mod robots;
 
 use models::{
-    chain, coupled, energies, loaded, parallel, products, remembers, remembers_all, states,
+    chain, coupled, energies, loaded, parallel, products, remembers, remembers_all, sliding, states,
 };
 use std::io::Read;
 use std::path::Path;
@@ -30,7 +30,9 @@ fn arms() -> Vec<Model> {
     let of_more = [energies(6, 200, 3), parallel(6, 60, 5), energies(7, 300, 4)];
     let coupled = [coupled(3, true, 8), coupled(4, false, 9), coupled(6, false, 10)];
     let loaded = [loaded(chain(6, false, 5)), loaded(products(3, 20, 2))];
-    of_three.into_iter().chain(of_more).chain(chains()).chain(coupled).chain(loaded).collect()
+    let sliding = [sliding(3, true, 6), sliding(6, true, 7)];
+    let chains = chains().into_iter().chain(coupled).chain(sliding);
+    of_three.into_iter().chain(of_more).chain(chains).chain(loaded).collect()
 }
 
 /// Arms that are rigid chains, of axes at right angles and skew ones.

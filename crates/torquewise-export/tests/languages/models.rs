@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::rigid_chain::{Coupled, Coupling};
 use torquewise_model::{
-    Drive, EnergyTerm, Form, FrictionTerm, Model, Place, RigidChain, Stage, Term, Training, Trig,
-    Weighted,
+    Drive, EnergyTerm, Form, FrictionTerm, JointKind, Model, Place, RigidChain, Stage, Term,
+    Training, Trig, Weighted,
 };
 
 /// A state of an arm: q, q̇, q̈.
@@ -146,15 +146,8 @@ pub(crate) fn chain(n: usize, skew: bool, seed: u64) -> Model {
     let term = EnergyTerm { place: Place::Potential, function };
     let drives = rotors.chain([Drive::Energy { term: term.clone(), coefficient: -4.0 }]).collect();
     let (coupling, covariance) = (Coupling::default(), Vec::new());
-    let chain = RigidChain {
-        geometry,
-        fitted: Vec::new(),
-        links,
-        drives,
-        coupling,
-        robot: None,
-        covariance,
-    };
+    let chain =
+        RigidChain { geometry, links, drives, coupling, covariance, ..RigidChain::default() };
     let form = Form::Energy(vec![weighted(term, 1.0)]);
     Model { chain: Some(chain), ..model(n, form, friction(n), Vec::new()) }
 }
@@ -167,6 +160,23 @@ pub(crate) fn coupled(n: usize, skew: bool, seed: u64) -> Model {
         chain.coupling = Coupling::default()
             .with(Coupled { joint: n - 1, driver: n - 2, ratio: 2 })
             .with(Coupled { joint: 2, driver: 1, ratio: -1 });
+    }
+    model
+}
+
+/// The same whose second joint slides, and every third beyond it.
+pub(crate) fn sliding(n: usize, skew: bool, seed: u64) -> Model {
+    let mut model = chain(n, skew, seed);
+    if let Some(chain) = &mut model.chain {
+        let kind = |joint| if joint % 3 == 1 { JointKind::Prismatic } else { JointKind::Revolute };
+        chain.kinds = (0..n).map(kind).collect::<Vec<_>>().into();
+        let function = Term::one(n).times(Trig::Position, 1, 1, 2);
+        let spring = |drive: &mut Drive| {
+            if let Drive::Energy { term, .. } = drive {
+                term.function = function.clone();
+            }
+        };
+        chain.drives.iter_mut().for_each(spring);
     }
     model
 }

@@ -1,18 +1,17 @@
 //! Robot files, read back by others than their writer: they move as the model does.
 
-use crate::models::{chain, coupled, energies, states};
+use crate::models::{chain, coupled, energies, sliding, states};
 use approx::assert_relative_eq;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node};
 use torquewise_export::{ExportError, onto_urdf, to_mjcf, to_urdf};
-use torquewise_model::{Drive, Model, Torque};
+use torquewise_model::{Drive, JointKind, Model, Torque};
 use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::{Kinematics, Moved, State};
 use torquewise_sim::Arm;
 
 /// The arm without what no robot file holds.
-fn bare(n: usize, skew: bool, seed: u64) -> Model {
-    let mut model = chain(n, skew, seed);
+fn bare(mut model: Model) -> Model {
     model.friction.clear();
     if let Some(chain) = &mut model.chain {
         chain.drives.retain(|drive| matches!(drive, Drive::Rotor { .. }));
@@ -49,8 +48,10 @@ fn without_shared(model: &Model) -> Model {
 
 #[test]
 fn a_urdf_moves_as_the_model() {
-    for (n, skew) in [(3, false), (6, true), (7, false)] {
-        let model = bare(n, skew, 11);
+    let turning = [(3, false), (6, true), (7, false)].map(|(n, skew)| chain(n, skew, 11));
+    for model in turning.into_iter().chain([sliding(4, true, 11), sliding(6, false, 11)]) {
+        let (n, mut model) = (model.n_joints(), bare(model));
+        model.training.q_range = vec![[-3.0, 3.0]; n];
         let file = to_urdf(&model, "a test").unwrap();
         let document = Document::parse(&file.text).unwrap();
         let rotors: Vec<f64> = elements(document.root_element(), "dynamics")
@@ -78,11 +79,17 @@ fn kinematics(text: &str) -> (Kinematics, Vec<f64>) {
         let unit = UnitQuaternion::from_quaternion(Quaternion::new(w[0], w[1], w[2], w[3]));
         *unit.to_rotation_matrix().matrix()
     };
-    let (mut placements, mut inertial) = (Vec::new(), Vec::new());
+    let (mut placements, mut inertial, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
     for body in elements(document.root_element(), "body") {
         let origin = Vector3::from_column_slice(&vector(body, "pos"));
         placements.push(Placement { rotation: rotation(vector(body, "quat")), origin });
         let own = body.children().find(|node| node.has_tag_name("inertial")).unwrap();
+        let joint = body.children().find(|node| node.has_tag_name("joint")).unwrap();
+        kinds.push(match joint.attribute("type").unwrap() {
+            "hinge" => JointKind::Revolute,
+            "slide" => JointKind::Prismatic,
+            other => unreachable!("{other}"),
+        });
         let center = Vector3::from_column_slice(&vector(own, "pos"));
         let turned = rotation(vector(own, "quat"));
         let moments =
@@ -94,13 +101,15 @@ fn kinematics(text: &str) -> (Kinematics, Vec<f64>) {
         inertial.extend([mass, first.x, first.y, first.z, i.m11, i.m22, i.m33]);
         inertial.extend([i.m12, i.m13, i.m23]);
     }
-    (Kinematics::of_frames(placements, [0.0, 0.0, -9.81]), inertial)
+    let gravity = [0.0, 0.0, -9.81];
+    (Kinematics::of_frames(placements, gravity).of_kinds(kinds.into()), inertial)
 }
 
 #[test]
 fn an_mjcf_moves_as_the_model() {
-    for (n, skew) in [(3, true), (6, false), (7, true)] {
-        let model = bare(n, skew, 12);
+    let turning = [(3, true), (6, false), (7, true)].map(|(n, skew)| chain(n, skew, 12));
+    for model in turning.into_iter().chain([sliding(4, true, 12), sliding(6, false, 12)]) {
+        let (n, model) = (model.n_joints(), bare(model));
         let file = to_mjcf(&model, "a test").unwrap();
         let (kinematics, inertial) = kinematics(&file.text);
         let document = Document::parse(&file.text).unwrap();
@@ -152,7 +161,7 @@ fn what_no_robot_file_holds_is_named() {
     assert!(matches!(to_urdf(&energies(3, 25, 1), ""), Err(ExportError::NoChain)));
     let parallel = bare_links(coupled(3, true, 8));
     assert!(matches!(to_mjcf(&parallel, ""), Err(ExportError::Coupled)));
-    let mut weightless = bare(3, false, 1);
+    let mut weightless = bare(chain(3, false, 1));
     weightless.chain.as_mut().unwrap().links[1][0] = -1.0;
     let refused = to_urdf(&weightless, "").unwrap_err().to_string();
     assert!(refused.contains(&weightless.joints[1]), "{refused}");
@@ -160,16 +169,19 @@ fn what_no_robot_file_holds_is_named() {
 
 /// The same with links that can be.
 fn bare_links(mut model: Model) -> Model {
-    let links = bare(model.n_joints(), false, 5).chain.unwrap().links;
+    let links = bare(chain(model.n_joints(), false, 5)).chain.unwrap().links;
     model.chain.as_mut().unwrap().links = links;
     model
 }
 
 #[test]
 fn a_urdf_whose_axes_lie_elsewhere_is_refused() {
-    let model = bare(3, false, 11);
+    let model = bare(chain(3, false, 11));
     let text = to_urdf(&model, "").unwrap().text;
-    let other = to_urdf(&bare(3, true, 12), "").unwrap().text;
+    let other = to_urdf(&bare(chain(3, true, 12)), "").unwrap().text;
+    let slid = to_urdf(&bare(sliding(3, false, 11)), "").unwrap().text;
+    let refused = onto_urdf(&model, &slid, &[]).unwrap_err();
+    assert!(matches!(refused, ExportError::OtherGeometry { joint } if joint == model.joints[1]));
 
     let onto = onto_urdf(&without_shared(&model), &text, &[]).unwrap();
 

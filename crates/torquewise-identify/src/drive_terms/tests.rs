@@ -6,7 +6,8 @@ use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use torquewise_model::{
-    Drive, EnergyTerm, Form, FrictionTerm, Model, Place, Term, Torque, Training, Trig, Weighted,
+    Drive, EnergyTerm, Form, FrictionTerm, JointKind, Model, Place, Term, Torque, Training, Trig,
+    Weighted,
 };
 use torquewise_motion::{Motion, Signals};
 use torquewise_stepwise::friction::FrictionLibrary;
@@ -76,7 +77,7 @@ fn each_joint_has_its_own_rotor() {
 fn a_counterbalance_loads_its_joint_with_the_slope_of_its_energy() {
     let motion = states();
 
-    let columns = columns(&DriveTerm::counterbalance(N, 1), &motion, None);
+    let columns = columns(&DriveTerm::counterbalance(N, 1, JointKind::Revolute), &motion, None);
 
     for row in 0..motion.n_rows() {
         let q = motion.q()[(row, 1)];

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::RobotNames;
 use torquewise_motion::path::TRAVELS;
 use torquewise_motion::{Motion, Signals};
-use torquewise_rigid::{Chain, Coupling, Geometry, Rows};
+use torquewise_rigid::{Chain, Coupling, Geometry, JointKinds, Rows};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::noise::NoiseFloor;
 
@@ -21,6 +21,8 @@ pub(crate) struct Structure {
     pub(crate) chosen: usize,
     /// How logged coordinates turn the joints.
     pub(crate) coupling: Coupling,
+    /// Which of its joints turn and which slide.
+    pub(crate) kinds: JointKinds,
     /// What a URDF calls its parts, where one gave the geometry.
     pub(crate) robot: Option<RobotNames>,
     /// Parameters of the geometry that may move, ascending; the others stay, unless all rows
@@ -147,6 +149,7 @@ impl Linearisation {
             && self.structure.drive.iter().all(|term| term.n_joints() == n)
             && self.structure.chosen <= self.structure.drive.len()
             && self.structure.coupling.is_sound(n)
+            && self.structure.kinds.fit(n)
             && self.structure.free.iter().all(|&k| k < self.geometry.len())
             && self.structure.rest.len() == n
             && self.weights.len() == n
@@ -201,12 +204,18 @@ impl Linearisation {
         Ok(Self { scales: sizes.iter().map(scale).collect(), ..at })
     }
 
+    /// Where the axes lie, and what moves by them.
+    pub(crate) fn axes(&self) -> Result<Geometry, IdentifyError> {
+        let Structure { coupling, kinds, .. } = &self.structure;
+        Ok(Geometry::new(&self.geometry)?.coupled(coupling.clone()).of_kinds(kinds.clone()))
+    }
+
     /// The chain that is linearised.
     pub(crate) fn chain(&self) -> Result<Chain, IdentifyError> {
         let bodies = torquewise_rigid::recursion::PER_BODY * self.n_joints();
         let (inertial, drive) = self.linear.split_at(bodies);
         Ok(Chain {
-            geometry: Geometry::new(&self.geometry)?.coupled(self.structure.coupling.clone()),
+            geometry: self.axes()?,
             inertial: inertial.to_vec(),
             drive: drive.to_vec(),
             residual_rms: self.weights.iter().map(|weight| 1.0 / weight).collect(),

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_motion::path::TRAVELS;
-use torquewise_rigid::Geometry;
 use torquewise_rigid::feasible::{Positive, Prior};
 use torquewise_rigid::geometry::GRAVITY;
 use torquewise_rigid::inertia::plain_link;
 use torquewise_rigid::recursion::PER_BODY;
+use torquewise_rigid::{Geometry, JointKinds};
 use torquewise_stepwise::error::IdentifyError;
 
 /// Mass of a link over the cube of its length \[kg/m³\]: about that of robots of a few kilograms
@@ -53,18 +53,23 @@ pub(crate) struct Sizes {
 
 impl Sizes {
     /// Length \[m\] and mass \[kg\] of a link of an arm that takes such torques: those that a link
-    /// of the usual density makes by its weight, T = m g L with m = density · L³.
-    fn link(&self) -> (f64, f64) {
-        let torque = self.torque.iter().fold(0.0_f64, |most, torque| most.max(*torque));
-        let length = (torque / (DENSITY * GRAVITY)).powf(0.25).max(LEAST_LENGTH);
+    /// of the usual density makes by its weight, T = m g L with m = density · L³; of an arm that
+    /// slides alone, F = m g.
+    fn link(&self, kinds: &JointKinds) -> (f64, f64) {
+        let n = self.torque.len();
+        let turns = (0..n).any(|joint| kinds.of(joint).turns());
+        let counted = (0..n).filter(|&joint| kinds.of(joint).turns() == turns);
+        let torque = counted.fold(0.0_f64, |most, joint| most.max(self.torque[joint]));
+        let power = if turns { 0.25 } else { 1.0 / 3.0 };
+        let length = (torque / (DENSITY * GRAVITY)).powf(power).max(LEAST_LENGTH);
         (length, DENSITY * length.powi(3))
     }
 }
 
 /// Inertial parameters of plain links between the axes of a geometry, 10n.
-fn plain_arm(geometry: &[f64], sizes: &Sizes) -> Result<Vec<f64>, IdentifyError> {
-    let (length, mass) = sizes.link();
-    let placements = Geometry::new(geometry)?.placements();
+fn plain_arm(at: &Linearisation, sizes: &Sizes) -> Result<Vec<f64>, IdentifyError> {
+    let (length, mass) = sizes.link(&at.structure.kinds);
+    let placements = Geometry::new(&at.geometry)?.placements();
     let end = |k: usize| placements.get(k + 1).map_or_else(Vector3::zeros, |next| next.origin);
     let links = (0..placements.len()).flat_map(|k| plain_link(mass, &end(k), SPREAD * length));
     Ok(links.collect())
@@ -72,26 +77,31 @@ fn plain_arm(geometry: &[f64], sizes: &Sizes) -> Result<Vec<f64>, IdentifyError>
 
 /// What physics says of the parameters of a linearisation, and parameters that it allows.
 pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64>), IdentifyError> {
-    let bodies = plain_arm(&at.geometry, sizes)?;
+    let bodies = plain_arm(at, sizes)?;
     let mut start = bodies.clone();
     start.extend(at.parameters().into_iter().skip(bodies.len()));
     let of_bodies = bodies.chunks_exact(PER_BODY).map(|p| std::array::from_fn(|k| p[k])).collect();
     let mut prior = Prior { bodies: of_bodies, ..Prior::default() };
     let drive = &at.structure.drive;
     let first = bodies.len();
-    let (length, mass) = sizes.link();
-    let rotor = mass * (ROTOR_RADIUS * length).powi(2);
+    let kinds = &at.structure.kinds;
+    let (length, mass) = sizes.link(kinds);
+    let rotor_of = |shaft: &[f64]| {
+        // A slide feels its motor as a mass.
+        let slides = shaft.iter().enumerate().any(|(joint, s)| *s != 0.0 && kinds.slides(joint));
+        mass * if slides { 1.0 } else { (ROTOR_RADIUS * length).powi(2) }
+    };
     for (k, term) in drive.iter().enumerate() {
         let index = first + k;
         match term {
-            DriveTerm::Rotor(_) => {
-                let terms = vec![(index, 1.0)];
+            DriveTerm::Rotor(shaft) => {
+                let (terms, rotor) = (vec![(index, 1.0)], rotor_of(shaft));
                 prior.positive.push(Positive { least: 0.0, terms, nominal: rotor, weight: 1.0 });
                 start[index] = rotor;
             }
             DriveTerm::Friction(term) => {
                 let usual = usual_friction(term, sizes);
-                prior.small.push((index, deviation(term, sizes)));
+                prior.small.push((index, deviation(term, (sizes, kinds))));
                 let of_element = usual / TRAVELS.len() as f64;
                 if term.element().is_some() || term.load {
                     let (terms, nominal) = (vec![(index, 1.0)], of_element);
@@ -100,7 +110,7 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64
                 start[index] = match term.law {
                     FrictionLaw::Coulomb { .. } if term.direction.is_both() => usual,
                     FrictionLaw::Viscous if term.direction.is_both() => {
-                        usual / speed_of(term, sizes)
+                        usual / speed_of(term, (sizes, kinds))
                     }
                     FrictionLaw::Dahl { .. } => of_element,
                     _ => 0.0,
@@ -113,13 +123,17 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64
             }
         }
     }
-    prior.positive.extend(passive(drive, first, sizes));
+    prior.positive.extend(passive(drive, first, (sizes, kinds)));
     Ok((prior, start))
 }
 
 /// Sums of coefficients that are the friction of each shaft at a speed, times the direction: none
 /// may be negative. An offset is a load and no friction.
-fn passive(drive: &[DriveTerm], first: usize, sizes: &Sizes) -> Vec<Positive> {
+fn passive(
+    drive: &[DriveTerm],
+    first: usize,
+    (sizes, kinds): (&Sizes, &JointKinds),
+) -> Vec<Positive> {
     let laws: Vec<(usize, &FrictionTerm)> = (drive.iter().enumerate())
         .filter_map(|(k, term)| match term {
             DriveTerm::Friction(term) if term.law != FrictionLaw::Offset => Some((first + k, term)),
@@ -137,7 +151,7 @@ fn passive(drive: &[DriveTerm], first: usize, sizes: &Sizes) -> Vec<Positive> {
         let own: Vec<&(usize, &FrictionTerm)> =
             laws.iter().filter(|(_, term)| term.shaft == shaft && term.load == load).collect();
         let Some((_, any)) = own.first() else { continue };
-        let (peak, usual) = (speed_of(any, sizes), usual_friction(any, sizes));
+        let (peak, usual) = (speed_of(any, (sizes, kinds)), usual_friction(any, sizes));
         let even = (1..=EVEN_SPEEDS).map(|k| f64::from(k) / f64::from(EVEN_SPEEDS));
         let parts: Vec<f64> = even.chain(SLOW_SPEEDS).chain(FAST_SPEEDS).collect();
         for speed in parts.iter().flat_map(|part| [part * peak, -part * peak]) {
@@ -163,9 +177,11 @@ fn or_one(size: f64) -> f64 {
 }
 
 /// Peak speed of the shaft of a term \[rad/s\]. A joint that hardly moves in a log will elsewhere:
-/// it is taken to reach half the speed of the fastest.
-fn speed_of(term: &FrictionTerm, sizes: &Sizes) -> f64 {
-    let fastest = sizes.speed.iter().fold(LEAST_SPEED, |most, speed| most.max(*speed));
+/// it is taken to reach half the speed of the fastest of its kind.
+fn speed_of(term: &FrictionTerm, (sizes, kinds): (&Sizes, &JointKinds)) -> f64 {
+    let own = term.shaft.iter().position(|shaft| *shaft != 0.0).unwrap_or(0);
+    let alike = (0..sizes.speed.len()).filter(|&joint| kinds.of(joint) == kinds.of(own));
+    let fastest = alike.fold(LEAST_SPEED, |most, joint| most.max(sizes.speed[joint]));
     let parts = term.shaft.iter().zip(&sizes.speed).map(|(shaft, speed)| shaft.abs() * speed);
     or_one(parts.sum::<f64>().max(0.5 * fastest))
 }
@@ -184,7 +200,7 @@ fn usual_friction(term: &FrictionTerm, sizes: &Sizes) -> f64 {
 }
 
 /// How large a coefficient may well be.
-fn deviation(term: &FrictionTerm, sizes: &Sizes) -> f64 {
+fn deviation(term: &FrictionTerm, (sizes, kinds): (&Sizes, &JointKinds)) -> f64 {
     let torque = LARGE * torque_of(term, sizes);
-    if term.law == FrictionLaw::Viscous { torque / speed_of(term, sizes) } else { torque }
+    if term.law == FrictionLaw::Viscous { torque / speed_of(term, (sizes, kinds)) } else { torque }
 }

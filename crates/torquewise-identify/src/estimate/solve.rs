@@ -87,7 +87,10 @@ impl Step<'_> {
     /// away: a score test, the scores of blocks of time as its measure.
     fn released(&self, active: &[usize], tuning: &Tuning) -> Result<Vec<usize>, IdentifyError> {
         let p = self.before.len();
-        let held: Vec<usize> = (0..p).filter(|k| active.binary_search(k).is_err()).collect();
+        let (linear, movable) = (self.at.linear.len(), self.at.axes()?.movable());
+        let moves = |k: usize| k.checked_sub(linear).is_none_or(|k| movable.contains(&k));
+        let held: Vec<usize> =
+            (0..p).filter(|&k| active.binary_search(&k).is_err() && moves(k)).collect();
         if held.is_empty() || self.sums.blocks() < LEAST_BLOCKS {
             return Ok(Vec::new());
         }

@@ -107,7 +107,7 @@ impl Step<'_> {
     }
 
     /// The Gram matrix of a fold, the equations of the others, and their part of all rows.
-    fn without(&self, fold: usize) -> (Mat<f64>, Equations, f64) {
+    pub(super) fn without(&self, fold: usize) -> (Mat<f64>, Equations, f64) {
         let sums = self.sums;
         let held = sums.gram_of(fold);
         let share = 1.0 - self.share_of(fold);
@@ -117,7 +117,7 @@ impl Step<'_> {
     }
 
     /// RMS of the residual of a fold in units of the noise.
-    fn error(&self, held: &Mat<f64>, fold: usize, x: &[f64]) -> f64 {
+    pub(super) fn error(&self, held: &Mat<f64>, fold: usize, x: &[f64]) -> f64 {
         let equations = self.sums.rows_of(fold) as f64 * self.at.n_joints() as f64;
         (self.squares(held, x) / equations.max(1.0)).sqrt()
     }

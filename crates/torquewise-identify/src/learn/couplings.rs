@@ -20,16 +20,17 @@ const PROMISING: f64 = 0.7;
 const COUPLING_GAIN: f64 = 0.7;
 
 impl ChainLearner<'_> {
-    /// Searches the geometry, then looks for joints that the coordinate of the joint before turns
+    /// Looks beyond a geometry that was found for joints that the coordinate of the joint before turns
     /// as well, as behind a parallelogram \[E18\].
+    ///
+    /// - `chain`, `own`: what was found, and how its axes were chosen
     pub(super) fn coupled_geometry(
         &mut self,
         spec: &ChainSpec,
+        (mut chain, mut own): (Chain, Vec<Choice>),
         choices: &mut Vec<Choice>,
     ) -> Result<(ChainSpec, Chain), IdentifyError> {
-        let mut own = Vec::new();
         let mut best = spec.clone();
-        let mut chain = self.geometry(&mut best, None, &mut own)?;
         for _ in 0..MOST_COUPLED {
             let coupling = best.search.coupling.clone();
             let search = Search { coupling, ..spec.search.clone() };
@@ -64,7 +65,10 @@ impl ChainLearner<'_> {
         let pairs = (1..self.motion.n_joints())
             .flat_map(|joint| [-1, 1].map(|ratio| Coupled { joint, driver: joint - 1, ratio }));
         let is_new = |own: &Coupled| {
-            known.coupled().iter().all(|k| (k.joint, k.driver) != (own.joint, own.driver))
+            let turns = |joint: usize| spec.search.kinds.of(joint).turns();
+            turns(own.joint)
+                && turns(own.driver)
+                && known.coupled().iter().all(|k| (k.joint, k.driver) != (own.joint, own.driver))
         };
         let candidates: Vec<Coupled> = pairs.filter(is_new).collect();
         let watch = searching(self.watch);

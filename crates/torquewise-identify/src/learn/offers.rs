@@ -10,7 +10,7 @@ use torquewise_model::FrictionTerm;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
-use torquewise_rigid::Chain;
+use torquewise_rigid::{Chain, JointKinds};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::{CvScore, listed};
 use torquewise_stepwise::survey::thinned;
@@ -66,7 +66,7 @@ pub(super) fn balance_of(motion: &Motion, joint: usize) -> String {
 
 impl ChainLearner<'_> {
     /// Shafts that two neighbouring joints turn together, as in a coupled wrist.
-    pub(super) fn shafts(&self) -> Vec<Offer> {
+    pub(super) fn shafts(&self, kinds: &JointKinds) -> Vec<Offer> {
         let n = self.motion.n_joints();
         let of = |joint: usize| {
             let shared = |sign: f64| {
@@ -85,15 +85,19 @@ impl ChainLearner<'_> {
                 worth: WORTH_OF_SHAFT,
             }
         };
-        (1..n).map(of).collect()
+        let turns = |joint: usize| kinds.of(joint).turns();
+        (1..n).filter(|&joint| turns(joint - 1) && turns(joint)).map(of).collect()
     }
 
     /// Springs that balance a joint, but for those that are known.
-    pub(super) fn springs(&self, known: &[usize]) -> Vec<Offer> {
+    pub(super) fn springs(&self, known: &[usize], kinds: &JointKinds) -> Vec<Offer> {
         let n = self.motion.n_joints();
         let of = |joint: usize| Offer {
             what: balance_of(self.motion, joint),
-            ways: vec![("none", Vec::new()), ("spring", DriveTerm::counterbalance(n, joint))],
+            ways: vec![
+                ("none", Vec::new()),
+                ("spring", DriveTerm::counterbalance(n, joint, kinds.of(joint))),
+            ],
             usual: 0,
             worth: WORTH_OF_SPRING,
         };

@@ -5,8 +5,8 @@
 use faer::Mat;
 use torquewise_model::rigid_chain::{Coupled, Coupling};
 use torquewise_model::{
-    Drive, EnergyTerm, Form, Model, Place, RigidChain, Term, Torque, Trig, Weighted, check,
-    from_json, to_json,
+    Drive, EnergyTerm, Form, JointKinds, Model, Place, RigidChain, Term, Torque, Trig, Weighted,
+    check, from_json, to_json,
 };
 use torquewise_motion::{Motion, Signals};
 
@@ -23,7 +23,7 @@ fn model() -> Model {
     let links = [3.0, 2.0, 1.0].map(link).to_vec();
     let (coupling, covariance) = (Coupling::default(), vec![]);
     let chain =
-        RigidChain { geometry, fitted: vec![], links, drives, coupling, robot: None, covariance };
+        RigidChain { geometry, links, drives, coupling, covariance, ..RigidChain::default() };
     Model {
         joints: ["a", "b", "c"].map(String::from).to_vec(),
         form: Form::Energy(vec![]),
@@ -40,6 +40,17 @@ fn coupled() -> Model {
     chain.coupling = Coupling::default()
         .with(Coupled { joint: 1, driver: 0, ratio: 1 })
         .with(Coupled { joint: 2, driver: 1, ratio: -1 });
+    model
+}
+
+/// The same whose second joint slides, its spring along it.
+fn slid() -> Model {
+    let mut model = model();
+    let chain = model.chain.as_mut().unwrap();
+    chain.kinds = JointKinds::read("RPR").unwrap();
+    let function = Term::one(3).times(Trig::Position, 1, 1, 2);
+    let term = EnergyTerm { place: Place::Potential, function };
+    chain.drives[1] = Drive::Energy { term, coefficient: 40.0 };
     model
 }
 
@@ -69,7 +80,7 @@ fn largest(difference: &Mat<f64>) -> f64 {
 
 #[test]
 fn a_chain_moves_as_its_energies_say() {
-    for model in [model(), coupled()] {
+    for model in [model(), coupled(), slid()] {
         moves_as_its_energies_say(&model);
     }
 }
@@ -104,6 +115,51 @@ fn a_coupled_chain_is_physics_and_its_file_keeps_it() {
     assert_ne!(odd, file);
     let error = from_json(&odd).unwrap_err().to_string();
     assert!(error.contains("coupling"), "{error}");
+}
+
+#[test]
+fn an_arm_that_slides_is_physics_and_its_file_keeps_it() {
+    let model = slid();
+    let states = [(vec![0.3, -1.2, 2.1], vec![1.0, -0.4, 0.7])];
+    assert!(check(&model, &states).unwrap().passed());
+
+    let file = to_json(&model).unwrap();
+
+    assert_eq!(from_json(&file).unwrap(), model);
+    assert!(!to_json(&self::model()).unwrap().contains("kinds"));
+    for odd in [
+        file.replace("\"prismatic\",", "\"prismatic\", \"revolute\","),
+        file.replace("\"prismatic\"", "\"screw\""),
+    ] {
+        assert_ne!(odd, file);
+        let error = from_json(&odd).unwrap_err().to_string();
+        assert!(error.contains("kinds") || error.contains("screw"), "{error}");
+    }
+}
+
+#[test]
+fn a_coupled_joint_must_turn() {
+    let mut model = coupled();
+    model.chain.as_mut().unwrap().kinds = JointKinds::read("RPR").unwrap();
+
+    let error = to_json(&model).unwrap_err().to_string();
+
+    assert!(error.contains("slides is coupled"), "{error}");
+}
+
+#[test]
+fn coefficients_of_terms_are_those_of_the_list() {
+    let chain = slid().chain.unwrap();
+    let terms = chain.energy_terms().unwrap();
+    let wanted: Vec<EnergyTerm> = terms.iter().map(|(term, _)| term.clone()).collect();
+    assert!(wanted.iter().any(|term| term.name() == "M11: q2^2"), "{wanted:?}");
+
+    let found = chain.coefficients_of(&wanted).unwrap();
+
+    for (term, found) in wanted.iter().zip(found) {
+        let all = terms.iter().filter(|(own, _)| own == term).map(|(_, coefficient)| coefficient);
+        assert!((all.sum::<f64>() - found).abs() < 1e-12, "{}", term.name());
+    }
 }
 
 #[test]

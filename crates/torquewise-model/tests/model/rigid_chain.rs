@@ -5,7 +5,6 @@
 use faer::Mat;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::momentum_observer::MomentumObserver;
-use torquewise_model::rigid_chain::Coupling;
 use torquewise_model::{
     Drive, EnergyTerm, Form, FrictionTerm, Model, Place, RigidChain, Term, Torque, Trig, Weighted,
     from_json, to_json,
@@ -26,7 +25,6 @@ fn weighted<T>(term: T, coefficient: f64) -> Weighted<T> {
 /// Two links at odd angles, a rotor of a shared shaft and a spring.
 fn chain() -> RigidChain {
     RigidChain {
-        robot: None,
         geometry: vec![0.1, -0.2, 1.4, 0.05, 0.3, -0.1],
         fitted: vec![0, 2, 4],
         links: vec![LINK; 2],
@@ -34,8 +32,7 @@ fn chain() -> RigidChain {
             Drive::Rotor { shaft: vec![1.0, -0.5], inertia: 0.3 },
             Drive::Energy { term: spring(), coefficient: 1.5 },
         ],
-        coupling: Coupling::default(),
-        covariance: vec![],
+        ..RigidChain::default()
     }
 }
 

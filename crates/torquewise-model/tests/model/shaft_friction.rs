@@ -5,7 +5,6 @@
 use faer::Mat;
 use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::print::{friction_tables, text};
-use torquewise_model::rigid_chain::Coupling;
 use torquewise_model::selection::Selection;
 use torquewise_model::shaft_friction::{Estimated, FrictionParameters, ShaftFriction};
 use torquewise_model::{Form, FrictionTerm, Model, RigidChain, Weighted};
@@ -122,13 +121,10 @@ fn what_is_not_resolved_has_no_number() {
 /// A chain whose covariance is that of its friction alone, L Lᵀ.
 fn with_covariance(mut model: Model, root: &Mat<f64>) -> Model {
     let mut chain = RigidChain {
-        robot: None,
         geometry: vec![0.1, -0.2, 1.4, 0.05, 0.3, -0.1],
         fitted: vec![0, 2],
         links: vec![[0.0; 10]; 2],
-        drives: vec![],
-        coupling: Coupling::default(),
-        covariance: vec![],
+        ..RigidChain::default()
     };
     let (k, p) = (model.friction.len(), chain.n_parameters(model.friction.len()));
     let own = root * root.transpose();

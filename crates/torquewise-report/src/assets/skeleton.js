@@ -1,6 +1,6 @@
 /* The learned chain, moved by the log: forward kinematics, an orthographic view, a player. */
 function skeleton(figure, colour) {
-  const { joints, frames, gravity, t, q } = JSON.parse(figure.querySelector("script").textContent);
+  const { joints, frames, slides, gravity, t, q } = JSON.parse(figure.querySelector("script").textContent);
   const [canvas, play, slider, clock] = ["canvas", "button", "input", "output"].map((tag) => figure.querySelector(tag));
   const pen = canvas.getContext("2d");
   const times = (m, v) => [0, 3, 6].map((r) => m[r] * v[0] + m[r + 1] * v[1] + m[r + 2] * v[2]);
@@ -11,13 +11,15 @@ function skeleton(figure, colour) {
   const product = (a, b) => [0, 3, 6].flatMap((r) => [0, 1, 2].map((c) => a[r] * b[c] + a[r + 1] * b[c + 3] + a[r + 2] * b[c + 6]));
   const turnZ = (angle) => [Math.cos(angle), -Math.sin(angle), 0, Math.sin(angle), Math.cos(angle), 0, 0, 0, 1];
 
-  /* Origin and direction of each axis in the base: R ← R·Rᵢ·Rz(qᵢ), p ← p + R·pᵢ. */
+  /* Origin and direction of each axis in the base: R ← R·Rᵢ·Rz(qᵢ), p ← p + R·pᵢ; a slide p ← p + qᵢ R·z. */
   function axesAt(angles) {
     let [rotation, origin] = [[1, 0, 0, 0, 1, 0, 0, 0, 1], [0, 0, 0]];
     return frames.map((frame, i) => {
       origin = plus(origin, times(rotation, frame.origin));
-      rotation = product(product(rotation, frame.rotation), turnZ(angles[i]));
-      return { origin, axis: times(rotation, [0, 0, 1]) };
+      rotation = product(product(rotation, frame.rotation), turnZ(slides[i] ? 0 : angles[i]));
+      const axis = times(rotation, [0, 0, 1]);
+      if (slides[i]) origin = plus(origin, axis, angles[i]);
+      return { origin, axis };
     });
   }
 

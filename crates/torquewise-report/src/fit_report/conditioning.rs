@@ -4,6 +4,7 @@
 use crate::fit_report::Findings;
 use crate::html::number::significant;
 use crate::html::{Column, Item, Label, Section, Table};
+use torquewise_model::{JointKinds, units};
 use torquewise_motion::Repairs;
 
 const DIGITS: usize = 3;
@@ -72,7 +73,8 @@ fn reach(findings: &Findings<'_>) -> Table {
         [[low, high], peaks, torque].concat()
     };
     let caption = "Motion and torque of each joint in the log.".into();
-    per_joint(&survey.joints, caption, &columns, numbers)
+    let kinds = findings.found.model.kinds();
+    per_joint((&survey.joints, &kinds), caption, &columns, numbers)
 }
 
 fn noise(findings: &Findings<'_>) -> Table {
@@ -80,11 +82,12 @@ fn noise(findings: &Findings<'_>) -> Table {
     let columns = ["in q [rad]", "in q̇ [rad/s]", "in q̈ [rad/s²]"];
     let numbers = |joint: usize| vec![noise.q[joint], noise.dq[joint], noise.ddq[joint]];
     let caption = "Standard deviation of the white noise; 0 where none was found.".into();
-    per_joint(&findings.found.survey.joints, caption, &columns, numbers)
+    let kinds = findings.found.model.kinds();
+    per_joint((&findings.found.survey.joints, &kinds), caption, &columns, numbers)
 }
 
 fn per_joint(
-    joints: &[String],
+    (joints, kinds): (&[String], &JointKinds),
     caption: String,
     headings: &[&str],
     numbers: impl Fn(usize) -> Vec<f64>,
@@ -93,7 +96,7 @@ fn per_joint(
         let numbers = numbers(joint).into_iter().map(|x| significant(x, DIGITS).into());
         std::iter::once(name.as_str().into()).chain(numbers).collect()
     };
-    let columns = headings.iter().map(|heading| Column::numbers(*heading));
+    let columns = headings.iter().map(|text| Column::numbers(units::heading(kinds, text)));
     Table {
         caption,
         columns: std::iter::once(Column::words("joint")).chain(columns).collect(),

@@ -57,10 +57,11 @@ fn written(equation: Equation) -> Item {
 
 fn frictions(findings: &Findings<'_>) -> Vec<Equation> {
     let model = &findings.found.model;
+    let unit = |joint| model.kinds().of(joint).effort_unit();
     let equation = |(joint, friction): (usize, Vec<_>)| Equation {
         name: format!("Friction of {}", model.joints[joint]),
         left: math(&format!("F_{{{}}}=", joint + 1)),
-        note: format!("friction of {} [N·m]", model.joints[joint]),
+        note: format!("friction of {} [{}]", model.joints[joint], unit(joint)),
         friction,
         ..Equation::default()
     };
@@ -70,13 +71,14 @@ fn frictions(findings: &Findings<'_>) -> Vec<Equation> {
 
 fn torques(findings: &Findings<'_>) -> Vec<Equation> {
     let model = &findings.found.model;
+    let unit = |joint| model.kinds().of(joint).effort_unit();
     let equation = |(joint, (terms, friction)): (usize, (Vec<Weighted<Term>>, _))| {
         let importance = &findings.diagnosis.importance[joint];
         let sizes = importance.iter().map(|term| (term.name.as_str(), term.rms)).collect();
         let all = Equation {
             name: format!("Torque of {}", model.joints[joint]),
             left: math(&format!(r"\tau_{{{}}}=", joint + 1)),
-            note: format!("{} [N·m]", model.joints[joint]),
+            note: format!("{} [{}]", model.joints[joint], unit(joint)),
             terms,
             friction,
             ..Equation::default()

@@ -8,11 +8,11 @@ use crate::html::number::significant;
 use crate::html::{Chart, Colour, Guide, Item, Mark, Section, Series};
 use faer::MatRef;
 use std::f64::consts::PI;
+use torquewise_model::units::unit;
 
 const MOST_POINTS: usize = 1_500;
 /// Half width of the interval that holds 95 % of a standard normal distribution.
 const TWO_SIGMA: f64 = 1.96;
-const UNIT: &str = "residual [N·m]";
 
 pub(crate) fn section(findings: &Findings<'_>) -> Section {
     let words = "Measured minus predicted torque. White noise looks like a band without shape, \
@@ -23,14 +23,20 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
     for joint in 0..findings.n_joints() {
         let residual = Residual { findings, joint };
         let score = &findings.diagnosis.scores.joints[joint];
+        let kind = findings.found.model.kinds().of(joint);
         let charts = vec![
-            residual.over(findings.diagnosis.trace.motion.dq(), "velocity [rad/s]"),
-            residual.over(findings.diagnosis.trace.motion.q(), "position [rad]"),
+            residual.over(findings.diagnosis.trace.motion.dq(), &unit(kind, "velocity [rad/s]")),
+            residual.over(findings.diagnosis.trace.motion.q(), &unit(kind, "position [rad]")),
             residual.histogram(),
             residual.autocorrelation(),
         ];
         items.push(Item::Details {
-            summary: format!("{}, RMSE {} N·m", score.name, significant(score.rmse, 3)),
+            summary: format!(
+                "{}, RMSE {} {}",
+                score.name,
+                significant(score.rmse, 3),
+                kind.effort_unit()
+            ),
             items: vec![Item::Charts(vec![residual.over_time(&clock)]), Item::Charts(charts)],
         });
     }
@@ -43,6 +49,10 @@ struct Residual<'a> {
 }
 
 impl Residual<'_> {
+    fn label(&self) -> String {
+        unit(self.findings.found.model.kinds().of(self.joint), "residual [N·m]")
+    }
+
     /// Residual at a row of the trace \[N·m\].
     fn at(&self, row: usize) -> f64 {
         let trace = &self.findings.diagnosis.trace;
@@ -52,7 +62,7 @@ impl Residual<'_> {
 
     fn over_time(&self, clock: &Clock) -> Chart {
         let series = vec![Series::line("residual", clock.curve(|row| self.at(row)))];
-        let chart = Chart::over("Over time", [clock::LABEL, UNIT], series);
+        let chart = Chart::over("Over time", [clock::LABEL, &self.label()], series);
         let is_stepwise = self.findings.is_stepwise();
         let bands = is_stepwise.then(|| clock.bands(&self.findings.diagnosis.trace.patterns));
         Chart { bands: bands.unwrap_or_default(), linked: Some(LINK.into()), ..chart }
@@ -65,7 +75,7 @@ impl Residual<'_> {
         let points = rows.map(|row| [signal[(row, self.joint)], self.at(row)]).collect();
         let name = label.split(' ').next().unwrap_or(label);
         let series = vec![Series::new("residual", Mark::Cloud, Colour::Series(0), points)];
-        let chart = Chart::over(format!("Over {name}"), [label, UNIT], series);
+        let chart = Chart::over(format!("Over {name}"), [label, &self.label()], series);
         Chart { guides: vec![Guide::at_y(0.0, "")], ..chart }
     }
 
@@ -86,7 +96,7 @@ impl Residual<'_> {
             Series::new("residual", Mark::Bars, Colour::Measured, points),
             Series::new("normal curve of the same RMSE", Mark::Line, Colour::Series(1), curve),
         ];
-        Chart::over("Distribution", [UNIT, "rows"], series)
+        Chart::over("Distribution", [&self.label(), "rows"], series)
     }
 
     fn autocorrelation(&self) -> Chart {

@@ -5,7 +5,7 @@ use crate::fit_report::clock::{self, Clock};
 use crate::html::number::significant;
 use crate::html::{Chart, Colour, Item, Mark, Section, Series};
 use torquewise_identify::Diagnosis;
-use torquewise_model::{Model, Torque};
+use torquewise_model::{JointKind, Model, Torque, units};
 
 /// Charts of time with this word share their zoom.
 pub(crate) const LINK: &str = "time";
@@ -33,7 +33,9 @@ fn charts(findings: &Findings<'_>, diagnosis: &Diagnosis, link: &str) -> Item {
     let friction = friction(&findings.found.model, diagnosis);
     let clock = Clock::new(diagnosis.trace.motion.t());
     let joints = 0..diagnosis.scores.joints.len();
-    let charts = joints.map(|joint| chart(diagnosis, &clock, (joint, &friction[joint]), link));
+    let kinds = findings.found.model.kinds();
+    let of = |joint: usize| (joint, kinds.of(joint), &friction[joint][..]);
+    let charts = joints.map(|joint| chart(diagnosis, &clock, of(joint), link));
     Item::Charts(charts.collect())
 }
 
@@ -52,7 +54,7 @@ fn friction(model: &Model, diagnosis: &Diagnosis) -> Vec<Vec<f64>> {
 fn chart(
     diagnosis: &Diagnosis,
     clock: &Clock,
-    (joint, friction): (usize, &[f64]),
+    (joint, kind, friction): (usize, JointKind, &[f64]),
     link: &str,
 ) -> Chart {
     let trace = &diagnosis.trace;
@@ -67,6 +69,6 @@ fn chart(
     });
     let title = format!("{}, NRMSE {} %", score.name, significant(score.nrmse_percent, 3));
     let series = measured.into_iter().chain([predicted]).chain(friction).collect();
-    let chart = Chart::over(title, [clock::LABEL, "torque [N·m]"], series);
+    let chart = Chart::over(title, [clock::LABEL, &units::unit(kind, "torque [N·m]")], series);
     Chart { linked: Some(link.into()), ..chart }
 }

@@ -7,7 +7,7 @@ use minijinja::{Value, context};
 use pulldown_latex::{Parser, RenderConfig, Storage, push_mathml};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::print::{weighted_energies, with_error};
-use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term, Weighted};
+use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term, Trig, Weighted};
 
 /// A sum with its left side, before it is written.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -106,7 +106,14 @@ const CERTAIN: f64 = 0.995;
 /// The equations of an energy: M₁₁, M₁₂, …, then V.
 pub fn energies(terms: &[Weighted<EnergyTerm>]) -> Vec<Equation> {
     let equation = |(at, terms): (Place, Vec<Weighted<Term>>)| {
-        let unit = if at == Place::Potential { "J" } else { "kg·m²" };
+        let slides = terms.iter().flat_map(|own| &own.term.factors);
+        let slides = slides.into_iter().any(|factor| factor.function == Trig::Position);
+        // What a coefficient before a position is in depends on its power.
+        let unit = match at {
+            _ if slides => "SI",
+            Place::Potential => "J",
+            Place::Inertia(..) => "kg·m²",
+        };
         Equation {
             name: at.name(),
             left: math(&format!("{}=", at.latex())),

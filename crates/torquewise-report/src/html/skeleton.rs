@@ -7,13 +7,15 @@ use serde::Serialize;
 pub struct Skeleton {
     /// Joint names, base to tip, n.
     pub joints: Vec<String>,
-    /// The frame of each joint in the one before, at zero; it turns about its z, n.
+    /// The frame of each joint in the one before, at zero; it turns about its z or slides along it, n.
     pub frames: Vec<Frame>,
+    /// Whether each joint slides, n.
+    pub slides: Vec<bool>,
     /// Direction of gravity in the base.
     pub gravity: [f64; 3],
     /// Time of each row \[s\], at least two rows.
     pub t: Vec<f64>,
-    /// Joint angles of each row \[rad\], m×n.
+    /// Joint positions of each row \[rad, m\], m×n.
     pub q: Vec<Vec<f64>>,
 }
 

@@ -6,7 +6,7 @@ use torquewise_identify::excitation::Finding;
 use torquewise_identify::{PatternPlan, Reconstruction, Warning, diagnose, find_patterns, survey};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Training;
-use torquewise_model::rigid_chain::{Coupling, RigidChain};
+use torquewise_model::rigid_chain::RigidChain;
 use torquewise_model::{Form, FrictionTerm, Model, Weighted};
 use torquewise_report::{Findings, LogFile, Origin, fit_report};
 
@@ -17,13 +17,10 @@ fn model(joints: &[String]) -> Model {
     let link = [1.0, 0.1, 0.0, 0.0, 0.1, 0.1, 0.1, 0.0, 0.0, 0.0];
     let across = [[FRAC_PI_2, 0.0, 0.3, 0.0]; JOINTS - 1];
     let chain = RigidChain {
-        robot: None,
         geometry: [0.0, 0.0].into_iter().chain(across.concat()).collect(),
         fitted: vec![4],
         links: vec![link; JOINTS],
-        drives: Vec::new(),
-        coupling: Coupling::default(),
-        covariance: Vec::new(),
+        ..RigidChain::default()
     };
     let laws = [FrictionLaw::Coulomb { width: 0.01 }, FrictionLaw::Viscous];
     let friction = (0..JOINTS).flat_map(|joint| {

@@ -23,12 +23,17 @@ impl<T: Scalar> Moved<T> {
             let known = if joint == moved { Tangent::none() } else { tangent[joint - 1] };
             let (rotation, origin, gravity) = if joint == moved {
                 let GeometryDerivative { rotation, origin, gravity, .. } = derivative;
-                (splat(rotation), splat(origin), splat(gravity))
+                let slid = self.shift_of(joint, (rotation, origin));
+                (splat(rotation), slid, splat(gravity))
             } else {
                 (Vector3::zeros(), Vector3::zeros(), Vector3::zeros())
             };
             let known = Tangent { acceleration: known.acceleration - gravity, ..known };
-            tangent[joint] = known.next(before, body, &rotation, &origin);
+            tangent[joint] = if self.kinds.slides(joint) {
+                known.slid(before, body, (&rotation, &origin), self.sliding(joint))
+            } else {
+                known.next(before, body, &rotation, &origin)
+            };
         }
         let mut wrench = Wrench::none();
         for (joint, body) in self.bodies.iter().enumerate().rev() {
@@ -36,12 +41,12 @@ impl<T: Scalar> Moved<T> {
                 let inertia = Inertia::of(&inertial[PER_BODY * joint..]);
                 wrench = wrench.plus(&tangent[joint].wrench(body, &inertia));
             }
-            change[joint] = wrench.moment.z;
+            change[joint] = wrench.effort(self.kinds.slides(joint));
             wrench = wrench.before(body);
             if joint == moved {
                 let carried = self.wrenches[joint].before(body);
                 let rotation: Vector3<T> = splat(&derivative.rotation);
-                let shift: Vector3<T> = splat(&derivative.origin);
+                let shift = self.shift_of(joint, (&derivative.rotation, &derivative.origin));
                 let force = rotation.cross(&carried.force);
                 // The moment without the lever of the force turns; the lever moves with the origin.
                 let turned = carried.moment - body.origin.cross(&carried.force);
@@ -94,6 +99,19 @@ impl<T: Scalar> Tangent<T> {
             + w.cross(&w.cross(origin))
             - rotation.cross(&whole);
         Self { omega, alpha, acceleration: back(acceleration) }
+    }
+
+    /// [`Self::next`] of a body that slides at a speed and acceleration in its own frame.
+    fn slid(
+        &self,
+        before: &Body<T>,
+        body: &Body<T>,
+        (rotation, origin): (&Vector3<T>, &Vector3<T>),
+        [speed, rate]: [Vector3<T>; 2],
+    ) -> Self {
+        let carried = Body { acceleration: body.acceleration - rate, ..*body };
+        let own = self.next(before, &carried, rotation, origin);
+        Self { acceleration: own.acceleration + own.omega.cross(&(speed + speed)), ..own }
     }
 
     /// The change of the wrench that the motion takes.

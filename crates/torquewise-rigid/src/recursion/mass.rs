@@ -56,11 +56,15 @@ impl<T: Scalar> Moved<T> {
         let mut composite = Inertia::none();
         for (j, body) in self.bodies.iter().enumerate().rev() {
             composite = composite.plus(&Inertia::of(&inertial[PER_BODY * j..]));
-            let mut wrench = composite.wrench_of_unit_acceleration();
-            put(j, j, wrench.moment.z);
+            let mut wrench = if self.kinds.slides(j) {
+                composite.wrench_of_unit_slide()
+            } else {
+                composite.wrench_of_unit_acceleration()
+            };
+            put(j, j, wrench.effort(self.kinds.slides(j)));
             for i in (0..j).rev() {
                 wrench = wrench.before(&self.bodies[i + 1]);
-                put(i, j, wrench.moment.z);
+                put(i, j, wrench.effort(self.kinds.slides(i)));
             }
             composite = composite.before(body);
         }

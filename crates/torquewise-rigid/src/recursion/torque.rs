@@ -16,14 +16,17 @@ impl Kinematics {
     /// If the chain has more than [`MOST_JOINTS`] joints, or the arguments are of another one.
     pub fn torque<T: Scalar>(&self, state: State<'_, T>, inertial: &[f64], torque: &mut [T]) {
         // Short chains should not pay for clearing what only long ones need.
+        if !self.kinds.all_turn() {
+            return self.torque_within::<MOST_JOINTS, true, T>(state, inertial, torque);
+        }
         match self.n_joints() {
-            0..=4 => self.torque_within::<4, T>(state, inertial, torque),
-            5..=8 => self.torque_within::<8, T>(state, inertial, torque),
-            _ => self.torque_within::<MOST_JOINTS, T>(state, inertial, torque),
+            0..=4 => self.torque_within::<4, false, T>(state, inertial, torque),
+            5..=8 => self.torque_within::<8, false, T>(state, inertial, torque),
+            _ => self.torque_within::<MOST_JOINTS, false, T>(state, inertial, torque),
         }
     }
 
-    fn torque_within<const MOST: usize, T: Scalar>(
+    fn torque_within<const MOST: usize, const SLIDES: bool, T: Scalar>(
         &self,
         state: State<'_, T>,
         inertial: &[f64],
@@ -34,13 +37,17 @@ impl Kinematics {
         for (joint, placement) in self.placements.iter().enumerate() {
             let [q, dq, ddq] = [state.q, state.dq, state.ddq]
                 .map(|signal| self.coupling.drive(joint, |joint| signal[joint]));
-            before = before.next(placement, q, dq, ddq);
+            before = if SLIDES && self.kinds.slides(joint) {
+                before.slid(placement, q, dq, ddq)
+            } else {
+                before.next(placement, q, dq, ddq)
+            };
             bodies[joint] = before;
         }
         let mut wrench = Wrench::none();
         for (joint, body) in bodies[..self.n_joints()].iter().enumerate().rev() {
             wrench = wrench.plus(&body.wrench(&Inertia::of(&inertial[PER_BODY * joint..])));
-            torque[joint] = wrench.moment.z;
+            torque[joint] = wrench.effort(SLIDES && self.kinds.slides(joint));
             wrench = wrench.before(body);
         }
         self.coupling.load(&mut torque[..self.n_joints()]);

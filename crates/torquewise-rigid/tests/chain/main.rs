@@ -5,6 +5,7 @@
 mod twins;
 mod dynamics;
 mod expansion;
+mod prismatic;
 mod recovery;
 mod tangent;
 mod bad_input;

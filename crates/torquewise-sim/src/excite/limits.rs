@@ -61,6 +61,8 @@ impl Default for Wishes {
 
 /// Limit of the speed \[rad/s\] of a joint about which nothing is known.
 pub const ASSUMED_VELOCITY: f64 = 2.0;
+/// The same of a slide \[m/s\]: the reduced speed of ISO 10218-1.
+const ASSUMED_SLIDE: f64 = 0.25;
 /// Time \[s\] in which the planned speed is reached where no acceleration is given.
 pub const SECONDS_TO_SPEED: f64 = 0.5;
 /// Limits from here to there are those of an arm; others are a mistake, or would overflow.
@@ -115,7 +117,7 @@ pub fn limits(arm: &Arm, wishes: &Wishes) -> Result<Vec<Limits>> {
         let mut assumed = Vec::new();
         let limit = velocities[i].or(known.velocity).unwrap_or_else(|| {
             assumed.push("velocity");
-            ASSUMED_VELOCITY
+            if arm.kinds().slides(i) { ASSUMED_SLIDE } else { ASSUMED_VELOCITY }
         });
         check_rate("velocity", joint, limit)?;
         let velocity = wishes.speed_scale * limit;

@@ -16,6 +16,7 @@ fn arm(axes: &[[f64; 3]], random: &mut ChaCha8Rng) -> Arm {
         let ([x, y, z], [xy, xz, yz]): ([f64; 3], [f64; 3]) = (three(), three());
         let moments = [0.5 + x.abs(), 0.5 + y.abs(), 0.5 + z.abs(), 0.1 * xy, 0.1 * xz, 0.1 * yz];
         let joint = Joint {
+            kind: torquewise_rigid::JointKind::Revolute,
             X_PJ: Pose::from_xyz_rpy(three(), three()),
             axis: direction(&name, axis).unwrap(),
             body: Body::new(1.0 + 0.3 * i as f64, three(), moments),

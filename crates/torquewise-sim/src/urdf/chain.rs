@@ -6,9 +6,9 @@ use crate::error::{Result, SimError};
 use crate::spatial::{Body, Pose};
 use crate::urdf::robot::{self, Robot};
 use crate::urdf::tree::{Tree, Welded};
-use torquewise_rigid::Geometry;
 use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::recursion::PER_BODY;
+use torquewise_rigid::{Geometry, JointKind};
 
 /// Where the axes of an arm lie, as its URDF says it; its masses are not read.
 ///
@@ -128,6 +128,7 @@ impl UrdfChain {
         };
         let (base, chain) = tree.chain()?;
         let (mut joints, mut placements) = (Vec::new(), Vec::new());
+        let kinds: Vec<JointKind> = chain.iter().map(|(joint, ..)| joint.moves()).collect();
         // The frame whose z is the axis of the joint before, in that of its link.
         let mut X_LZ = Pose::identity();
         for (joint, X_PL, after) in chain {
@@ -149,7 +150,7 @@ impl UrdfChain {
         if gravity.iter().all(|g| *g == 0.0) {
             return Err(SimError::NoDirection { what: "gravity".into() });
         }
-        let (geometry, frames) = Geometry::of_frames(&placements, gravity);
+        let (geometry, frames) = Geometry::of_joints(&placements, &kinds.into(), gravity);
         for (joint, frame) in joints.iter_mut().zip(frames) {
             joint.X_LG = joint.X_LG * Pose { R_AB: frame.rotation, p_AB: frame.origin };
         }

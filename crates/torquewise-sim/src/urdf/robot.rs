@@ -2,6 +2,7 @@
 
 use crate::error::{Result, SimError};
 use roxmltree::{Document, Node};
+use torquewise_rigid::JointKind;
 
 pub(crate) struct Robot {
     pub(crate) name: String,
@@ -37,9 +38,9 @@ pub(crate) struct Joint {
     pub(crate) child: String,
     pub(crate) origin: Origin,
     pub(crate) axis: [f64; 3],
-    /// Range \[rad\]; zeros where none is given.
+    /// Range \[rad, m\]; zeros where none is given.
     pub(crate) range: [f64; 2],
-    /// Greatest speed \[rad/s\] and acceleration \[rad/s²\]; zero or infinity where none is given.
+    /// Greatest speed \[rad/s, m/s\] and acceleration \[rad/s²\]; zero or infinity where none is given.
     pub(crate) peaks: [f64; 2],
     pub(crate) mimics: bool,
 }
@@ -91,6 +92,14 @@ impl Origin {
 }
 
 impl Joint {
+    /// How it moves, if it does.
+    pub(crate) fn moves(&self) -> JointKind {
+        match self.kind {
+            "prismatic" => JointKind::Prismatic,
+            _ => JointKind::Revolute,
+        }
+    }
+
     fn read(joint: Node<'_, '_>) -> Result<Self> {
         let written = attribute(joint, "type")?;
         let kind = KINDS.into_iter().find(|kind| *kind == written);

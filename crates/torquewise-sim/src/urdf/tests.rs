@@ -88,8 +88,23 @@ fn an_arm_may_hang_on_a_base_that_is_turned_by_a_fixed_joint() {
 }
 
 #[test]
+fn a_prismatic_joint_slides_within_its_limits_and_needs_them() {
+    let text = two_joints("prismatic", "revolute");
+    let arm = Arm::from_urdf(&text, &[]).unwrap();
+
+    assert_eq!((arm.kinds().letters(2).as_str(), arm.ranges()[0]), ("pr", [-1.0, 2.0]));
+    // Along y, which is level: 2 kg without weight on the slide.
+    let force = arm.inverse_dynamics(&[0.4, 0.0], &[0.0, 0.0], &[3.0, 0.0])[0];
+    assert_relative_eq!(force, 6.0, max_relative = 1e-14);
+    let chain = crate::UrdfChain::new(&text, &[], None).unwrap();
+    assert_eq!(*chain.geometry.kinds(), arm.kinds());
+    let unlimited = text.replacen("lower='-1' upper='2'", "", 1);
+    assert!(matches!(refused(&unlimited), SimError::Range { joint, .. } if joint == "j1"));
+}
+
+#[test]
 fn every_joint_that_may_not_move_is_named() {
-    for kind in ["prismatic", "floating", "planar", "spherical"] {
+    for kind in ["floating", "planar", "spherical"] {
         let error = refused(&two_joints("revolute", kind));
 
         assert!(matches!(error, SimError::UnsupportedJoints { .. }), "{error:?}");

@@ -27,7 +27,7 @@ pub(crate) struct Welded<'a> {
 pub(crate) type Hinge<'a> = (&'a Joint, Pose, Welded<'a>);
 
 impl<'a> Tree<'a> {
-    /// Resolves names and checks that the joints make one tree and that those left unlocked turn.
+    /// Resolves names and checks that the joints make one tree and that those left unlocked turn or slide.
     pub(crate) fn new(robot: &'a Robot, locked: &'a [String]) -> Result<Self> {
         let links = by_name("link", robot.links.iter().map(|link| (link.name.as_str(), link)))?;
         let joints = by_name("joint", robot.joints.iter().map(|j| (j.name.as_str(), j)))?;
@@ -164,7 +164,7 @@ impl<'a> Tree<'a> {
 /// Why a joint may not move, if so.
 fn unsupported(joint: &Joint) -> Option<&'static str> {
     match joint.kind {
-        "prismatic" | "floating" | "planar" | "spherical" => Some(joint.kind),
+        "floating" | "planar" | "spherical" => Some(joint.kind),
         _ => joint.mimics.then_some("mimic"),
     }
 }

@@ -88,3 +88,36 @@ fn planar_arm_obeys_the_textbook_equations() {
         }
     }
 }
+
+#[test]
+fn a_gantry_lifts_its_load_and_pushes_all_that_hangs_on_each_slide() {
+    let arm = Arm::builtin("gantry-3").unwrap();
+    let (masses, rotors) = ([42.0 + 15.0 + 7.5, 15.0 + 7.5, 7.5], [6.0, 4.0, 2.5]);
+
+    let weight = arm.gravity_torque(&[0.3, -0.2, 0.4]);
+    let mass = arm.mass_matrix(&[0.3, -0.2, 0.4]);
+
+    assert!(weight[0].abs() < 1e-12 && weight[1].abs() < 1e-12, "{weight:?}");
+    assert!((weight[2].abs() - 7.5 * 9.81).abs() < 1e-12, "{weight:?}");
+    for i in 0..3 {
+        for j in 0..3 {
+            let expected = if i == j { masses[i] + rotors[i] } else { 0.0 };
+            assert!((mass[(i, j)] - expected).abs() < 1e-12, "{i} {j}: {}", mass[(i, j)]);
+        }
+    }
+}
+
+#[test]
+fn a_scara_with_its_slide_held_is_a_planar_arm_and_its_spindle_weighs() {
+    let arm = Arm::builtin("scara-4").unwrap();
+
+    let weight = arm.gravity_torque(&[0.5, -0.7, 0.1, 0.3]);
+
+    for joint in [0, 1, 3] {
+        assert!(weight[joint].abs() < 1e-12, "{weight:?}");
+    }
+    // Down is positive: the motor pulls up.
+    assert!((weight[2] + (1.1 + 0.9) * 9.81).abs() < 1e-12, "{weight:?}");
+    let alone = |q: f64| arm.mass_matrix(&[0.0, -0.7, q, 0.3]);
+    assert!((&alone(0.0) - &alone(0.2)).norm_max() < 1e-12, "the spindle slides along the turns");
+}

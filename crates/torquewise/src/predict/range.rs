@@ -1,5 +1,6 @@
 //! Where a motion leaves the range a model was fitted on.
 
+use torquewise_model::units;
 use torquewise_model::{Model, number};
 use torquewise_motion::Motion;
 
@@ -53,16 +54,17 @@ impl MotionRange {
         let training = &model.training;
         let mut warnings = Vec::new();
         for (joint, name) in model.joints.iter().enumerate() {
-            let mut beyond = Vec::new();
+            let (mut beyond, kind) = (Vec::new(), model.kinds().of(joint));
             if let (Some([low, high]), Some([from, to])) =
                 (self.q.get(joint), training.q_range.get(joint))
             {
                 let margin = Q_MARGIN * (to - from);
                 if *low < from - margin || *high > to + margin {
                     beyond.push(format!(
-                        "q from {} to {} rad, not {from:.2} to {to:.2}",
+                        "q from {} to {} {}, not {from:.2} to {to:.2}",
                         short(*low),
-                        short(*high)
+                        short(*high),
+                        kind.unit()
                     ));
                 }
             }
@@ -74,6 +76,7 @@ impl MotionRange {
                 if let (Some(reached), Some(trained)) = (reached.get(joint), trained.get(joint))
                     && *reached > RATE_FACTOR * trained
                 {
+                    let unit = units::unit(kind, unit);
                     beyond
                         .push(format!("{signal} to {} {unit}, not {trained:.2}", short(*reached)));
                 }

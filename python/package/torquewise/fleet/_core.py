@@ -150,7 +150,9 @@ def solve(part: Part, plan: Plan) -> tuple[str | None, bytes | None, dict[str, A
         raise _core.FitError("no file of the fleet can be used: see why of each")
     keys: tuple[str, ...] = (
         "friction",
+        "kinds",
         "counterbalance",
+        "refine",
         "noise_correction",
         "seed",
         "urdf",

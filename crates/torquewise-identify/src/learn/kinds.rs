@@ -1,0 +1,156 @@
+//! From rows to which joints turn and which slide: both are tried on joints of little travel, and
+//! held-out rows choose (E26).
+
+use super::{ChainLearner, ROUNDS, TRIAL_ROWS, UNRESOLVED, searching};
+use crate::chain_spec::{ChainSpec, record_worth, trial};
+use rayon::prelude::*;
+use torquewise_model::model::Choice;
+use torquewise_model::{JointKind, JointKinds};
+use torquewise_rigid::search::glance;
+use torquewise_rigid::{Chain, Search};
+use torquewise_stepwise::error::IdentifyError;
+
+/// Travel \[m\] of a slide at most: a joint that goes farther is taken to turn. Arms with longer ones
+/// are told of them.
+const LONGEST_SLIDE: f64 = 2.0;
+/// Starts of a first look, and its rows.
+const GLANCE: (usize, usize) = (3, 120);
+/// Slides must lower the error by this part: a joint that turned by little fits either way, and most
+/// joints turn.
+const WORTH_OF_SLIDES: f64 = 0.1;
+
+impl ChainLearner<'_> {
+    /// Searches the geometry of joints of given kinds; or of joints that all turn, then looks for those
+    /// that rather slide. Then it looks for coupled ones.
+    ///
+    /// - `at`: the specification for joints of some kinds
+    pub(super) fn moving_geometry(
+        &mut self,
+        given: Option<JointKinds>,
+        at: &(impl Fn(JointKinds) -> ChainSpec + Sync),
+        choices: &mut Vec<Choice>,
+    ) -> Result<(ChainSpec, Chain), IdentifyError> {
+        if let Some(kinds) = given {
+            let (mut spec, mut own) = (at(kinds), Vec::new());
+            let chain = self.geometry(&mut spec, None, &mut own)?;
+            return self.coupled_geometry(&spec, (chain, own), choices);
+        }
+        let (spec, chain, own) = self.kinds_and_geometry(at, choices)?;
+        self.coupled_geometry(&spec, (chain, own), choices)
+    }
+
+    /// The geometry of joints of the kinds that held-out rows choose, and how its axes were chosen.
+    fn kinds_and_geometry(
+        &mut self,
+        at: &(impl Fn(JointKinds) -> ChainSpec + Sync),
+        choices: &mut Vec<Choice>,
+    ) -> Result<(ChainSpec, Chain, Vec<Choice>), IdentifyError> {
+        let (mut turning, mut own) = (at(JointKinds::default()), Vec::new());
+        let chain = self.geometry(&mut turning, None, &mut own)?;
+        let short = self.short_joints();
+        if short.is_empty() {
+            return Ok((turning, chain, own));
+        }
+        let (kinds, untold) = self.promising_kinds(at, &short)?;
+        if !kinds.all_turn() {
+            let (found, mut sliding, mut made) =
+                (self.found.clone(), at(kinds.clone()), Vec::new());
+            let slid = self.geometry(&mut sliding, None, &mut made)?;
+            let watch = searching(self.watch);
+            let n = self.motion.n_joints();
+            let judged = |spec: &ChainSpec, chain: &Chain, label: String| {
+                trial(label, spec, &self.rows(spec, TRIAL_ROWS)?, chain, ROUNDS, &watch)
+            };
+            let turning_error = judged(&turning, &chain, "all turn".to_owned())?;
+            let sliding_error = judged(&sliding, &slid, format!("kinds {}", kinds.letters(n)))?;
+            // Where no joint tells, slides that fit are simpler: a mass each, without a place.
+            let (trials, slides) = if untold.len() == n {
+                ([sliding_error, turning_error], 0)
+            } else {
+                ([turning_error, sliding_error], 1)
+            };
+            if record_worth("kinds of joints", &trials, WORTH_OF_SLIDES, choices) == slides {
+                self.leave_untold(&kinds, &untold, choices);
+                return Ok((sliding, slid, made));
+            }
+            self.found = found;
+        }
+        let kinds = JointKinds::default();
+        self.leave_untold(&kinds, &untold, choices);
+        Ok((turning, chain, own))
+    }
+
+    /// Joints that moved so little that they may slide.
+    fn short_joints(&self) -> Vec<usize> {
+        let travel = |joint: usize| {
+            let q = self.motion.q();
+            let ends = q.col(joint).iter().fold([f64::INFINITY, f64::NEG_INFINITY], |ends, q| {
+                [ends[0].min(*q), ends[1].max(*q)]
+            });
+            ends[1] - ends[0]
+        };
+        (0..self.motion.n_joints()).filter(|&joint| travel(joint) <= LONGEST_SLIDE).collect()
+    }
+
+    /// The kinds that a first look at few rows is best with, one joint changed after another as long
+    /// as that is worth it; and the joints that fit nearly as well as the other kind.
+    fn promising_kinds(
+        &self,
+        at: &(impl Fn(JointKinds) -> ChainSpec + Sync),
+        short: &[usize],
+    ) -> Result<(JointKinds, Vec<usize>), IdentifyError> {
+        let (n, (starts, count)) = (self.motion.n_joints(), GLANCE);
+        let watch = searching(self.watch);
+        let left = |kinds: &JointKinds| -> Result<f64, IdentifyError> {
+            let spec = at(kinds.clone());
+            let rows = self.rows(&spec, count)?;
+            let (glance_rows, search) = (count, spec.search.clone());
+            Ok(glance(&rows, &Search { starts, glance_rows, ..search }, &watch))
+        };
+        let mut kinds = JointKinds::default();
+        let mut least = left(&kinds)?;
+        loop {
+            let other = |joint: usize| {
+                let kind = JointKind::ALL.into_iter().find(|kind| *kind != kinds.of(joint));
+                kinds.with(joint, kind.unwrap_or_default(), n)
+            };
+            let tried = short.par_iter().map(|&joint| Ok((left(&other(joint))?, joint)));
+            let tried = tried.collect::<Result<Vec<(f64, usize)>, IdentifyError>>()?;
+            let best = tried.iter().min_by(|a, b| a.0.total_cmp(&b.0));
+            match best {
+                Some(&(best, joint)) if best < (1.0 - WORTH_OF_SLIDES) * least => {
+                    (least, kinds) = (best, other(joint));
+                }
+                _ => {
+                    let is_near = |left: f64| left < (1.0 + UNRESOLVED) * least;
+                    let near = tried.iter().filter(|(left, _)| is_near(*left));
+                    let untold: Vec<usize> = near.map(|(_, joint)| *joint).collect();
+                    let alike = like_the_others(&kinds, &untold, n);
+                    let fits = alike != kinds && is_near(left(&alike)?);
+                    return Ok((if fits { alike } else { kinds }, untold));
+                }
+            }
+        }
+    }
+
+    /// Says of joints that the log does not tell what they are.
+    fn leave_untold(&self, kinds: &JointKinds, joints: &[usize], choices: &mut Vec<Choice>) {
+        choices.extend(joints.iter().map(|&joint| Choice {
+            what: format!("kind of {}", self.motion.joints()[joint]),
+            chosen: kinds.of(joint).name().to_owned(),
+            rule: "not told by the log: the other kind fits nearly as well".to_owned(),
+            from: Vec::new(),
+        }));
+    }
+}
+
+/// The same kinds, but that joints of which the log does not tell slide where most of the others do.
+fn like_the_others(kinds: &JointKinds, untold: &[usize], n: usize) -> JointKinds {
+    let told: Vec<usize> = (0..n).filter(|joint| !untold.contains(joint)).collect();
+    let slides = told.iter().filter(|&&joint| kinds.slides(joint)).count();
+    if !told.is_empty() && 2 * slides <= told.len() {
+        return kinds.clone();
+    }
+    let slide = |kinds: JointKinds, &joint: &usize| kinds.with(joint, JointKind::Prismatic, n);
+    untold.iter().fold(kinds.clone(), slide)
+}

@@ -1,0 +1,102 @@
+//! Simulated arms whose joints slide: the kinds, the direction of the slides and the equations are
+//! found from the log alone, and on other motion there is nothing left.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use crate::chain::{NOISE, linear, plan, rubbing, sines};
+use torquewise_identify::plan::{ChainOptions, FrictionKind};
+use torquewise_identify::{Plan, Reconstruction, UNWATCHED, reconstruct, score};
+use torquewise_model::{JointKinds, from_json, to_json};
+use torquewise_sim::Arm;
+use torquewise_stepwise::error::IdentifyError;
+
+const ARMS: [(&str, &str); 3] =
+    [("gantry-3", "ppp"), ("scara-4", "rrpr"), ("surgical-6", "rrprrr")];
+
+fn kinds_of(found: &Reconstruction) -> String {
+    found.model.kinds().letters(found.model.n_joints())
+}
+
+/// The largest error on other motion, as a part of the spread of the torque.
+fn elsewhere(found: &Reconstruction, arm: &Arm) -> f64 {
+    let scores = score(&found.model, &sines(arm, 20.0, 77)).unwrap();
+    scores.joints.iter().fold(0.0, |most, joint| most.max(0.01 * joint.nrmse_percent))
+}
+
+#[test]
+fn kinds_are_found_and_nothing_is_left_without_noise() {
+    let mut found = Vec::new();
+    for (name, kinds) in &ARMS[..2] {
+        let arm = Arm::builtin(name).unwrap();
+
+        let fit = reconstruct(&sines(&arm, 20.0, 1), &plan(FrictionKind::None), UNWATCHED).unwrap();
+
+        assert_eq!(from_json(&to_json(&fit.model).unwrap()).unwrap(), fit.model);
+        found.push((*name, *kinds, kinds_of(&fit), elsewhere(&fit, &arm)));
+    }
+    let is_well = |(_, kinds, own, error): &(_, &str, String, f64)| own == kinds && *error < 1e-6;
+    assert!(found.iter().all(is_well), "{found:?}");
+}
+
+#[test]
+fn kinds_are_found_among_friction_and_noise() {
+    let mut found = Vec::new();
+    for (name, kinds) in ARMS {
+        let arm = Arm::builtin(name).unwrap();
+        let motion = sines(&arm, 20.0, 2);
+        let friction = linear(&motion, &vec![[0.1, 0.8, 0.5]; kinds.len()]);
+
+        let log = rubbing(&motion, &friction, NOISE);
+        let fit = reconstruct(&log, &plan(FrictionKind::Linear), UNWATCHED).unwrap();
+
+        found.push((name, kinds, kinds_of(&fit)));
+    }
+    assert!(found.iter().all(|(_, kinds, own)| own == kinds), "{found:?}");
+}
+
+#[test]
+fn kinds_may_be_given_and_must_be_one_of_each_joint() {
+    let arm = Arm::builtin("scara-4").unwrap();
+    let motion = sines(&arm, 20.0, 3);
+    let plan = |kinds: &str| -> Plan {
+        let kinds = JointKinds::read(kinds);
+        ChainOptions { kinds, friction: FrictionKind::None, ..ChainOptions::default() }.into()
+    };
+
+    let found = reconstruct(&motion, &plan("RRPR"), UNWATCHED).unwrap();
+    let refused = reconstruct(&motion, &plan("RRP"), UNWATCHED).unwrap_err();
+
+    assert!(elsewhere(&found, &arm) < 1e-6);
+    assert!(found.model.choices.iter().all(|choice| !choice.what.contains("kind")));
+    assert!(matches!(refused, IdentifyError::Kinds { .. }), "{refused}");
+}
+
+#[test]
+fn arms_that_turn_alone_are_not_said_to_slide() {
+    for name in ["puma560-3", "generic-4", "generic-6"] {
+        let arm = Arm::builtin(name).unwrap();
+        let mut signals = sines(&arm, 20.0, 4).into_signals();
+        // The same motion made small: no joint turns by more than half a radian.
+        let small = 0.15;
+        for row in 0..signals.t.len() {
+            let of = |x: &faer::Mat<f64>| -> Vec<f64> {
+                (0..x.ncols()).map(|joint| small * x[(row, joint)]).collect()
+            };
+            let [q, dq, ddq] = [of(&signals.q), of(&signals.dq), of(&signals.ddq)];
+            let tau = arm.inverse_dynamics(&q, &dq, &ddq);
+            for joint in 0..q.len() {
+                signals.q[(row, joint)] = q[joint];
+                signals.dq[(row, joint)] = dq[joint];
+                signals.ddq[(row, joint)] = ddq[joint];
+                signals.tau.as_mut().unwrap()[(row, joint)] = tau[joint];
+            }
+        }
+        let motion = torquewise_motion::Motion::new(signals).unwrap();
+        let friction = linear(&motion, &vec![[0.1, 0.8, 0.5]; arm.n_joints()]);
+
+        let log = rubbing(&motion, &friction, NOISE);
+        let found = reconstruct(&log, &plan(FrictionKind::Linear), UNWATCHED).unwrap();
+
+        assert!(found.model.kinds().all_turn(), "{name}: {:?}", found.model.choices);
+    }
+}

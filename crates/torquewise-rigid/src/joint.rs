@@ -1,0 +1,132 @@
+//! Kinds of joints: how each moves the frame behind it, and what its motor has to hold.
+
+use serde::{Deserialize, Serialize};
+use std::fmt::{Display, Formatter};
+
+/// How a joint lets a body move; z of its frame is the axis.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
+#[serde(rename_all = "lowercase")]
+pub enum JointKind {
+    /// Turns about z: coordinate in rad, motor in N·m.
+    #[default]
+    Revolute,
+    /// Slides along z: coordinate in m, motor in N.
+    Prismatic,
+}
+
+impl JointKind {
+    /// All kinds, the usual first.
+    pub const ALL: [Self; 2] = [Self::Revolute, Self::Prismatic];
+
+    /// `revolute` or `prismatic`, as a URDF has it too.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Revolute => "revolute",
+            Self::Prismatic => "prismatic",
+        }
+    }
+
+    /// `r` or `p`, as kinds of an arm are written in a row.
+    pub fn letter(self) -> char {
+        match self {
+            Self::Revolute => 'r',
+            Self::Prismatic => 'p',
+        }
+    }
+
+    /// Unit of the coordinate.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Revolute => "rad",
+            Self::Prismatic => "m",
+        }
+    }
+
+    /// Unit of what the motor gives.
+    pub fn effort_unit(self) -> &'static str {
+        match self {
+            Self::Revolute => "N·m",
+            Self::Prismatic => "N",
+        }
+    }
+
+    /// Whether it turns what is behind it.
+    pub fn turns(self) -> bool {
+        self == Self::Revolute
+    }
+}
+
+/// The kinds of the joints of a chain.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "Vec<JointKind>", into = "Vec<JointKind>")]
+pub struct JointKinds {
+    /// Of each joint, n; empty where all are revolute, however many they are.
+    kinds: Vec<JointKind>,
+}
+
+impl From<Vec<JointKind>> for JointKinds {
+    fn from(kinds: Vec<JointKind>) -> Self {
+        let is_usual = kinds.iter().all(|kind| *kind == JointKind::default());
+        Self { kinds: if is_usual { Vec::new() } else { kinds } }
+    }
+}
+
+impl From<JointKinds> for Vec<JointKind> {
+    fn from(kinds: JointKinds) -> Self {
+        kinds.kinds
+    }
+}
+
+/// `rrpr`; nothing where all are revolute.
+impl Display for JointKinds {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        self.kinds.iter().try_for_each(|kind| write!(f, "{}", kind.letter()))
+    }
+}
+
+impl JointKinds {
+    /// Whether all joints are revolute.
+    pub fn all_turn(&self) -> bool {
+        self.kinds.is_empty()
+    }
+
+    /// The kind of a joint, counted from 0.
+    #[inline]
+    pub fn of(&self, joint: usize) -> JointKind {
+        self.kinds.get(joint).copied().unwrap_or_default()
+    }
+
+    /// Whether a joint, counted from 0, is prismatic.
+    #[inline]
+    pub fn slides(&self, joint: usize) -> bool {
+        self.of(joint) == JointKind::Prismatic
+    }
+
+    /// Whether they are those of n joints.
+    pub fn fit(&self, n: usize) -> bool {
+        self.kinds.is_empty() || self.kinds.len() == n
+    }
+
+    /// The same of n joints with another kind of one of them, counted from 0.
+    #[must_use]
+    pub fn with(&self, joint: usize, kind: JointKind, n: usize) -> Self {
+        let own = |other| if other == joint { kind } else { self.of(other) };
+        (0..n).map(own).collect::<Vec<_>>().into()
+    }
+
+    /// `rrpr`: the letters of n joints.
+    pub fn letters(&self, n: usize) -> String {
+        (0..n).map(|joint| self.of(joint).letter()).collect()
+    }
+
+    /// Reads `rrpr`, `RRPR` or `r,r,p,r`; `None` where a letter is of no kind.
+    pub fn read(text: &str) -> Option<Self> {
+        let kind = |letter: char| {
+            JointKind::ALL.into_iter().find(|kind| kind.letter() == letter.to_ascii_lowercase())
+        };
+        let letters = text.chars().filter(|letter| !matches!(letter, ',' | ' '));
+        letters.map(kind).collect::<Option<Vec<_>>>().map(Self::from)
+    }
+}

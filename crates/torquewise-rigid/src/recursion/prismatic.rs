@@ -1,0 +1,77 @@
+//! Sliding joints in the recursion: a body slides along z of its frame, which keeps its direction
+//! (E26).
+
+use super::{Body, Inertia, Moved, PER_BODY, Scalar, Wrench, along_z, splat, splat3};
+use crate::geometry::Placement;
+use nalgebra::{Matrix3, Vector3};
+
+impl<T: Scalar> Body<T> {
+    /// The body behind the next joint, which slides: p += q z, and 2 ω×z q̇ beside z q̈.
+    pub(super) fn slid(&self, placement: &Placement, q: T, dq: T, ddq: T) -> Self {
+        let rotation: Matrix3<T> = splat3(&placement.rotation);
+        let origin: Vector3<T> = splat::<T>(&placement.origin) + rotation.column(2) * q;
+        let omega: Vector3<T> = rotation.tr_mul(&self.omega);
+        let alpha: Vector3<T> = rotation.tr_mul(&self.alpha);
+        let carried = self.acceleration
+            + self.alpha.cross(&origin)
+            + self.omega.cross(&self.omega.cross(&origin));
+        let acceleration =
+            rotation.tr_mul(&carried) + omega.cross(&along_z(dq + dq)) + along_z(ddq);
+        Self { rotation, origin, omega, alpha, acceleration }
+    }
+
+    /// Force along a direction per unit of each parameter.
+    fn pushes(&self, along: &Vector3<T>) -> [T; PER_BODY] {
+        let (w, dw, a) = (&self.omega, &self.alpha, &self.acceleration);
+        // along·(ω̇×e + ω×(ω×e)) for the three unit vectors e at once.
+        let first = along.cross(dw) + w * w.dot(along) - along * w.dot(w);
+        let none = T::zero();
+        [along.dot(a), first.x, first.y, first.z, none, none, none, none, none, none]
+    }
+}
+
+impl<T: Scalar> Moved<T> {
+    /// The regressor of the force of a joint that slides.
+    pub(super) fn regressor_of_slide(&self, joint: usize, put: &mut impl FnMut(usize, usize, T)) {
+        let mut along = along_z(T::one());
+        for (k, body) in self.bodies.iter().enumerate().skip(joint) {
+            if k > joint {
+                along = body.rotation.tr_mul(&along);
+            }
+            for (parameter, value) in body.pushes(&along).into_iter().enumerate() {
+                put(joint, PER_BODY * k + parameter, value);
+            }
+        }
+    }
+
+    /// How the origin of a joint shifts where its frame turns and shifts, in the frame before: what
+    /// has slid turns along.
+    pub(super) fn shift_of(
+        &self,
+        joint: usize,
+        (rotation, origin): (&Vector3<f64>, &Vector3<f64>),
+    ) -> Vector3<T> {
+        let shift: Vector3<T> = splat(origin);
+        if !self.kinds.slides(joint) {
+            return shift;
+        }
+        let slide = self.bodies[joint].rotation.column(2) * self.slides[joint][0];
+        shift + splat::<T>(rotation).cross(&slide)
+    }
+
+    /// Speed and acceleration of a slide in the frame of its body, \[m/s\] and \[m/s²\], the second
+    /// with the turn of the body, 2 ω×z q̇.
+    pub(super) fn sliding(&self, joint: usize) -> [Vector3<T>; 2] {
+        let [_, dq, ddq] = self.slides[joint];
+        let speed = along_z(dq);
+        [speed, self.bodies[joint].omega.cross(&(speed + speed)) + along_z(ddq)]
+    }
+}
+
+impl<T: Scalar> Inertia<T> {
+    /// Force and moment that shift it along z at 1 m/s² from rest.
+    pub(super) fn wrench_of_unit_slide(&self) -> Wrench<T> {
+        let force = along_z(self.mass);
+        Wrench { force, moment: self.first.cross(&along_z(T::one())) }
+    }
+}

@@ -1,0 +1,225 @@
+//! Chains with sliding joints: closed forms, energies, derivatives, and what torque cannot tell.
+
+use approx::assert_relative_eq;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use torquewise_rigid::base_parameters::base_parameters;
+use torquewise_rigid::geometry::{GRAVITY, PER_BASE, PER_JOINT, Placement};
+use torquewise_rigid::inertia::seen_from;
+use torquewise_rigid::recursion::PER_BODY;
+use torquewise_rigid::{Geometry, JointKinds, Kinematics, Moved, State};
+
+fn numbers(random: &mut ChaCha8Rng, count: usize) -> Vec<f64> {
+    (0..count).map(|_| random.random_range(-1.5..1.5)).collect()
+}
+
+/// A random chain of such joints, the inertial parameters of its bodies, and a state of it.
+fn drawn(kinds: &str, random: &mut ChaCha8Rng) -> (Geometry, Vec<f64>, [Vec<f64>; 3]) {
+    let n = kinds.len();
+    let geometry = Geometry::new(&numbers(random, PER_BASE + PER_JOINT * (n - 1))).unwrap();
+    let geometry = geometry.of_kinds(JointKinds::read(kinds).unwrap());
+    let state = std::array::from_fn(|_| numbers(random, n));
+    (geometry, numbers(random, PER_BODY * n), state)
+}
+
+fn torque_of(geometry: &Geometry, inertial: &[f64], [q, dq, ddq]: &[Vec<f64>; 3]) -> Vec<f64> {
+    let mut torque = vec![0.0; q.len()];
+    let state = State { q, dq, ddq };
+    let mut moved = Moved::default();
+    Kinematics::new(geometry).inverse_dynamics(state, inertial, &mut moved, &mut torque);
+    torque
+}
+
+const ARMS: [&str; 6] = ["p", "rp", "pr", "ppp", "rrpr", "rrprrr"];
+
+#[test]
+fn a_point_mass_on_a_turning_slide_obeys_its_closed_form() {
+    // Turns about z, then slides along x: τ = m s² α + 2 m s ṡ ω and f = m (s̈ − s ω²).
+    let kinds = JointKinds::read("RP").unwrap();
+    let [s, ds, dds, w, a, m] = [0.7, -0.4, 1.3, 2.1, -0.6, 3.0];
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let geometry = Geometry::new(&[0.0, 0.0, 0.0, quarter, 0.0, 0.0]).unwrap().of_kinds(kinds);
+    let mut inertial = vec![0.0; 20];
+    inertial[10] = m;
+
+    let torque = torque_of(&geometry, &inertial, &[vec![0.4, s], vec![w, ds], vec![a, dds]]);
+
+    assert_relative_eq!(torque[0], m * s * s * a + 2.0 * m * s * ds * w, max_relative = 1e-12);
+    assert_relative_eq!(torque[1], m * (dds - s * w * w), max_relative = 1e-12);
+}
+
+#[test]
+fn a_lift_holds_its_weight() {
+    let geometry = Geometry::straight(1).of_kinds(JointKinds::read("p").unwrap());
+    let mut inertial = vec![0.0; 10];
+    inertial[0] = 4.0;
+
+    let force = torque_of(&geometry, &inertial, &[vec![0.3], vec![0.8], vec![0.5]]);
+
+    assert_relative_eq!(force[0], 4.0 * (GRAVITY + 0.5), max_relative = 1e-12);
+}
+
+#[test]
+fn torque_follows_from_the_energies_by_lagrange() {
+    let mut random = ChaCha8Rng::seed_from_u64(11);
+    for kinds in ARMS {
+        let n = kinds.len();
+        let (geometry, inertial, state) = drawn(kinds, &mut random);
+        let [q, dq, ddq] = &state;
+        let kinematics = Kinematics::new(&geometry);
+        let mass = |q: &[f64]| {
+            let mut mass = vec![vec![0.0; n]; n];
+            kinematics.mass_matrix(q, &inertial, &mut Moved::default(), |i, j, value| {
+                (mass[i][j], mass[j][i]) = (value, value);
+            });
+            mass
+        };
+        let momentum = |h: f64| -> Vec<f64> {
+            let at: Vec<f64> = q.iter().zip(dq).map(|(q, dq)| q + h * dq).collect();
+            mass(&at).iter().map(|row| row.iter().zip(dq).map(|(m, v)| m * v).sum()).collect()
+        };
+        let lagrangian = |joint: usize, h: f64| {
+            let mut at = q.clone();
+            at[joint] += h;
+            let moving: f64 = (mass(&at).iter().zip(dq))
+                .map(|(row, v)| v * row.iter().zip(dq).map(|(m, v)| m * v).sum::<f64>())
+                .sum();
+            0.5 * moving - kinematics.potential_energy(&at, &inertial)
+        };
+        let h = 1e-5;
+
+        let torque = torque_of(&geometry, &inertial, &state);
+        let mut at_once = vec![0.0; n];
+        kinematics.torque(State { q, dq, ddq }, &inertial, &mut at_once);
+
+        let (ahead, behind, own) = (momentum(h), momentum(-h), mass(q));
+        for joint in 0..n {
+            let rate = (ahead[joint] - behind[joint]) / (2.0 * h);
+            let slope = (lagrangian(joint, h) - lagrangian(joint, -h)) / (2.0 * h);
+            let pushed: f64 = own[joint].iter().zip(ddq).map(|(m, a)| m * a).sum();
+            let size = pushed.abs() + rate.abs() + slope.abs();
+            assert_relative_eq!(torque[joint], pushed + rate - slope, epsilon = 1e-8 * size);
+            assert_relative_eq!(at_once[joint], torque[joint], epsilon = 1e-12 * size);
+        }
+    }
+}
+
+#[test]
+fn regressor_times_parameters_is_the_torque() {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    for kinds in ARMS {
+        let (geometry, inertial, state) = drawn(kinds, &mut random);
+        let [q, dq, ddq] = &state;
+        let mut moved = Moved::default();
+        Kinematics::new(&geometry).move_into(State { q, dq, ddq }, &mut moved);
+
+        let mut by_regressor = vec![0.0; kinds.len()];
+        moved.regressor(|joint, parameter, value: f64| {
+            by_regressor[joint] += inertial[parameter] * value;
+        });
+
+        for (a, b) in by_regressor.iter().zip(&torque_of(&geometry, &inertial, &state)) {
+            assert_relative_eq!(a, b, max_relative = 1e-11, epsilon = 1e-10);
+        }
+    }
+}
+
+#[test]
+fn derivatives_by_the_geometry_are_those_of_central_differences() {
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    for kinds in ARMS {
+        let n = kinds.len();
+        let (geometry, inertial, state) = drawn(kinds, &mut random);
+        let [q, dq, ddq] = &state;
+        let (mut moved, mut change) = (Moved::default(), vec![0.0; n]);
+        let kinematics = Kinematics::new(&geometry);
+        kinematics.inverse_dynamics(State { q, dq, ddq }, &inertial, &mut moved, &mut change);
+        for (parameter, derivative) in geometry.derivatives().iter().enumerate() {
+            moved.geometry_derivative(derivative, &inertial, &mut change);
+
+            let at = |step: f64| {
+                let mut parameters = geometry.parameters().to_vec();
+                parameters[parameter] += step;
+                let moved = Geometry::new(&parameters).unwrap();
+                torque_of(&moved.of_kinds(geometry.kinds().clone()), &inertial, &state)
+            };
+            let (ahead, behind) = (at(1e-5), at(-1e-5));
+            let size = ahead.iter().fold(1.0_f64, |most, tau| most.max(tau.abs()));
+            for joint in 0..n {
+                let difference = (ahead[joint] - behind[joint]) / 2e-5;
+                // The third derivative times h², and rounding over h.
+                assert_relative_eq!(change[joint], difference, epsilon = 1e-6 * size);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_torque_is_the_same_with_fewer_parameters() {
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    for kinds in ARMS {
+        let (geometry, inertial, state) = drawn(kinds, &mut random);
+
+        let base = base_parameters(&geometry, &inertial);
+
+        let [whole, fewer] =
+            [&inertial, &base].map(|inertial| torque_of(&geometry, inertial, &state));
+        for (whole, fewer) in whole.into_iter().zip(fewer) {
+            assert_relative_eq!(whole, fewer, max_relative = 1e-10, epsilon = 1e-10);
+        }
+        for link in (0..kinds.len()).filter(|&link| geometry.kinds().slides(link)) {
+            assert!(base[PER_BODY * link + 4..PER_BODY * (link + 1)].iter().all(|x| *x == 0.0));
+        }
+    }
+}
+
+#[test]
+fn the_geometry_of_given_frames_moves_as_they_do() {
+    let mut random = ChaCha8Rng::seed_from_u64(9);
+    for kinds in ARMS {
+        let n = kinds.len();
+        let frame = |random: &mut ChaCha8Rng| {
+            let x = numbers(random, 6);
+            Placement {
+                rotation: *nalgebra::Rotation3::from_euler_angles(x[0], x[1], x[2]).matrix(),
+                origin: nalgebra::Vector3::new(x[3], x[4], x[5]),
+            }
+        };
+        let placements: Vec<Placement> = (0..n).map(|_| frame(&mut random)).collect();
+        let of_kinds = JointKinds::read(kinds).unwrap();
+        let down = [0.0, 0.0, -GRAVITY];
+        let (geometry, frames) = Geometry::of_joints(&placements, &of_kinds, down);
+        let state: [Vec<f64>; 3] = std::array::from_fn(|_| numbers(&mut random, n));
+        let [q, dq, ddq] = &state;
+        let own = numbers(&mut random, PER_BODY * n);
+        let given = Kinematics::of_frames(placements, down).of_kinds(of_kinds);
+        let mut expected = vec![0.0; n];
+        // A body in the frame of the geometry is that body in the given one.
+        let moved: Vec<f64> = (own.chunks(PER_BODY).zip(&frames))
+            .flat_map(|(body, frame)| seen_from(body, frame))
+            .collect();
+        given.torque(State { q, dq, ddq }, &moved, &mut expected);
+
+        let torque = torque_of(&geometry, &own, &state);
+
+        for (found, expected) in torque.iter().zip(expected) {
+            assert_relative_eq!(*found, expected, max_relative = 1e-9, epsilon = 1e-9);
+        }
+    }
+}
+
+#[test]
+fn places_that_torque_cannot_tell_are_no_parameters() {
+    let geometry =
+        |kinds: &str| Geometry::straight(kinds.len()).of_kinds(JointKinds::read(kinds).unwrap());
+    let places = |kinds: &str| -> Vec<usize> {
+        let geometry = geometry(kinds);
+        (0..kinds.len()).filter(|&joint| geometry.has_place(joint)).collect()
+    };
+
+    assert_eq!(places("rrrr"), [1, 2, 3]);
+    assert_eq!(places("rrpr"), [1, 3]);
+    assert_eq!(places("pprr"), [3], "what has not turned feels no place");
+    assert_eq!(geometry("rpr").movable(), [0, 1, 2, 3, 6, 7, 8, 9]);
+    assert_eq!(geometry("rr").movable(), [0, 1, 2, 3, 4, 5]);
+}
