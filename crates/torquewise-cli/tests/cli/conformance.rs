@@ -17,13 +17,14 @@ fn each_log_of_the_conformance_set_gives_its_arm() {
 
         let keywords = FitOptions::of_keywords(options).unwrap();
         let fit = Fit::new(&Log::open(&file).unwrap()).options(keywords).run().unwrap();
-        let mut line = format!("fit {} -o model.json", file.display());
-        for (option, value) in options {
+        let flags = options.iter().map(|(option, value)| {
             let flag = option.trim_start_matches("n_").replace('_', "-");
-            line += &format!(" --{flag} {}", value.to_string().trim_matches('"'));
-        }
+            format!("--{flag} {}", value.to_string().trim_matches('"'))
+        });
+        let flags = flags.collect::<Vec<_>>().join(" ");
+        let line = format!("fit {} -o model.json {flags}", file.display());
         let terminal = Terminal::new();
-        terminal.done(&line);
+        assert_eq!(terminal.run(&line).code, 0, "{line}");
 
         assert_eq!(Model::load(terminal.path("model.json")).unwrap(), fit.model, "{name}");
         assert_eq!(case["terms"], fit.model.n_coefficients(), "{name}");
