@@ -44,7 +44,8 @@ fn products_in(term: &EnergyTerm) -> Vec<(EnergyTerm, f64)> {
         let (weight, _) = own.find(|(_, wave)| harmonic(wave) == angles)?;
         let mut function = function;
         function.factors.extend(positions.iter().cloned());
-        function.factors.sort();
+        // In the order of the joints, as chains list them.
+        function.factors.sort_by_key(|factor| factor.multiples.iter().position(|k| *k != 0));
         Some((EnergyTerm { place: term.place, function }, weight))
     });
     weighted.collect()
@@ -106,12 +107,15 @@ mod tests {
 
     #[test]
     fn the_energy_is_the_same() {
+        let slid = Term::one(3).times(Trig::Cos, 1, 1, 1).times(Trig::Position, 2, 1, 2);
         let energies = Energies::from([
             (term(Place::Inertia(0, 1), [Trig::Cos, Trig::Sin]), 1.5),
             (term(Place::Inertia(0, 1), [Trig::Sin, Trig::Cos]), 0.7),
             (EnergyTerm { place: Place::Inertia(0, 1), function: Term::one(3) }, 2.0),
+            (EnergyTerm { place: Place::Inertia(0, 1), function: slid }, -0.4),
         ]);
         let sums = joint_sums(&energies);
+        assert!(sums.keys().any(|sum| sum.name() == "M12: cos(q2)*q3^2"), "{sums:?}");
         for (sum, coefficient) in &sums {
             let part = |(own, by): (EnergyTerm, f64)| by * energies.get(&own).unwrap_or(&0.0);
             let found: f64 = products_in(sum).into_iter().map(part).sum();
