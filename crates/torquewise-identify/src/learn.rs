@@ -21,7 +21,7 @@ use torquewise_stepwise::noise::NoiseFloor;
 use torquewise_stepwise::survey::thinned;
 
 mod couplings;
-mod kinds;
+pub(crate) mod kinds;
 mod offers;
 
 /// A chain with what stands beside it, and how both were chosen.

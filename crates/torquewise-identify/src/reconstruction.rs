@@ -2,12 +2,13 @@
 
 use crate::clipped::clipped;
 use crate::excitation::Finding;
+use crate::learn::kinds::sliding;
 use crate::library_errors::held_out_rms;
 use crate::residual_shape::shapes;
 use crate::torque_sign::{SignTest, swapped};
 use crate::verdict::grave;
 use crate::warning::Warning;
-use torquewise_model::{Model, Torque};
+use torquewise_model::{JointKinds, Model, Torque};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::fit::{Dropped, LibraryFit};
 use torquewise_stepwise::noise::NoiseFloor;
@@ -62,6 +63,22 @@ impl Reconstruction {
             Self { model, survey, patterns, noise, candidates, steps, dropped, warnings };
         found.doubt_torque(seed, watch, |survey| SignTest::search(survey, seed, watch))?;
         Ok(found)
+    }
+
+    /// The kinds that its joints seem to be of at a first look, where some seem to slide that were
+    /// fitted as joints that turn.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Chain`] if the watcher breaks.
+    pub fn sliding(
+        &self,
+        seed: u64,
+        watch: Watch<'_>,
+    ) -> Result<Option<JointKinds>, IdentifyError> {
+        if self.model.chain.is_some() {
+            return Ok(None);
+        }
+        sliding(&self.survey.sample, seed, watch)
     }
 
     /// Where a model misses much of a torque, or turns out to be of negative inertia, looks whether

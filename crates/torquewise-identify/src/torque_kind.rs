@@ -28,6 +28,9 @@ const HOLD: f64 = 0.01;
 const MOST_CHANGE: f64 = 1.5;
 /// Gains that are further apart are no gains.
 const MOST_APART: f64 = 20.0;
+/// What is left of held-out torque, in units of the least residual that weights are made of, below
+/// which it is rounding, as of a log without noise: no reading of it is better.
+const NOTHING: f64 = 0.1;
 /// Ridge on columns of unit length.
 const RIDGE: f64 = 1e-8;
 
@@ -66,6 +69,9 @@ pub(crate) fn torque_kind(
         held_out.iter().map(of).collect()
     };
     let Some(as_it_is) = left(&columns) else { return Ok(None) };
+    if as_it_is.iter().all(|left| *left < NOTHING) {
+        return Ok(None);
+    }
     let leaves = |columns: &Mat<f64>, part: f64| {
         left(columns).is_some_and(|left| left.iter().zip(&as_it_is).all(|(a, b)| *a < part * b))
     };
@@ -78,10 +84,6 @@ pub(crate) fn torque_kind(
     let rows = JointRows::new(&columns, &weights, &tau, drive);
     let Some((per, loads)) = rows.gains(&at.linear) else { return Ok(None) };
     let mean = geometric_mean(&per);
-    // Gains are found to so many digits: nearer to one they are rounding, as of a log without noise.
-    if per.iter().all(|per| (per / mean - 1.0).abs() < ROUNDS.1) {
-        return Ok(None);
-    }
     Ok(leaves(&rows.widened(&columns, &per, &loads), WORTH)
         .then(|| TorqueKind::Gains(per.iter().map(|per| mean / per).collect())))
 }

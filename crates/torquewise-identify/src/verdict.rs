@@ -123,6 +123,7 @@ fn doubts(found: &Reconstruction) -> Vec<String> {
     let at_rest = found.warnings.iter().filter_map(|warning| match warning {
         Warning::ConstantJoint { joint } => Some(format!("{joint} never moves")),
         Warning::Excitation(Finding::Weightless) => Some("gravity does nothing".to_owned()),
+        Warning::Sliding { .. } => Some("joints seem to slide".to_owned()),
         _ => None,
     });
     let geometry = found.model.training.geometry_found.as_ref().filter(|found| !found.is_certain());

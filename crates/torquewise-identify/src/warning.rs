@@ -49,6 +49,11 @@ pub enum Warning {
         /// Held-out residual over the standard deviation of its torque.
         residual: f64,
     },
+    /// Joints seem to slide, and were fitted as such that turn.
+    Sliding {
+        /// Kinds that they seem to be of, as in `rrpr`.
+        kinds: String,
+    },
     /// What the motion of the log leaves open.
     Excitation(Finding),
     /// Logs that were fitted together differ in what gravity does.
@@ -213,6 +218,11 @@ impl fmt::Display for Warning {
                  move more joints, through more of their range",
                 terms.len(),
                 terms.join(", ")
+            ),
+            Self::Sliding { kinds } => write!(
+                f,
+                "joints seem to move as {kinds} (r turns, p slides), and a library of terms has those \
+                 of joints that turn alone: learn a chain instead"
             ),
             Self::NoOrder(pattern) => write!(
                 f,

@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::evaluate::{Evaluation, evaluate};
 use crate::log::{Filter, Log, Rows, Source};
 use crate::observe::{Event, NOBODY, Observer, Watched};
-use crate::options::{Facts, FitOptions};
+use crate::options::{Facts, FitOptions, Library};
 use crate::prepared::Prepared;
 use std::ops::Deref;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -64,19 +64,38 @@ impl<'a> Fit<'a> {
     /// if the observer broke, and those of reading and fitting, each with what to do.
     pub fn run(self) -> Result<FitResult> {
         self.options.check()?;
+        let mut fit = self.run_as(&self.options)?;
+        let look = |progress: Watch<'_>| fit.found.sliding(self.options.seed, progress);
+        // A log that no chain can be learned from is one of terms.
+        let seems = match timed(self.observer, look) {
+            Err(Error::Interrupted) => return Err(Error::Interrupted),
+            seen => seen.ok().and_then(|(seems, ..)| seems),
+        };
+        let Some(kinds) = seems else { return Ok(fit) };
+        let chain = FitOptions { library: Some(Library::Chain), ..self.options.clone() };
+        if self.options.library.is_none() && chain.check().is_ok() {
+            let chain = self.run_as(&chain)?;
+            return Ok(if chain.model.kinds().all_turn() { fit } else { chain });
+        }
+        let kinds = kinds.letters(fit.model.n_joints());
+        fit.found.warnings.push(Warning::Sliding { kinds });
+        Ok(fit)
+    }
+
+    fn run_as(&self, options: &FitOptions) -> Result<FitResult> {
         match self.source {
-            Source::Log(log) => self.run_log(log),
+            Source::Log(log) => self.run_log(log, options),
             Source::Recording(recording) => {
                 let (joints, filtered) = (recording.joints().len(), recording.is_filtered());
-                let plan = self.options.plan(Facts { joints, filtered })?;
+                let plan = options.plan(Facts { joints, filtered })?;
                 fit_plan(recording, None, &plan, self.observer)
             }
         }
     }
 
-    fn run_log(&self, log: &Log) -> Result<FitResult> {
+    fn run_log(&self, log: &Log, options: &FitOptions) -> Result<FitResult> {
         log.files.require_tau()?;
-        let plan = self.options.plan(log.facts())?;
+        let plan = options.plan(log.facts())?;
         let is_chosen = log.filter == Filter::Auto || log.delay.is_none() && log.is_filtered();
         let rows = if is_chosen { Rows::WithRawTorque } else { Rows::Filtered };
         let mut fit = fit_at_best(log.prepare(rows)?, &plan, self.observer)?;
@@ -204,12 +223,30 @@ pub(crate) fn timed<T>(
 #[cfg(test)]
 mod tests {
     use crate::dynamics::{Arm, MotionPlan, simulate};
-    use crate::{Error, Event, Fit};
+    use crate::{Error, Event, Fit, FitOptions, Grade, Library};
     use std::ops::ControlFlow;
     use std::sync::atomic::{AtomicUsize, Ordering};
+    use torquewise_identify::Warning;
 
     /// Calls that are under way in other threads, or of parts that were begun.
     const FEW: usize = 40;
+
+    #[test]
+    fn what_slides_is_learned_as_a_chain_unless_terms_are_asked_for() {
+        for (name, kinds) in [("scara-4", "rrpr"), ("gantry-3", "ppp")] {
+            let plan = MotionPlan { seconds: 30.0, rate: 50.0, seed: 1, ..MotionPlan::default() };
+            let motion = simulate(&Arm::builtin(name).unwrap(), &plan).unwrap().motion;
+            let terms = FitOptions { library: Some(Library::Energy), ..FitOptions::default() };
+
+            let usual = Fit::new(&motion).run().unwrap();
+            let of_terms = Fit::new(&motion).options(terms).run().unwrap();
+
+            assert_eq!(usual.model.kinds().letters(kinds.len()), kinds);
+            assert_eq!(usual.verdict().grade, Grade::Good, "{name}: {:?}", usual.warnings);
+            let said = |warning: &Warning| matches!(warning, Warning::Sliding { kinds: own } if own == kinds);
+            assert!(of_terms.warnings.iter().any(said), "{name}: {:?}", of_terms.warnings);
+        }
+    }
 
     #[test]
     fn a_fit_ends_soon_after_its_observer_breaks() {

@@ -1,12 +1,13 @@
 //! From rows to which joints turn and which slide: both are tried on joints of little travel, and
 //! held-out rows choose (E26).
 
-use super::{ChainLearner, ROUNDS, TRIAL_ROWS, UNRESOLVED, searching};
+use super::{ChainLearner, DriveTerm, ROUNDS, TRIAL_ROWS, UNRESOLVED, Watch, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_model::{JointKind, JointKinds};
-use torquewise_rigid::search::glance;
+use torquewise_motion::Motion;
+use torquewise_rigid::search::{all_parameters, glance};
 use torquewise_rigid::{Chain, Search};
 use torquewise_stepwise::error::IdentifyError;
 
@@ -18,6 +19,27 @@ const GLANCE: (usize, usize) = (3, 120);
 /// Slides must lower the error by this part: a joint that turned by little fits either way, and most
 /// joints turn.
 const WORTH_OF_SLIDES: f64 = 0.1;
+
+/// The kinds that joints seem to be of at a first look at a motion, where some seem to slide.
+pub(crate) fn sliding(
+    motion: &Motion,
+    seed: u64,
+    watch: Watch<'_>,
+) -> Result<Option<JointKinds>, IdentifyError> {
+    let (learner, n) = (ChainLearner::new(motion, watch), motion.n_joints());
+    let short = learner.short_joints();
+    if short.is_empty() {
+        return Ok(None);
+    }
+    let at = |kinds: JointKinds| {
+        let mut drive = DriveTerm::rotors(n);
+        drive.extend(DriveTerm::friction(learner.laws.linear()));
+        let search = Search { seed, kinds, ..Search::default() };
+        ChainSpec { drive, search, free: all_parameters(n), gravity: None }
+    };
+    let (kinds, _) = learner.promising_kinds(&at, &short)?;
+    Ok((!kinds.all_turn()).then_some(kinds))
+}
 
 impl ChainLearner<'_> {
     /// Searches the geometry of joints of given kinds; or of joints that all turn, then looks for those
