@@ -30,7 +30,7 @@ const MOST_CHANGE: f64 = 1.5;
 const MOST_APART: f64 = 20.0;
 /// What is left of held-out torque, in units of the least residual that weights are made of, below
 /// which it is rounding, as of a log without noise: no reading of it is better.
-const NOTHING: f64 = 0.1;
+const NOTHING: f64 = 0.01;
 /// Ridge on columns of unit length.
 const RIDGE: f64 = 1e-8;
 
