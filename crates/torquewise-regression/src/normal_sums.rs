@@ -188,6 +188,11 @@ impl NormalSums {
         self.rows.get(fold).copied().unwrap_or(0)
     }
 
+    /// Folds that have instants.
+    pub fn folds(&self) -> Vec<usize> {
+        (0..self.rows.len()).filter(|&fold| self.rows[fold] > 0).collect()
+    }
+
     /// Blocks summed.
     pub fn blocks(&self) -> u64 {
         self.blocks

@@ -76,11 +76,6 @@ impl Equations {
         own
     }
 
-    /// Their matrix, and their right side.
-    pub(super) fn into_parts(self) -> (Mat<f64>, Vec<f64>) {
-        (self.hessian, self.right)
-    }
-
     pub(super) fn quadratic(&self) -> Quadratic<'_> {
         Quadratic { hessian: &self.hessian, right: &self.right }
     }

@@ -1,6 +1,7 @@
 //! From a chain that says the torque well to one that moves like the arm as well: its rotors are
 //! what both its torque and simulated windows ask for (E23).
 
+use super::equations::Equations;
 use super::linearisation::Linearisation;
 use super::nominal::Sizes;
 use super::pass::add_up;
@@ -15,7 +16,7 @@ use torquewise_model::model::Choice;
 use torquewise_model::rollout::Drift;
 use torquewise_motion::Recording;
 use torquewise_regression::normal_sums::NormalSums;
-use torquewise_rigid::feasible::{Prior, Quadratic, minimise};
+use torquewise_rigid::feasible::{Positive, Prior, Quadratic, minimise};
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::{CvScore, listed, mean};
@@ -60,7 +61,7 @@ pub(crate) fn refined_by_rollouts(
         Ok(Windows { sums, at: places.iter().map(|&k| at.linear[k]).collect() })
     };
     let windows = windows_at(&start)?;
-    if windows.folds().len() < LEAST_FOLDS || windows.sums.blocks() < LEAST_WINDOWS as u64 {
+    if windows.sums.folds().len() < LEAST_FOLDS || windows.sums.blocks() < LEAST_WINDOWS as u64 {
         let windows = before.first().map_or(0, |drift| drift.windows);
         return Err(IdentifyError::TooFewWindows { windows, needed: LEAST_WINDOWS });
     }
@@ -140,21 +141,6 @@ struct Windows {
 }
 
 impl Windows {
-    fn folds(&self) -> Vec<usize> {
-        (0..torquewise_regression::normal_sums::FOLDS)
-            .filter(|&fold| self.sums.rows_of(fold) > 0)
-            .collect()
-    }
-
-    /// Adds the equations of a Gram matrix, so many times.
-    fn add_to(&self, gram: &Mat<f64>, weight: f64, (hessian, right): (&mut Mat<f64>, &mut [f64])) {
-        let p = self.at.len();
-        let own = gram.submatrix(0, 0, p, p);
-        *hessian += faer::Scale(weight) * own;
-        let known = own * ColRef::from_slice(&self.at);
-        (0..p).for_each(|k| right[k] += weight * (gram[(p, k)] + known[k]));
-    }
-
     /// Sum of squares of a Gram matrix at other rotors.
     fn squares(&self, gram: &Mat<f64>, rotors: &[f64]) -> f64 {
         let step = self.at.iter().zip(rotors).map(|(at, x)| at - x);
@@ -178,10 +164,7 @@ impl<'a> TorqueOf<'a> {
         let of_rotors = step.prior.positive.iter().filter_map(|positive| {
             let [(index, weight)] = positive.terms[..] else { return None };
             let place = places.iter().position(|own| *own == index)?;
-            Some(torquewise_rigid::feasible::Positive {
-                terms: vec![(place, weight)],
-                ..positive.clone()
-            })
+            Some(Positive { terms: vec![(place, weight)], ..positive.clone() })
         });
         let prior = Prior { positive: of_rotors.collect(), ..Prior::default() };
         Ok(Self { step, places, prior, strength })
@@ -197,16 +180,21 @@ impl<'a> TorqueOf<'a> {
     /// The best rotors for the torque and so many times the windows.
     fn best(&self, windows: &Windows, weight: f64) -> Result<Vec<f64>, IdentifyError> {
         let own = self.step.all.of(&self.places, self.step.at, (0.0, 0.0));
-        self.minimum(own.into_parts(), windows, (&windows.sums.gram(), weight))
+        self.minimum(&own, windows, (&windows.sums.gram(), weight))
     }
 
     fn minimum(
         &self,
-        (mut hessian, mut right): (Mat<f64>, Vec<f64>),
+        own: &Equations,
         windows: &Windows,
         (gram, weight): (&Mat<f64>, f64),
     ) -> Result<Vec<f64>, IdentifyError> {
-        windows.add_to(gram, weight, (&mut hessian, &mut right));
+        let p = windows.at.len();
+        let of_windows = gram.submatrix(0, 0, p, p);
+        let known = of_windows * ColRef::from_slice(&windows.at);
+        let hessian = &own.hessian + faer::Scale(weight) * of_windows;
+        let right: Vec<f64> =
+            (0..p).map(|k| own.right[k] + weight * (gram[(p, k)] + known[k])).collect();
         let both = Quadratic { hessian: &hessian, right: &right };
         Ok(minimise(both, &self.prior, self.strength, &windows.at)?)
     }
@@ -214,7 +202,7 @@ impl<'a> TorqueOf<'a> {
     /// What windows count beside the torque: where those of held-out regions drift least, among those
     /// where the torque there is as good.
     fn chosen(&self, windows: &Windows) -> Result<(f64, Choice), IdentifyError> {
-        let (all, folds) = (windows.sums.gram(), windows.folds());
+        let (all, folds) = (windows.sums.gram(), windows.sums.folds());
         let tens = EXPONENTS.map(|exponent| self.step.repeats * 10_f64.powi(exponent));
         let weights: Vec<f64> = std::iter::once(0.0).chain(tens).collect();
         let mut errors = vec![[Vec::new(), Vec::new()]; weights.len()];
@@ -222,9 +210,9 @@ impl<'a> TorqueOf<'a> {
             let (torque, rest, _) = self.step.without(fold);
             let held = windows.sums.gram_of(fold);
             let others = &all - &held;
+            let own = rest.of(&self.places, self.step.at, (0.0, 0.0));
             for (weight, errors) in weights.iter().zip(&mut errors) {
-                let own = rest.of(&self.places, self.step.at, (0.0, 0.0)).into_parts();
-                let best = self.minimum(own, windows, (&others, *weight))?;
+                let best = self.minimum(&own, windows, (&others, *weight))?;
                 let whole = self.step.whole(&self.places, &best);
                 let count = windows.sums.rows_of(fold) as f64 * self.step.at.n_joints() as f64;
                 errors[0].push(self.step.error(&torque, fold, &whole));

@@ -68,7 +68,7 @@ impl Step<'_> {
     /// is alike in all of its blocks (E22).
     fn scores_by_region(&self, indices: &[usize]) -> Mat<f64> {
         let p = self.before.len();
-        let folds = self.folds();
+        let folds = self.sums.folds();
         let few = folds.len() as f64 / (folds.len() as f64 - 1.0).max(1.0);
         let mut scores = Mat::zeros(indices.len(), indices.len());
         for fold in folds {

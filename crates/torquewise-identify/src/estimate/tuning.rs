@@ -5,7 +5,6 @@ use super::step::{Step, Tuning};
 use faer::Mat;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
-use torquewise_regression::normal_sums::FOLDS;
 use torquewise_rigid::feasible::minimise;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::{CvScore, listed, mean};
@@ -76,7 +75,7 @@ impl Step<'_> {
         strengths: &[f64],
         prior: f64,
     ) -> Result<Option<Vec<Vec<f64>>>, IdentifyError> {
-        let folds = self.folds();
+        let folds = self.sums.folds();
         if folds.len() < LEAST_FOLDS {
             return Ok(None);
         }
@@ -94,11 +93,6 @@ impl Step<'_> {
         let by_fold = folds.par_iter().map(of_fold).collect::<Result<Vec<_>, IdentifyError>>()?;
         let of = |k: usize| by_fold.iter().map(|errors| errors[k]).collect();
         Ok(Some((0..strengths.len()).map(of).collect()))
-    }
-
-    /// Folds that have rows.
-    pub(super) fn folds(&self) -> Vec<usize> {
-        (0..FOLDS).filter(|&fold| self.sums.rows_of(fold) > 0).collect()
     }
 
     /// Part of all rows that a fold has.

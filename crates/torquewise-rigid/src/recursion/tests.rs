@@ -3,6 +3,7 @@
 use super::{Kinematics, Lanes, MOST_JOINTS, Moved, PER_BODY, State};
 use crate::coupling::{Coupled, Coupling};
 use crate::geometry::{Geometry, PER_BASE, PER_JOINT};
+use crate::joint::JointKinds;
 use approx::assert_relative_eq;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -84,8 +85,14 @@ fn a_coupled_chain_is_the_chain_at_other_angles_and_loads_all_that_turn_it() {
 #[test]
 fn derivatives_by_the_geometry_are_those_of_central_differences() {
     let mut random = ChaCha8Rng::seed_from_u64(7);
-    for n in 1..=6 {
-        let (geometry, inertial, state) = drawn(n, &mut random);
+    let coupled = (1..=6).map(|n| drawn(n, &mut random)).collect::<Vec<_>>();
+    let sliding = ["p", "rp", "pr", "ppp", "rrpr", "rrprrr"].map(|kinds| {
+        let (geometry, inertial, state) = drawn(kinds.len(), &mut random);
+        let kinds = JointKinds::read(kinds).unwrap();
+        (geometry.coupled(Coupling::default()).of_kinds(kinds), inertial, state)
+    });
+    for (geometry, inertial, state) in coupled.into_iter().chain(sliding) {
+        let n = geometry.n_joints();
         let [q, dq, ddq] = &state;
         let (mut moved, mut change) = (Moved::default(), vec![0.0; n]);
         let kinematics = Kinematics::new(&geometry);
@@ -98,7 +105,8 @@ fn derivatives_by_the_geometry_are_those_of_central_differences() {
                 let mut parameters = geometry.parameters().to_vec();
                 parameters[parameter] += step;
                 let moved = Geometry::new(&parameters).unwrap();
-                torque_of(&moved.coupled(geometry.coupling().clone()), &inertial, &state)
+                let moved = moved.coupled(geometry.coupling().clone());
+                torque_of(&moved.of_kinds(geometry.kinds().clone()), &inertial, &state)
             };
             let (ahead, behind) = (at(1e-5), at(-1e-5));
             let size = ahead.iter().fold(1.0_f64, |most, tau| most.max(tau.abs()));

@@ -125,36 +125,6 @@ fn regressor_times_parameters_is_the_torque() {
 }
 
 #[test]
-fn derivatives_by_the_geometry_are_those_of_central_differences() {
-    let mut random = ChaCha8Rng::seed_from_u64(7);
-    for kinds in ARMS {
-        let n = kinds.len();
-        let (geometry, inertial, state) = drawn(kinds, &mut random);
-        let [q, dq, ddq] = &state;
-        let (mut moved, mut change) = (Moved::default(), vec![0.0; n]);
-        let kinematics = Kinematics::new(&geometry);
-        kinematics.inverse_dynamics(State { q, dq, ddq }, &inertial, &mut moved, &mut change);
-        for (parameter, derivative) in geometry.derivatives().iter().enumerate() {
-            moved.geometry_derivative(derivative, &inertial, &mut change);
-
-            let at = |step: f64| {
-                let mut parameters = geometry.parameters().to_vec();
-                parameters[parameter] += step;
-                let moved = Geometry::new(&parameters).unwrap();
-                torque_of(&moved.of_kinds(geometry.kinds().clone()), &inertial, &state)
-            };
-            let (ahead, behind) = (at(1e-5), at(-1e-5));
-            let size = ahead.iter().fold(1.0_f64, |most, tau| most.max(tau.abs()));
-            for joint in 0..n {
-                let difference = (ahead[joint] - behind[joint]) / 2e-5;
-                // The third derivative times h², and rounding over h.
-                assert_relative_eq!(change[joint], difference, epsilon = 1e-6 * size);
-            }
-        }
-    }
-}
-
-#[test]
 fn the_torque_is_the_same_with_fewer_parameters() {
     let mut random = ChaCha8Rng::seed_from_u64(5);
     for kinds in ARMS {
