@@ -282,7 +282,8 @@ impl<'a> ChainLearner<'a> {
         self.found = Some(GeometryFound { times, starts: starts_made, unresolved });
         *spec = own;
         let rows = self.rows(spec, spec.search.final_rows)?;
-        Ok(refine(&rows, &start, &spec.free, &spec.search, &searching(self.watch))?)
+        let chain = refine(&rows, &start, &spec.free, &spec.search, &watch)?;
+        self.falling(spec, &rows, chain)
     }
 
     /// Fits the chosen specification on a sample of many rows.

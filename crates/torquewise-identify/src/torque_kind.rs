@@ -18,7 +18,7 @@ const WORTH: f64 = 0.9;
 /// Where nothing weighs, links leave less than this times what they leave, and do in 5 to 14 times on
 /// arms of which gravity is logged.
 const ALIKE: f64 = 1.1;
-/// Gravity makes this part of the columns of links, or all axes stand upright.
+/// Gravity makes this part of the columns of links on joints that turn, or all axes stand upright.
 const PULLED: f64 = 0.3;
 /// Gains and all other parameters are found anew so often at most, until no gain moves by this part.
 const ROUNDS: (usize, f64) = (30, 1e-4);
@@ -76,8 +76,15 @@ pub(crate) fn torque_kind(
         left(columns).is_some_and(|left| left.iter().zip(&as_it_is).all(|(a, b)| *a < part * b))
     };
     let weightless = at.weightless_columns_of(&motion)?;
-    let pulled = (&columns - &weightless).norm_l2();
-    if pulled > PULLED * columns.norm_l2() && leaves(&weightless, ALIKE) {
+    // On a slide, gravity and the offset of its sensor are one constant.
+    let size = |columns: &Mat<f64>| -> f64 {
+        let turning = (0..motion.n_joints()).filter(|&joint| !at.structure.kinds.slides(joint));
+        let rows = motion.n_rows();
+        let of = |joint: usize| columns.subrows(joint * rows, rows).squared_norm_l2();
+        turning.map(of).sum::<f64>().sqrt()
+    };
+    let pulled = size(&(&columns - &weightless));
+    if pulled > PULLED * size(&columns) && leaves(&weightless, ALIKE) {
         return Ok(Some(TorqueKind::Weightless));
     }
     let drive = [PER_BODY * motion.n_joints(), at.linear.len()];

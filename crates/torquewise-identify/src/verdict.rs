@@ -38,12 +38,19 @@ impl Verdict {
     /// From rows that were held out, by time and by region, and what the motion leaves open. Where
     /// there are too few rows to hold any out, a model is at best usable.
     pub fn of(found: &Reconstruction) -> Self {
-        let Some(errors) = found.model.training.held_out_errors() else {
+        let training = &found.model.training;
+        let Some(mut errors) = training.held_out_errors() else {
             let mut because = grave(&found.warnings);
             let grade = if because.is_empty() { Grade::Usable } else { Grade::Unusable };
             because.push("too few rows to hold any out".to_owned());
             return Self { grade, because };
         };
+        // A refit may have left more than what was judged on held-out rows.
+        for ((error, left), std) in
+            errors.iter_mut().zip(&training.residual_rms).zip(&training.torque_std)
+        {
+            *error = error.max(if *std > 0.0 { left / std } else { 0.0 });
+        }
         let joints = |is: &dyn Fn(f64) -> bool| -> Vec<String> {
             let named = found.model.joints.iter().zip(&errors);
             named.filter(|(_, error)| is(**error)).map(|(name, _)| name.clone()).collect()

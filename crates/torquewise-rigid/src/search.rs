@@ -89,6 +89,11 @@ impl Chain {
         Self { geometry, inertial, drive, residual_rms, cost: f64::INFINITY }
     }
 
+    /// The mass beyond a joint, as far as torque tells it.
+    pub fn borne_by(&self, joint: usize) -> f64 {
+        self.inertial.chunks(PER_BODY).skip(joint).map(|body| body[0]).sum()
+    }
+
     pub(crate) fn new(fitted: &Fitted, rows: &Rows, weights: &[f64]) -> Self {
         let of_bodies = PER_BODY * fitted.geometry.n_joints();
         let (inertial, drive) = fitted.masses.coefficients.split_at(of_bodies);

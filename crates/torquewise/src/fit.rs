@@ -13,7 +13,7 @@ use std::time::Instant;
 use torquewise_identify::bandwidth::{Tuned, tune};
 use torquewise_identify::disagreement::disagreements;
 use torquewise_identify::reconstruct::reconstruct_from;
-use torquewise_identify::verdict::Verdict;
+use torquewise_identify::verdict::{Grade, Verdict};
 use torquewise_identify::{IdentifyError, Method, Plan, Reconstruction, Warning, reconstruct};
 use torquewise_motion::Recording;
 use torquewise_stepwise::Progress;
@@ -71,14 +71,24 @@ impl<'a> Fit<'a> {
             Err(Error::Interrupted) => return Err(Error::Interrupted),
             seen => seen.ok().and_then(|(seems, ..)| seems),
         };
-        let Some(kinds) = seems else { return Ok(fit) };
+        let is_useful = |fit: &FitResult| Verdict::of(&fit.found).grade != Grade::Unusable;
+        let suffices = is_useful(&fit);
+        if seems.is_none() && suffices {
+            return Ok(fit);
+        }
         let chain = FitOptions { library: Some(Library::Chain), ..self.options.clone() };
         if self.options.library.is_none() && chain.check().is_ok() {
-            let chain = self.run_as(&chain)?;
-            return Ok(if chain.model.kinds().all_turn() { fit } else { chain });
+            return match self.run_as(&chain) {
+                Err(Error::Interrupted) => Err(Error::Interrupted),
+                Ok(chain) if !chain.model.kinds().all_turn() => Ok(chain),
+                Ok(chain) if !suffices && is_useful(&chain) => Ok(chain),
+                _ => Ok(fit),
+            };
         }
-        let kinds = kinds.letters(fit.model.n_joints());
-        fit.found.warnings.push(Warning::Sliding { kinds });
+        if let Some(kinds) = seems {
+            let kinds = kinds.letters(fit.model.n_joints());
+            fit.found.warnings.push(Warning::Sliding { kinds });
+        }
         Ok(fit)
     }
 

@@ -4,11 +4,12 @@
 use super::{ChainLearner, DriveTerm, ROUNDS, TRIAL_ROWS, UNRESOLVED, Watch, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use rayon::prelude::*;
+use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Choice;
 use torquewise_model::{JointKind, JointKinds};
 use torquewise_motion::Motion;
-use torquewise_rigid::search::{all_parameters, glance};
-use torquewise_rigid::{Chain, Search};
+use torquewise_rigid::search::{all_parameters, glance, refine};
+use torquewise_rigid::{Chain, Rows, Search};
 use torquewise_stepwise::error::IdentifyError;
 
 /// Travel \[m\] of a slide at most: a joint that goes farther is taken to turn. Arms with longer ones
@@ -19,6 +20,9 @@ const GLANCE: (usize, usize) = (3, 120);
 /// Slides must lower the error by this part: a joint that turned by little fits either way, and most
 /// joints turn.
 const WORTH_OF_SLIDES: f64 = 0.1;
+
+/// A slide is turned the other way for a positive mass where that costs this part at most.
+const SIGN_OF_MASS: f64 = 0.05;
 
 /// The kinds that joints seem to be of at a first look at a motion, where some seem to slide.
 pub(crate) fn sliding(
@@ -53,7 +57,7 @@ impl ChainLearner<'_> {
         choices: &mut Vec<Choice>,
     ) -> Result<(ChainSpec, Chain), IdentifyError> {
         if let Some(kinds) = given {
-            let (mut spec, mut own) = (at(kinds), Vec::new());
+            let (mut spec, mut own) = (upright(at(kinds)), Vec::new());
             let chain = self.geometry(&mut spec, None, &mut own)?;
             return self.coupled_geometry(&spec, (chain, own), choices);
         }
@@ -76,7 +80,7 @@ impl ChainLearner<'_> {
         let (kinds, untold) = self.promising_kinds(at, &short)?;
         if !kinds.all_turn() {
             let (found, mut sliding, mut made) =
-                (self.found.clone(), at(kinds.clone()), Vec::new());
+                (self.found.clone(), upright(at(kinds.clone())), Vec::new());
             let slid = self.geometry(&mut sliding, None, &mut made)?;
             let watch = searching(self.watch);
             let n = self.motion.n_joints();
@@ -100,6 +104,26 @@ impl ChainLearner<'_> {
         let kinds = JointKinds::default();
         self.leave_untold(&kinds, &untold, choices);
         Ok((turning, chain, own))
+    }
+
+    /// The same chain with slides pointing the way in which gravity pulls what they bear: a slide that
+    /// works on gravity alone is explained as well by a negative mass the other way.
+    pub(super) fn falling(
+        &self,
+        spec: &ChainSpec,
+        rows: &Rows,
+        mut chain: Chain,
+    ) -> Result<Chain, IdentifyError> {
+        for joint in 0..self.motion.n_joints() {
+            if chain.geometry.kinds().slides(joint) && chain.borne_by(joint) < 0.0 {
+                let back = Chain { geometry: chain.geometry.turned_back(joint), ..chain.clone() };
+                let back = refine(rows, &back, &spec.free, &spec.search, &searching(self.watch))?;
+                if back.borne_by(joint) > 0.0 && back.cost < (1.0 + SIGN_OF_MASS) * chain.cost {
+                    chain = back;
+                }
+            }
+        }
+        Ok(chain)
     }
 
     /// Joints that moved so little that they may slide.
@@ -164,6 +188,18 @@ impl ChainLearner<'_> {
             from: Vec::new(),
         }));
     }
+}
+
+/// Without offsets of slides: gravity is as constant there, and tells which way is up.
+fn upright(spec: ChainSpec) -> ChainSpec {
+    let slides = |shaft: &[f64]| {
+        (0..shaft.len()).any(|joint| shaft[joint] != 0.0 && spec.search.kinds.slides(joint))
+    };
+    let is_told = |term: &DriveTerm| match term {
+        DriveTerm::Friction(term) => term.law != FrictionLaw::Offset || !slides(&term.shaft),
+        _ => true,
+    };
+    ChainSpec { drive: spec.drive.iter().filter(|term| is_told(term)).cloned().collect(), ..spec }
 }
 
 /// The same kinds, but that joints of which the log does not tell slide where most of the others do.

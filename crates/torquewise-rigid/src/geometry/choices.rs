@@ -1,5 +1,7 @@
 //! What of a geometry may move, and in what other ways its axes may lie.
 
+use std::f64::consts::PI;
+
 use super::{Geometry, PER_BASE, PER_JOINT, RIGHT_ANGLES, axis, nearest_right_angle, turn};
 
 impl Geometry {
@@ -53,18 +55,27 @@ impl Geometry {
     /// The same arm but for one axis, which is turned to stand across the one before in each of four
     /// ways; the axes beyond lie where they lay at q = 0.
     pub fn turned_across(&self, joint: usize) -> Vec<Self> {
-        let turned = |direction: &[f64; 2]| {
-            let mut frames = self.placements();
-            let by = turn(*direction);
-            frames[joint].rotation *= by;
-            if let Some(next) = frames.get_mut(joint + 1) {
-                next.rotation = by.tr_mul(&next.rotation);
-                next.origin = by.tr_mul(&next.origin);
-            }
-            let (mut geometry, _) = Self::of_joints(&frames, &self.kinds, self.gravity());
+        let across = RIGHT_ANGLES.iter().filter(|w| axis(**w).z.abs() < 0.5);
+        across.map(|direction| self.turned(joint, *direction)).collect()
+    }
+
+    /// The same arm but for one axis, which points the other way.
+    pub fn turned_back(&self, joint: usize) -> Self {
+        self.turned(joint, [PI, 0.0])
+    }
+
+    fn turned(&self, joint: usize, direction: [f64; 2]) -> Self {
+        let mut frames = self.placements();
+        let by = turn(direction);
+        frames[joint].rotation *= by;
+        if let Some(next) = frames.get_mut(joint + 1) {
+            next.rotation = by.tr_mul(&next.rotation);
+            next.origin = by.tr_mul(&next.origin);
+        }
+        let (mut geometry, _) = Self::of_joints(&frames, &self.kinds, self.gravity());
+        if joint > 0 {
             geometry.set_tilt(self.tilt());
-            geometry.coupled(self.coupling.clone())
-        };
-        RIGHT_ANGLES.iter().filter(|w| axis(**w).z.abs() < 0.5).map(turned).collect()
+        }
+        geometry.coupled(self.coupling.clone())
     }
 }
