@@ -116,7 +116,7 @@ pub(crate) fn learn(
         FrictionKind::None | FrictionKind::Linear => {}
         FrictionKind::Stribeck => spec.drive.extend(DriveTerm::friction(learner.laws.stribeck())),
         FrictionKind::Auto => {
-            let laws = learner.friction();
+            let laws = learner.friction(&kinds);
             offered = laws.iter().flat_map(Offer::terms).collect();
             offers.extend(laws);
             spec.drive = known(&kinds);

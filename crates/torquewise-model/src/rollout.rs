@@ -5,8 +5,8 @@ use crate::error::ModelError;
 use crate::friction::{FrictionLaw, FrictionTerm};
 use crate::model::{Model, Weighted};
 use crate::torque::Torque;
-use faer::Side;
 use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
 use rayon::prelude::*;
 use serde::Serialize;
 use torquewise_motion::path::Path;
@@ -71,8 +71,9 @@ impl<'m> Simulator<'m> {
 
     /// Lets a torque \[N·m\], n, act for a short time \[s\].
     ///
-    /// Links move by the midpoint rule. Friction is that of the speed at the end of the step, so that
-    /// it never turns a joint round: what it cannot carry past rest stays at rest.
+    /// Links move by the midpoint rule. Dry friction is that of the speed at the end of the step, so
+    /// that it never turns a joint round: what it cannot carry past rest stays at rest. Viscous
+    /// friction is its mean over the step, as of a speed that decays.
     ///
     /// # Errors
     /// [`ModelError::NoInertia`] if a direction of the arm has none, so that nothing can be moved.
@@ -90,10 +91,14 @@ impl<'m> Simulator<'m> {
             (0..n).map(|j| momentum[j] + seconds * (tau[j] - gravity[j] - coriolis[j])).collect();
         let mut speed: Vec<f64> =
             arm.dq.iter().zip(&arm.ddq).map(|(dq, ddq)| dq + seconds * ddq).collect();
+        let late = self.late(&mass, &arm.dq, seconds)?;
         for _ in 0..ROUNDS {
             let (mut matrix, mut right) = (mass.clone(), pushed.clone());
-            for Weighted { term, coefficient, .. } in self.friction {
+            for (Weighted { term, coefficient, .. }, [part, early]) in
+                self.friction.iter().zip(&late)
+            {
                 let [constant, slope] = secant(term, &arm.path, &speed, seconds);
+                let (constant, slope) = (part * constant + early, part * slope);
                 let strength = seconds * coefficient * term.pressed(&gravity);
                 for (i, a) in term.shaft.iter().enumerate().filter(|(_, a)| **a != 0.0) {
                     right[i] -= strength * a * constant;
@@ -118,6 +123,28 @@ impl<'m> Simulator<'m> {
         arm.dq = speed;
         Ok(())
     }
+
+    /// How much of each friction is that of the end of a step, and what that of its start adds, per
+    /// unit of its coefficient.
+    fn late(&self, mass: &Mat<f64>, dq: &[f64], seconds: f64) -> Result<Vec<[f64; 2]>, ModelError> {
+        let factor = mass.llt(Side::Lower).map_err(|_| ModelError::NoInertia)?;
+        let of = |Weighted { term, coefficient, .. }: &Weighted<FrictionTerm>| {
+            if term.law != FrictionLaw::Viscous {
+                return [1.0, 0.0];
+            }
+            let shaft = faer::ColRef::from_slice(&term.shaft);
+            let yields = shaft.transpose() * factor.solve(shaft);
+            let part = place_of_mean((coefficient * yields * seconds).max(0.0));
+            [part, (1.0 - part) * term.at_speed(term.speed(dq))]
+        };
+        Ok(self.friction.iter().map(of).collect())
+    }
+}
+
+/// Where the mean of e⁻ˣᵗ from t = 0 to 1 lies between its ends: from ½ to 1, that at the end.
+fn place_of_mean(x: f64) -> f64 {
+    // Its series, where the difference below would be rounding.
+    if x < 1e-3 { 0.5 + x / 12.0 } else { 1.0 / -(-x).exp_m1() - 1.0 / x }
 }
 
 /// Friction at the end of a step as c + s·v, exact at a speed that is near: \[c, s\] per unit of its

@@ -23,14 +23,17 @@ pub(super) struct Offer {
     ways: Vec<(&'static str, Vec<DriveTerm>)>,
     /// The way that others are first judged beside.
     usual: usize,
-    /// A longer way must lower the error by this part.
+    /// A longer way must lower the error by this part, and by so much of the torque.
     worth: f64,
+    trifle: f64,
 }
 
 /// Arms seldom have a shaft that two joints share, or a spring.
 const WORTH_OF_SHAFT: f64 = 0.15;
 const WORTH_OF_SPRING: f64 = 0.1;
 const WORTH_OF_FRICTION: f64 = 0.02;
+/// What explains less of the torque than this is no spring and no shaft, however little is left.
+const TRIFLE: f64 = 1e-3;
 /// Times that all offers are made, each beside what was chosen of the others.
 const SWEEPS: usize = 2;
 
@@ -38,7 +41,7 @@ impl Offer {
     /// The simplest way that is near the best, and its record.
     fn chosen(&self, trials: &[CvScore]) -> Option<(usize, Choice)> {
         let least = trials.iter().map(CvScore::error).fold(f64::INFINITY, f64::min);
-        let near = |trial: &CvScore| (1.0 - self.worth) * trial.error() <= least;
+        let near = |trial: &CvScore| (1.0 - self.worth) * trial.error() - self.trifle <= least;
         let place = trials.iter().position(near)?;
         let (what, chosen) = (self.what.clone(), trials[place].label.clone());
         let (part, count) = (100.0 * self.worth, trials[place].errors.len());
@@ -83,6 +86,7 @@ impl ChainLearner<'_> {
                 ],
                 usual: 0,
                 worth: WORTH_OF_SHAFT,
+                trifle: TRIFLE,
             }
         };
         let turns = |joint: usize| kinds.of(joint).turns();
@@ -100,19 +104,24 @@ impl ChainLearner<'_> {
             ],
             usual: 0,
             worth: WORTH_OF_SPRING,
+            trifle: TRIFLE,
         };
         (0..n).filter(|joint| !known.contains(joint)).map(of).collect()
     }
 
-    /// The friction of each joint.
-    pub(super) fn friction(&self) -> Vec<Offer> {
+    /// The friction of each joint; the offset of a slide is left to gravity, which is as constant.
+    pub(super) fn friction(&self, kinds: &JointKinds) -> Vec<Offer> {
         let own = |joint: usize, terms: Vec<FrictionTerm>| {
             terms
                 .into_iter()
                 .filter(move |term| term.joint() == Some(joint) && term.direction.is_both())
         };
         let of = |joint: usize| {
-            let linear: Vec<FrictionTerm> = own(joint, self.laws.linear()).collect();
+            let is_told =
+                |term: &FrictionTerm| term.law != FrictionLaw::Offset || kinds.of(joint).turns();
+            let linear: Vec<FrictionTerm> =
+                own(joint, self.laws.linear()).filter(is_told).collect();
+            let moving = linear.len() - 1;
             let dry = linear.iter().filter(|term| matches!(term.law, FrictionLaw::Coulomb { .. }));
             let loaded: Vec<FrictionTerm> = dry.cloned().map(FrictionTerm::under_load).collect();
             let bends: Vec<FrictionTerm> = own(joint, self.laws.stribeck()).collect();
@@ -122,13 +131,14 @@ impl ChainLearner<'_> {
                 what: format!("friction of {}", self.motion.joints()[joint]),
                 ways: vec![
                     ("none", Vec::new()),
-                    ("viscous", way(&[&linear[..2]])),
+                    ("viscous", way(&[&linear[..moving]])),
                     ("Coulomb", way(&[&linear])),
                     ("Dahl under load", way(&[&linear, &loaded, &dahl])),
                     ("Stribeck", way(&[&linear, &bends])),
                 ],
                 usual: 2,
                 worth: WORTH_OF_FRICTION / self.motion.n_joints() as f64,
+                trifle: 0.0,
             }
         };
         (0..self.motion.n_joints()).map(of).collect()
