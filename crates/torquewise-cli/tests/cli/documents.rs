@@ -98,24 +98,88 @@ fn every_command_and_flag_that_guides_name_exists() {
     }
 }
 
-/// What `--help` of all commands prints, as a page.
+/// A flag or an argument: its heading, its form, and what it does.
+type Entry = [String; 3];
+
+/// The entries of what `--help` prints below its usage.
+fn entries(help: &str) -> Vec<Entry> {
+    let (mut heading, mut all) = (String::new(), Vec::<Entry>::new());
+    for line in help.lines().skip_while(|line| !line.starts_with("Usage")).skip(1) {
+        let (word, depth) = (line.trim(), line.len() - line.trim_start().len());
+        if depth == 0 {
+            word.trim_end_matches(':').clone_into(&mut heading);
+        } else if depth < 8 && word.starts_with(['-', '<', '[']) {
+            let (form, text) = word.split_once("  ").unwrap_or((word, ""));
+            all.push([heading.clone(), form.to_owned(), text.trim().to_owned()]);
+        } else {
+            let text = &mut all.last_mut().unwrap()[2];
+            match word.strip_prefix("- ").and_then(|own| own.split_once(':')) {
+                Some((value, does)) => write!(text, "; `{value}` {}", does.trim()).unwrap(),
+                None if word == "Possible values:" => text.push(':'),
+                None => write!(text, " {word}").unwrap(),
+            }
+        }
+    }
+    all.iter_mut().for_each(|own| own[2] = own[2].replace(":;", ":"));
+    all
+}
+
+/// Entries as a list below their headings.
+fn listed<'a>(entries: impl Iterator<Item = &'a Entry>) -> String {
+    let (mut page, mut under) = (String::new(), "");
+    for [heading, form, text] in entries {
+        if !["Options", "Arguments", under].contains(&heading.as_str()) {
+            write!(page, "\n**{heading}**\n\n").unwrap();
+            under = heading;
+        }
+        let mut line = format!("- `{form}`");
+        for word in text.split_whitespace() {
+            let width = line.len() - line.rfind('\n').unwrap_or(0) + word.len();
+            line.push_str(if width > 112 { "\n  " } else { " " });
+            line.push_str(word);
+        }
+        writeln!(page, "{line}").unwrap();
+    }
+    page
+}
+
+/// What `--help` of all commands prints, as a page; what many share stands there once.
 fn reference(terminal: &Terminal) -> String {
-    let help = |line: &str| {
-        let printed = terminal.run(line).stdout;
-        printed.lines().map(str::trim_end).collect::<Vec<_>>().join("\n").trim_end().to_owned()
-    };
+    let help = |line: &str| terminal.run(line).stdout;
+    let about = |text: &str| text.split("\nUsage").next().unwrap().trim_end().to_owned();
     let all = help("--help");
     let commands = all.lines().skip_while(|line| *line != "Commands:").skip(1);
-    let commands = commands.take_while(|line| !line.is_empty());
-    let names = commands.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    let names = commands.take_while(|line| !line.is_empty());
+    let names = names.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
     let names = names.filter_map(|line| line.split_whitespace().next());
+    let names: Vec<&str> = names.filter(|name| *name != "help").collect();
+    let pages: Vec<String> = names.iter().map(|name| help(&format!("{name} --help"))).collect();
+    let own: Vec<Vec<Entry>> = pages.iter().map(|text| entries(text)).collect();
+    let count = |entry: &Entry| own.iter().filter(|of| of.contains(entry)).count();
+    let mut shared: Vec<&Entry> = Vec::new();
+    for entry in own.iter().flatten().filter(|entry| count(entry) > 2) {
+        let after = shared.iter().rposition(|other| other[0] == entry[0]);
+        if !shared.contains(&entry) {
+            shared.insert(after.map_or(shared.len(), |place| place + 1), entry);
+        }
+    }
     let mut page = format!(
-        "# The command line\n\nWhat `torquewise --help` prints, and that of each command. \
-         [Your robot](your-robot.md) leads through them.\n\n```text\n{all}\n```\n"
+        "# The command line\n\n{}\n\n`torquewise COMMAND --help` prints what stands here of a \
+         command. [Your robot](your-robot.md) leads through them.\n\n## Shared options\n\n\
+         Each command names those that it takes; the first four go with every command.\n\n{}",
+        about(&all),
+        listed(shared.iter().copied())
     );
-    for name in names.filter(|name| *name != "help") {
-        let text = help(&format!("{name} --help"));
-        write!(page, "\n## {name}\n\n```text\n{text}\n```\n").unwrap();
+    for ((name, text), entries) in names.iter().zip(&pages).zip(&own) {
+        let usage = text.lines().find(|line| line.starts_with("Usage: ")).unwrap();
+        write!(page, "\n## {name}\n\n{}\n\n`{}`\n\n", about(text), &usage[7..]).unwrap();
+        let (of_many, rest): (Vec<_>, Vec<_>) = entries.iter().partition(|e| shared.contains(e));
+        page.push_str(&listed(rest.into_iter()));
+        let some = of_many.iter().filter(|entry| count(entry) < names.len());
+        let some: Vec<_> = some.map(|e| format!("`{}`", e[1].split(" <").next().unwrap())).collect();
+        if !some.is_empty() {
+            write!(page, "\n[Shared](#shared-options): {}\n", some.join(", ")).unwrap();
+        }
     }
     page
 }

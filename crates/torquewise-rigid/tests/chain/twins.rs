@@ -21,7 +21,7 @@ pub(crate) struct Link {
     pub(crate) inertia: [f64; 6],
 }
 
-/// The arm of method.md, section 5, number by number.
+/// The reference arm of method-uses.md, number by number.
 pub(crate) fn puma() -> Vec<Link> {
     let quarter = std::f64::consts::FRAC_PI_2;
     let diagonal = |x, y, z| [x, y, z, 0.0, 0.0, 0.0];
