@@ -14,9 +14,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 LOGS = {"ur10": "ur10_panda_unisa/ur10_exciting_trajectory.db3"}  # name of the profile, log
 PARTS = ("Torque", "Geometry")  # sections that are shown, of the whole report
-HIDDEN = "nav, header button, details, .caption, section { display: none !important }"
+HIDDEN = "nav, header, details, .caption, section { display: none !important }"
 SHOWN = "{ display: block !important }"
-WIDTH, HEIGHT = 1100, 1600
+WIDTH, HEIGHT = 1100, 1540
 
 
 def main():

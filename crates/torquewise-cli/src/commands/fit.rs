@@ -130,7 +130,7 @@ fn log_file(path: &Path) -> LogFile {
     LogFile { name, date: written.map_or_else(|_| String::new(), date) }
 }
 
-fn date(time: SystemTime) -> String {
+pub(super) fn date(time: SystemTime) -> String {
     DateTime::<Utc>::from(time).format("%Y-%m-%d %H:%M UTC").to_string()
 }
 

@@ -176,7 +176,8 @@ fn reference(terminal: &Terminal) -> String {
         let (of_many, rest): (Vec<_>, Vec<_>) = entries.iter().partition(|e| shared.contains(e));
         page.push_str(&listed(rest.into_iter()));
         let some = of_many.iter().filter(|entry| count(entry) < names.len());
-        let some: Vec<_> = some.map(|e| format!("`{}`", e[1].split(" <").next().unwrap())).collect();
+        let some: Vec<_> =
+            some.map(|e| format!("`{}`", e[1].split(" <").next().unwrap())).collect();
         if !some.is_empty() {
             write!(page, "\n[Shared](#shared-options): {}\n", some.join(", ")).unwrap();
         }
