@@ -1,5 +1,4 @@
-//! From ChainSpec, rows to trial: a chain fitted with each block of time left out, and judged
-//! there.
+//! Block cross-validation of one chain specification.
 
 use crate::drive_terms::{DriveTerm, Gravity};
 use crate::learn::residual_rms;

@@ -1,4 +1,4 @@
-//! From external torque to contacts: when it is more than a free arm shows (E16).
+//! Contacts: external torque beyond that of free motion (E16).
 
 mod spread;
 

@@ -1,5 +1,4 @@
-//! From model, recording to diagnosis: what the residuals look like, and which terms carry the
-//! torque.
+//! Diagnosis of a model: its residuals, and which terms carry the torque.
 
 use crate::score::{Scores, score};
 use crate::turning::Turning;

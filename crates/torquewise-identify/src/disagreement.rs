@@ -1,5 +1,4 @@
-//! From model, several logs to disagreements: joints whose gravity is another in one log than in
-//! another.
+//! Joints whose gravity differs from log to log.
 
 use crate::clustered::Stretches;
 use std::fmt;

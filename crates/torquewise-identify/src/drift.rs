@@ -1,4 +1,4 @@
-//! From model, sample of long logs to drift: joints whose friction changes as their gears warm.
+//! Joints whose friction changes along a log, as gears warm.
 
 use crate::clustered::{Solved, Stretches};
 use std::fmt;

@@ -1,5 +1,4 @@
-//! From sample of a log to findings: what its motion cannot determine, in words a person can act
-//! on.
+//! What the motion of a log cannot determine, in words a person can act on.
 
 use crate::rough::unexplained_part;
 use faer::linalg::solvers::Solve;

@@ -1,5 +1,4 @@
-//! From a chain that nothing moves any more to a model: its parameters, and equations that can be
-//! told from zero (E8) (E11).
+//! The model of a converged chain, its equations without terms near zero (E8) (E11).
 
 use crate::basis::{Energies, Wanted, joint_sums};
 use crate::drifts;

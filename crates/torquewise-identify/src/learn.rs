@@ -1,4 +1,4 @@
-//! From a sample of a log to chain: the geometry of the arm, its masses and its friction (E8).
+//! A chain learned from a sample of a log: geometry, inertia and friction (E8).
 
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, columns};

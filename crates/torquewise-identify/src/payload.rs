@@ -1,4 +1,4 @@
-//! From a model of the arm and a log with a load on its last link to the load (E15).
+//! The load on the last link, from a log and a model of the bare arm (E15).
 
 mod gains;
 mod rows;

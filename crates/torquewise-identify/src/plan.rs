@@ -1,4 +1,4 @@
-//! From what the user wants to plan: a method with its own options, clusters and a seed.
+//! The plan of a fit: a method with its own options, clusters and a seed.
 
 use torquewise_model::RobotNames;
 use torquewise_rigid::{Geometry, JointKinds};

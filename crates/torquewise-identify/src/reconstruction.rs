@@ -1,4 +1,4 @@
-//! From log to Reconstruction: what was found, how, and what was said on the way.
+//! The result of a fit: what was found, how, and the warnings.
 
 use crate::clipped::clipped;
 use crate::excitation::Finding;

@@ -1,4 +1,4 @@
-//! From plan, recording to settings: what logs are summed under, and the columns that are summed.
+//! Under which settings logs are summed, and which columns are.
 
 use crate::plan::Plan;
 use serde::{Deserialize, Serialize};

@@ -1,5 +1,4 @@
-//! From recording to summary: all that a fit needs of its logs, in sums that add up without
-//! rounding.
+//! Summary of logs: all that a fit needs of them, in sums that add up without rounding.
 
 use crate::estimate::add_up;
 use crate::plan::{Method, Plan};

@@ -1,5 +1,4 @@
-//! From a fitted chain and its log to what its torque columns are: of gains that differ from joint to
-//! joint, or without gravity (E27).
+//! What the torque columns are: without gravity, or with a gain for each joint (E27).
 
 use crate::estimate::Linearisation;
 use crate::unseen::{HeldOut, Unseen, geometric_mean, regions, whole_logs};

@@ -1,4 +1,4 @@
-//! From survey, patterns, fit to warnings: what the user should know, in words.
+//! Warnings: what the user should know, in words.
 
 use crate::disagreement::Disagreement;
 use crate::drift::Drift;

@@ -1,5 +1,4 @@
-//! From Raw rows to the same rows at the times they were sampled: held rows out, late stamps
-//! mended.
+//! Rows at the times they were sampled: held rows left out, late stamps corrected.
 
 use faer::Mat;
 use torquewise_motion::Repairs;

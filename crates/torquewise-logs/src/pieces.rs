@@ -1,4 +1,4 @@
-//! From logs to pieces of all trajectories: what the conditioning of all of them is chosen from.
+//! Pieces of all trajectories, from which their conditioning is chosen.
 
 use crate::clock::{ClockLane, ClockRepair, joined};
 use crate::error::{LogError, Result};

@@ -1,5 +1,4 @@
-//! From speed of a shaft to friction: the parts of the Stribeck curve (17), each with its own
-//! weight.
+//! Laws of friction of a shaft: the parts of the Stribeck curve (17), each with its weight.
 
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;

@@ -1,4 +1,4 @@
-//! From terms and weights to Model: what was found, as plain data.
+//! The model: terms and weights, as plain data.
 
 use crate::energy::EnergyTerm;
 use crate::error::ModelError;

@@ -1,5 +1,4 @@
-//! From a measured state and measured torque to where the arm goes, beside where it went: the second
-//! truth of a model (E23).
+//! Rollouts: simulation from a measured state with the measured torque (E23).
 
 use crate::error::ModelError;
 use crate::friction::{FrictionLaw, FrictionTerm};

@@ -1,5 +1,4 @@
-//! From laws of friction on a shaft to the parameters that engineers know: Coulomb, static,
-//! Stribeck.
+//! Friction in engineering values: Coulomb, static, Stribeck speed, viscous, stiffness.
 
 use crate::friction::{FrictionLaw, FrictionTerm};
 use crate::model::Model;

@@ -1,4 +1,4 @@
-//! From positions to what friction remembers of the path: the states of Dahl elements (E13).
+//! States of Dahl elements along a path of positions (E13).
 
 use crate::memory::Memory;
 use crate::motion::Motion;

@@ -1,4 +1,4 @@
-//! From recording to Motion blocks: one or several trajectories, read in order and in fixed memory.
+//! Recordings: one or several trajectories, read in order as blocks, in fixed memory.
 
 use crate::motion::Motion;
 use crate::signals::bandwidth::Band;

@@ -1,5 +1,4 @@
-//! From logged coordinates to joint angles of a chain, where a motor of one joint turns others as
-//! well.
+//! Coupled joints: joint angles of a chain from logged coordinates, q_chain = Γ q (E18).
 
 use serde::{Deserialize, Serialize};
 use simba::simd::SimdRealField;

@@ -1,4 +1,4 @@
-//! From normal equations to the parameters that fit best among those that physics allows (E14).
+//! The best physically consistent parameters of normal equations (E14).
 
 use crate::error::ChainError;
 use crate::inertia::{Inertial, divergence, divergence_slopes};

@@ -1,4 +1,4 @@
-//! From parameters to geometry: where the joint axes of a chain lie, as far as torque can tell.
+//! Geometry of a chain: where its joint axes lie, as far as torque determines it (E8).
 
 mod choices;
 

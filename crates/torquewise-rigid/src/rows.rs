@@ -1,4 +1,4 @@
-//! From motion, torque, further columns to rows of a regression: what a chain is learned from.
+//! Rows of the regression that a chain is learned from: motion, torque, drive columns.
 
 use crate::error::ChainError;
 use crate::geometry::Geometry;

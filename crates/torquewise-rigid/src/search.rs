@@ -1,4 +1,4 @@
-//! From rows to chain: many starts with axes at right angles, the best of them refined.
+//! Search of the geometry: many starts with axes at right angles, the best of them refined.
 
 use crate::coupling::Coupling;
 use crate::error::ChainError;

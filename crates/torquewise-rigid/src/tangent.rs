@@ -1,5 +1,4 @@
-//! From chain, rows to what it leaves of them, and how each of its parameters would change that
-//! (E11).
+//! Residual of a chain, and its derivative by each parameter (E11).
 
 use crate::error::ChainError;
 use crate::inertial_fit::weighted_columns;

@@ -1,4 +1,4 @@
-//! From geometry to what arms like it have: axes at right angles and near each other (E8).
+//! The prior of the geometry: axes at right angles and near each other (E8).
 
 use crate::geometry::{Geometry, PER_BASE, nearest_right_angle};
 

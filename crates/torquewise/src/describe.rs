@@ -1,4 +1,4 @@
-//! From model to an object that other programs read.
+//! A model as an object that other programs read.
 
 use crate::summary::AllRepairs;
 use serde_json::{Value, json};

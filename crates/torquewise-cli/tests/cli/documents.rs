@@ -53,31 +53,32 @@ fn is_same(expected: &str, found: &str, is_cut: bool) -> bool {
 }
 
 #[test]
-fn the_commands_of_the_readme_print_what_it_shows() {
-    let terminal = Terminal::new();
-    let text = document("README.md");
-    // Later blocks read the logs of real arms.
-    let example = text.split("## Real arms").next().unwrap();
-
-    let shown = shown(example);
-
-    assert!(shown.len() >= 5, "{} commands", shown.len());
-    for Shown { command, output } in shown {
-        let printed = terminal.run(&command);
-        let (expected, is_cut) = expected(&output);
-        assert_eq!(printed.code, 0, "{command}: {}", printed.stderr);
-        let found = printed.stdout.trim_end();
-        assert!(
-            is_same(&expected, found, is_cut),
-            "{command}\n--- document\n{expected}\n--- program\n{found}"
-        );
+fn the_commands_of_readme_and_tutorial_print_what_these_show() {
+    for (name, least) in [("README.md", 5), ("docs/tutorial.md", 8)] {
+        let terminal = Terminal::new();
+        let text = document(name);
+        // Later blocks read the logs of real arms.
+        let shown = shown(text.split("## A real log").next().unwrap());
+        assert!(shown.len() >= least, "{name}: {} commands", shown.len());
+        for Shown { command, output } in shown {
+            let printed = terminal.run(&command);
+            let (expected, is_cut) = expected(&output);
+            assert_eq!(printed.code, 0, "{name}: {command}: {}", printed.stderr);
+            let found = printed.stdout.trim_end();
+            assert!(
+                is_same(&expected, found, is_cut),
+                "{name}: {command}\n--- document\n{expected}\n--- program\n{found}"
+            );
+        }
     }
 }
 
 #[test]
 fn every_command_and_flag_that_guides_name_exists() {
     let terminal = Terminal::new();
-    for name in ["README.md", "docs/your-robot.md", "docs/export.md", "docs/control.md"] {
+    for name in
+        ["README.md", "docs/your-robot.md", "docs/export.md", "docs/control.md", "docs/tutorial.md"]
+    {
         let text = document(name);
         let blocks = text.split("```").skip(1).step_by(2).flat_map(str::lines);
         let lines = blocks.map(|line| line.trim_start_matches("$ ").trim());
@@ -124,26 +125,20 @@ fn entries(help: &str) -> Vec<Entry> {
     all
 }
 
-/// Entries as a list below their headings.
-fn listed<'a>(entries: impl Iterator<Item = &'a Entry>) -> String {
-    let (mut page, mut under) = (String::new(), "");
-    for [heading, form, text] in entries {
-        if !["Options", "Arguments", under].contains(&heading.as_str()) {
-            write!(page, "\n**{heading}**\n\n").unwrap();
-            under = heading;
-        }
-        let mut line = format!("- `{form}`");
-        for word in text.split_whitespace() {
-            let width = line.len() - line.rfind('\n').unwrap_or(0) + word.len();
-            line.push_str(if width > 112 { "\n  " } else { " " });
-            line.push_str(word);
-        }
-        writeln!(page, "{line}").unwrap();
+/// An entry of a list, in lines of 118 letters.
+fn item(form: &str, text: &str) -> String {
+    let (mut line, mut width) = (format!("- {form}"), 2 + form.chars().count());
+    for word in text.split_whitespace() {
+        width += 1 + word.chars().count();
+        let is_full = width > 118;
+        line.push_str(if is_full { "\n  " } else { " " });
+        line.push_str(word);
+        width = if is_full { 2 + word.chars().count() } else { width };
     }
-    page
+    line + "\n"
 }
 
-/// What `--help` of all commands prints, as a page; what many share stands there once.
+/// What `--help` of all commands prints, as a page; what several share stands there once.
 fn reference(terminal: &Terminal) -> String {
     let help = |line: &str| terminal.run(line).stdout;
     let about = |text: &str| text.split("\nUsage").next().unwrap().trim_end().to_owned();
@@ -157,30 +152,35 @@ fn reference(terminal: &Terminal) -> String {
     let own: Vec<Vec<Entry>> = pages.iter().map(|text| entries(text)).collect();
     let count = |entry: &Entry| own.iter().filter(|of| of.contains(entry)).count();
     let mut shared: Vec<&Entry> = Vec::new();
-    for entry in own.iter().flatten().filter(|entry| count(entry) > 2) {
+    for entry in own.iter().flatten().filter(|entry| count(entry) > 1) {
         let after = shared.iter().rposition(|other| other[0] == entry[0]);
         if !shared.contains(&entry) {
             shared.insert(after.map_or(shared.len(), |place| place + 1), entry);
         }
     }
     let mut page = format!(
-        "# The command line\n\n{}\n\n`torquewise COMMAND --help` prints what stands here of a \
-         command. [Your robot](your-robot.md) leads through them.\n\n## Shared options\n\n\
-         Each command names those that it takes; the first four go with every command.\n\n{}",
-        about(&all),
-        listed(shared.iter().copied())
+        "# The command line\n\n{}\n\n`torquewise COMMAND --help` prints what stands here. \
+         [Your robot](your-robot.md) leads through the commands.\n\n## Shared options\n",
+        about(&all)
     );
+    let mut under = "";
+    for [heading, form, text] in shared.iter().copied() {
+        if under != heading {
+            write!(page, "\n{heading}:\n\n").unwrap();
+            under = heading;
+        }
+        page += &item(&format!("`{form}`"), text);
+    }
     for ((name, text), entries) in names.iter().zip(&pages).zip(&own) {
-        let usage = text.lines().find(|line| line.starts_with("Usage: ")).unwrap();
-        write!(page, "\n## {name}\n\n{}\n\n`{}`\n\n", about(text), &usage[7..]).unwrap();
-        let (of_many, rest): (Vec<_>, Vec<_>) = entries.iter().partition(|e| shared.contains(e));
-        page.push_str(&listed(rest.into_iter()));
-        let some = of_many.iter().filter(|entry| count(entry) < names.len());
+        let usage = text.lines().find_map(|line| line.strip_prefix("Usage: ")).unwrap();
+        write!(page, "\n## {name}\n\n{}: `{usage}`\n\n", about(text)).unwrap();
+        for [_, form, text] in entries.iter().filter(|entry| count(entry) == 1) {
+            page += &item(&format!("`{form}`"), text);
+        }
+        let some = entries.iter().filter(|e| count(e) > 1 && count(e) < names.len());
         let some: Vec<_> =
             some.map(|e| format!("`{}`", e[1].split(" <").next().unwrap())).collect();
-        if !some.is_empty() {
-            write!(page, "\n[Shared](#shared-options): {}\n", some.join(", ")).unwrap();
-        }
+        page += &item("[Shared](#shared-options):", &some.join(", "));
     }
     page
 }
@@ -199,5 +199,5 @@ fn the_reference_of_the_command_line_is_what_help_prints() {
         kept == found,
         "docs/command-line.md is out of date: run this test with TORQUEWISE_WRITE_DOCUMENTS=1"
     );
-    assert!(found.contains("\n## fit\n") && found.contains("\n## export\n"));
+    assert!(found.contains("\n## fit\n") && found.contains("\n- `--precision"));
 }

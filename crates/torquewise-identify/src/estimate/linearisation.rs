@@ -1,4 +1,4 @@
-//! From a structure and its parameters to rows [J e] of a block of motion.
+//! Linearised torque: rows [J e] of a block of motion.
 
 use crate::drive_terms::{DriveTerm, Gravity, WEIGHT_AT_REST, columns};
 use crate::regions::Regions;

@@ -1,5 +1,4 @@
-//! From structure, geometry to what is known of an arm before any motion: plain links, positive
-//! rotors, friction that takes energy (E14).
+//! The nominal arm of the prior: plain links, positive rotors, dissipative friction (E14).
 
 use super::linearisation::Linearisation;
 use crate::drive_terms::DriveTerm;

@@ -1,4 +1,4 @@
-//! From a start to passes over rows until nothing moves (E11).
+//! Passes over all rows until the parameters converge (E11).
 
 use super::linearisation::Linearisation;
 use super::nominal::Sizes;

@@ -1,5 +1,4 @@
-//! From a chain that says the torque well to one that moves like the arm as well: its rotors are
-//! what both its torque and simulated windows ask for (E23).
+//! Rotors refined by simulated windows of the log as well as by torque (E23).
 
 use super::equations::Equations;
 use super::linearisation::Linearisation;

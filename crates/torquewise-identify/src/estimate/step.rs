@@ -1,4 +1,4 @@
-//! From the sums of a pass to what it costs to be where, and the best step from there (E11) (E14).
+//! Merit of a pass, and the best step from there (E11) (E14).
 
 use super::equations::{Equations, cost_of_pull};
 use super::linearisation::Linearisation;

@@ -1,4 +1,4 @@
-//! From held-out folds to how strong the prior is (E14).
+//! Strength of the prior, chosen on held-out folds (E14).
 
 use super::equations::Equations;
 use super::step::{Step, Tuning};

@@ -1,5 +1,4 @@
-//! From windows of a log to normal equations: where simulated windows end, and how the rotors of the
-//! arm move that (E23).
+//! Normal equations of simulated windows in the rotors of the arm (E23).
 
 use super::linearisation::Linearisation;
 use crate::fitted::movable;

@@ -1,5 +1,4 @@
-//! From rows to which joints turn and which slide: both are tried on joints of little travel, and
-//! held-out rows choose (E26).
+//! Which joints turn and which slide, by held-out rows (E26).
 
 use super::{ChainLearner, DriveTerm, ROUNDS, TRIAL_ROWS, UNRESOLVED, Watch, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};

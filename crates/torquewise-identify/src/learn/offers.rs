@@ -1,5 +1,4 @@
-//! From a chain to what stands beside its links: shafts that joints share, springs, friction. Each
-//! is offered in a few ways, and held-out rows choose (17) (E13) (E21).
+//! Offers of drive terms: shared shafts, springs, friction, by held-out rows (E13) (E21).
 
 use super::{ChainLearner, LAST_ROWS};
 use crate::chain_spec::ChainSpec;

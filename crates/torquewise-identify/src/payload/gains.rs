@@ -1,4 +1,4 @@
-//! From a load of known mass to what a unit of each torque column is worth (E15).
+//! Gains of the torque columns, from a load of known mass (E15).
 
 use super::rows::WithLoad;
 use super::{Pass, STRENGTH, chain_of};

@@ -1,4 +1,4 @@
-//! From simulated log with friction to the arm and the friction it was simulated with, by a chain.
+//! A learned chain finds the arm and the friction that a log was simulated with.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

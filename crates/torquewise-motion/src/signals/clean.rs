@@ -1,4 +1,4 @@
-//! From columns to even columns: spikes out, then onto even time stamps.
+//! Columns without spikes, on even time stamps.
 
 use crate::error::{MotionError, Result};
 use crate::signals::outliers::{HALF_WINDOW, replace_outliers, spike_scale};

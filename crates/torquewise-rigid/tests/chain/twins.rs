@@ -1,5 +1,4 @@
-//! From Denavit–Hartenberg rows to the same arm twice: as rigid-body dynamics has it, and as a
-//! chain.
+//! The same arm twice, from Denavit–Hartenberg rows: rigid-body dynamics, and a chain.
 
 use faer::Mat;
 use nalgebra::{Matrix3, Rotation3, Vector3};
