@@ -21,7 +21,7 @@ pub(crate) struct ChainSpec {
 }
 
 impl ChainSpec {
-    /// Lets gears bear the weight that a chain has, which was fitted to this specification.
+    /// Sets Gⱼ(q) \[N·m\] of `chain`, by which load-dependent friction is multiplied.
     pub(crate) fn bear(&mut self, chain: &Chain) {
         self.gravity = Some(Gravity::of(chain, &self.drive));
     }

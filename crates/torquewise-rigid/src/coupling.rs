@@ -17,7 +17,7 @@ pub struct Coupled {
     pub ratio: i8,
 }
 
-/// the map Γ from logged coordinates to joint angles, q_chain = Γ q, unit lower triangular. By
+/// The map Γ from logged coordinates to joint angles, q_chain = Γ q, unit lower triangular. By
 /// virtual work τ = Γᵀ τ_chain and M = Γᵀ M_chain Γ \[E18\]. Empty is the identity.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]

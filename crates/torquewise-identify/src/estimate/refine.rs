@@ -130,7 +130,7 @@ impl Passes {
     }
 }
 
-/// Passes over a recording until the parameters settle.
+/// Passes over a recording until the parameters converge.
 ///
 /// The search leaves inertial parameters that no arm has, and derivatives by the geometry that are
 /// those of such an arm: links are made physical before the geometry moves.
