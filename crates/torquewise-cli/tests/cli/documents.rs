@@ -102,26 +102,31 @@ fn every_command_and_flag_that_guides_name_exists() {
 /// A flag or an argument: its heading, its form, and what it does.
 type Entry = [String; 3];
 
-/// The entries of what `--help` prints below its usage.
+/// The entries of what `--help` prints below its usage, but for those that clap adds.
 fn entries(help: &str) -> Vec<Entry> {
-    let (mut heading, mut all) = (String::new(), Vec::<Entry>::new());
+    let (mut heading, mut all, mut is_new) = (String::new(), Vec::<Entry>::new(), false);
     for line in help.lines().skip_while(|line| !line.starts_with("Usage")).skip(1) {
         let (word, depth) = (line.trim(), line.len() - line.trim_start().len());
-        if depth == 0 {
+        if !word.is_empty() && depth == 0 {
             word.trim_end_matches(':').clone_into(&mut heading);
         } else if depth < 8 && word.starts_with(['-', '<', '[']) {
             let (form, text) = word.split_once("  ").unwrap_or((word, ""));
             all.push([heading.clone(), form.to_owned(), text.trim().to_owned()]);
-        } else {
+        } else if !word.is_empty() {
             let text = &mut all.last_mut().unwrap()[2];
             match word.strip_prefix("- ").and_then(|own| own.split_once(':')) {
                 Some((value, does)) => write!(text, "; `{value}` {}", does.trim()).unwrap(),
                 None if word == "Possible values:" => text.push(':'),
+                None if is_new && !text.is_empty() && !word.starts_with('[') => {
+                    write!(text, ". {word}").unwrap();
+                }
                 None => write!(text, " {word}").unwrap(),
             }
         }
+        is_new = word.is_empty();
     }
-    all.iter_mut().for_each(|own| own[2] = own[2].replace(":;", ":"));
+    all.retain(|own| !["-h, --help", "-V, --version"].contains(&own[1].as_str()));
+    all.iter_mut().for_each(|own| own[2] = own[2].trim().replace(":;", ":"));
     all
 }
 
@@ -159,28 +164,38 @@ fn reference(terminal: &Terminal) -> String {
         }
     }
     let mut page = format!(
-        "# The command line\n\n{}\n\n`torquewise COMMAND --help` prints what stands here. \
-         [Your robot](your-robot.md) leads through the commands.\n\n## Shared options\n",
+        "# The command line\n\n{}\n\n`torquewise COMMAND --help` prints what stands here; \
+         `--json` and `--strict` go with every command. [Your robot](your-robot.md) leads through them.\n\n## Shared options\n",
         about(&all)
     );
-    let mut under = "";
+    let mut headings: Vec<&str> = Vec::new();
     for [heading, form, text] in shared.iter().copied() {
-        if under != heading {
-            write!(page, "\n{heading}:\n\n").unwrap();
-            under = heading;
+        if headings.last() != Some(&heading.as_str()) {
+            write!(page, "\n*{heading}*\n\n").unwrap();
+            headings.push(heading);
         }
         page += &item(&format!("`{form}`"), text);
     }
     for ((name, text), entries) in names.iter().zip(&pages).zip(&own) {
         let usage = text.lines().find_map(|line| line.strip_prefix("Usage: ")).unwrap();
-        write!(page, "\n## {name}\n\n{}: `{usage}`\n\n", about(text)).unwrap();
+        write!(page, "\n## {name}\n\n`{usage}`: {}\n\n", about(text)).unwrap();
         for [_, form, text] in entries.iter().filter(|entry| count(entry) == 1) {
             page += &item(&format!("`{form}`"), text);
         }
-        let some = entries.iter().filter(|e| count(e) > 1 && count(e) < names.len());
-        let some: Vec<_> =
-            some.map(|e| format!("`{}`", e[1].split(" <").next().unwrap())).collect();
-        page += &item("[Shared](#shared-options):", &some.join(", "));
+        let of = |all: &[&Entry], heading: &str| -> Vec<String> {
+            let own = all.iter().filter(|e| e[0] == heading && count(e) < names.len());
+            own.map(|e| format!("`{}`", e[1].split(" <").next().unwrap())).collect()
+        };
+        let many: Vec<&Entry> = entries.iter().filter(|entry| count(entry) > 1).collect();
+        let mut some: Vec<String> = Vec::new();
+        for heading in headings.iter().filter(|heading| !of(&many, heading).is_empty()) {
+            let (whole, found) = (of(&shared, heading), of(&many, heading));
+            let is_whole = found.len() > 1 && found.len() == whole.len();
+            some.push(if is_whole { format!("*{heading}*") } else { found.join(", ") });
+        }
+        if !some.is_empty() {
+            page += &item("[shared](#shared-options):", &some.join(", "));
+        }
     }
     page
 }
