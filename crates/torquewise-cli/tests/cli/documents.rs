@@ -155,7 +155,10 @@ fn reference(terminal: &Terminal) -> String {
     let names: Vec<&str> = names.filter(|name| *name != "help").collect();
     let pages: Vec<String> = names.iter().map(|name| help(&format!("{name} --help"))).collect();
     let own: Vec<Vec<Entry>> = pages.iter().map(|text| entries(text)).collect();
-    let count = |entry: &Entry| own.iter().filter(|of| of.contains(entry)).count();
+    let count = |entry: &Entry| match entry[0].as_str() {
+        "Arguments" | "Output" => 1,
+        _ => own.iter().filter(|of| of.contains(entry)).count(),
+    };
     let mut shared: Vec<&Entry> = Vec::new();
     for entry in own.iter().flatten().filter(|entry| count(entry) > 1) {
         let after = shared.iter().rposition(|other| other[0] == entry[0]);
@@ -165,16 +168,16 @@ fn reference(terminal: &Terminal) -> String {
     }
     let mut page = format!(
         "# The command line\n\n{}\n\n`torquewise COMMAND --help` prints what stands here; \
-         `--json` and `--strict` go with every command. [Your robot](your-robot.md) leads through them.\n\n## Shared options\n",
+         `--json` and `--strict` go with every command. [Your robot](your-robot.md) leads through them.\n\n## Shared options\n\n",
         about(&all)
     );
     let mut headings: Vec<&str> = Vec::new();
     for [heading, form, text] in shared.iter().copied() {
         if headings.last() != Some(&heading.as_str()) {
-            write!(page, "\n*{heading}*\n\n").unwrap();
+            writeln!(page, "- *{heading}*").unwrap();
             headings.push(heading);
         }
-        page += &item(&format!("`{form}`"), text);
+        page += &item(&format!("`{form}`"), text).replace("\n ", "\n   ").replacen("- ", "  - ", 1);
     }
     for ((name, text), entries) in names.iter().zip(&pages).zip(&own) {
         let usage = text.lines().find_map(|line| line.strip_prefix("Usage: ")).unwrap();
