@@ -126,7 +126,9 @@ fn entries(help: &str) -> Vec<Entry> {
         is_new = word.is_empty();
     }
     all.retain(|own| !["-h, --help", "-V, --version"].contains(&own[1].as_str()));
-    all.iter_mut().for_each(|own| own[2] = own[2].trim().replace(":;", ":"));
+    for entry in &mut all {
+        entry[2] = entry[2].trim().replace(":;", ":");
+    }
     all
 }
 
