@@ -170,7 +170,7 @@ fn reference(terminal: &Terminal) -> String {
     }
     let mut page = format!(
         "# The command line\n\n{}\n\n`torquewise COMMAND --help` prints what stands here; \
-         `--json` and `--strict` go with every command. [Your robot](your-robot.md) leads through them.\n\n## Shared options\n\n",
+         `--json` and `--strict` go with every command.\n[Your robot](your-robot.md) leads through them.\n\n## Shared options\n\n",
         about(&all)
     );
     let mut headings: Vec<&str> = Vec::new();
@@ -183,7 +183,11 @@ fn reference(terminal: &Terminal) -> String {
     }
     for ((name, text), entries) in names.iter().zip(&pages).zip(&own) {
         let usage = text.lines().find_map(|line| line.strip_prefix("Usage: ")).unwrap();
-        write!(page, "\n## {name}\n\n`{usage}`: {}\n\n", about(text)).unwrap();
+        let about = about(text);
+        let (first, rest) = about.split_once("\n\n").unwrap_or((&about, ""));
+        let usage = item(&format!("`{usage}`:"), first);
+        let rest = if rest.is_empty() { String::new() } else { format!("\n{rest}\n") };
+        write!(page, "\n## {name}\n\n{}{rest}\n", &usage[2..]).unwrap();
         for [_, form, text] in entries.iter().filter(|entry| count(entry) == 1) {
             page += &item(&format!("`{form}`"), text);
         }
