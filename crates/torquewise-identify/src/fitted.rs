@@ -33,7 +33,7 @@ const HELD_OUT_ROWS: usize = 4_000;
 const DRAWS: usize = 40;
 /// Size of these draws in standard deviations: small, so that all is linear.
 const DRAW_SIZE: f64 = 1e-3;
-/// Terms whose coefficient is below so many standard errors cannot be told from zero.
+/// Terms whose coefficient is below so many standard errors are not significant.
 const LEAST_T: f64 = 2.0;
 
 /// A chain that was fitted to every row.
@@ -255,7 +255,7 @@ fn equations(
     Ok((terms.filter(certain).collect(), candidates))
 }
 
-/// Chains whose parameters scatter as the covariance says, but less.
+/// Chains whose parameters scatter by the covariance, but less.
 fn draws(
     chain: &RigidChain,
     friction: &[Weighted<FrictionTerm>],

@@ -51,7 +51,7 @@ const WORTH_OF_ANGLES: f64 = 0.1;
 /// Parallel neighbours must lower the error by this part: a wrist that hardly turns fits either way,
 /// and its axes stand across each other.
 const WORTH_OF_PARALLEL: f64 = 0.05;
-/// Where they lower it by less than this part, the log does not tell.
+/// Where they lower it by less than this part, the axis is not resolved.
 const UNRESOLVED: f64 = 0.3;
 /// Rounds of refinement on all but a held-out block.
 const ROUNDS: usize = 6;
@@ -337,7 +337,7 @@ impl<'a> ChainLearner<'a> {
     }
 }
 
-/// Whoever watches, as a search tells of itself.
+/// The observer, in the form that a search reports to.
 pub(crate) fn searching(watch: Watch<'_>) -> impl Fn(Stage) -> ControlFlow<()> + Sync {
     move |stage| {
         watch(match stage {

@@ -76,7 +76,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// Whether it is both, as for a drive that rubs alike either way.
+    /// Whether it is both, as for a drive with the same friction both ways.
     pub fn is_both(&self) -> bool {
         *self == Self::Both
     }

@@ -38,7 +38,7 @@ pub struct Drift {
     pub windows: usize,
 }
 
-/// An arm that moves as its model says.
+/// An arm simulated by its model.
 #[derive(Clone, Debug)]
 pub struct Simulator<'m> {
     torque: Torque,

@@ -8,7 +8,7 @@ use crate::search::{Chain, all_parameters, first_weights, weights_of};
 use crate::usual_arm::UsualArm;
 use faer::Mat;
 
-/// The torque of rows as a chain near the one that was found can say it.
+/// The torque of rows, linearised at a chain.
 ///
 /// Equations as in [`Rows`]: all rows of joint 1 first. Each is divided by the noise of its joint
 /// and counts as the rows say.

@@ -74,7 +74,7 @@ fn plain_arm(at: &Linearisation, sizes: &Sizes) -> Result<Vec<f64>, IdentifyErro
     Ok(links.collect())
 }
 
-/// What physics says of the parameters of a linearisation, and parameters that it allows.
+/// Physical constraints on the parameters of a linearisation, and a feasible start.
 pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64>), IdentifyError> {
     let bodies = plain_arm(at, sizes)?;
     let mut start = bodies.clone();

@@ -133,7 +133,7 @@ impl Rotors {
     }
 }
 
-/// What simulated windows say of the rotors near those that they were simulated with.
+/// Normal equations of simulated windows in the rotors, at those they were simulated with.
 struct Windows {
     sums: NormalSums,
     at: Vec<f64>,
@@ -149,7 +149,7 @@ impl Windows {
     }
 }
 
-/// What the torque, and physics, say of the rotors where all else stays.
+/// Normal equations of torque and prior in the rotors, where all else stays.
 struct TorqueOf<'a> {
     step: Step<'a>,
     places: Vec<usize>,

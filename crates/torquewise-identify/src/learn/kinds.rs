@@ -154,7 +154,7 @@ impl ChainLearner<'_> {
         }
     }
 
-    /// Says of joints that the log does not tell what they are.
+    /// Warns of joints whose kind the log does not determine.
     fn leave_untold(&self, kinds: &JointKinds, joints: &[usize], choices: &mut Vec<Choice>) {
         choices.extend(joints.iter().map(|&joint| Choice {
             what: format!("kind of {}", self.motion.joints()[joint]),
