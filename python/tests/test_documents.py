@@ -33,6 +33,30 @@ def test_the_programs_of_a_guide_run(name, tmp_path, monkeypatch):
         exec(compile(program, name, "exec"), space)
 
 
+def test_the_commands_for_a_real_log_run_and_print_what_the_guide_shows(shared, tmp_path):
+    name = "ur10_exciting_trajectory.db3"
+    (tmp_path / name).symlink_to((shared / "data/ur10_panda_unisa" / name).resolve())
+    section = (ROOT / "README.md").read_text().split("## A real log")[1]
+    commands = re.findall(r"^torquewise ([^#\n]*)", section, re.M)
+    guide = (ROOT / "docs/your-robot.md").read_text()
+    expected = re.search(r"^```text\n(\d+ rows, .*?)^```", guide, re.S | re.M)[1].split()
+
+    printed = []
+    for command in commands:
+        line = [sys.executable, "-m", "torquewise", *command.split()]
+        done = subprocess.run(line, cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == 0, command + done.stderr
+        printed.append(done.stdout.split())
+
+    assert [command.split()[0] for command in commands] == ["inspect", "fit", "export"]
+    for shown, found in zip(expected, printed[1]):
+        try:
+            assert float(found) == pytest.approx(float(shown), rel=0.01)
+        except ValueError:
+            assert found == shown
+    assert len(printed[1]) > len(expected) and (tmp_path / "ur10.urdf").exists()
+
+
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_runs(path, tmp_path):
     nbformat = pytest.importorskip("nbformat")

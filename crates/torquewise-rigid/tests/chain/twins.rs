@@ -20,7 +20,7 @@ pub(crate) struct Link {
     pub(crate) inertia: [f64; 6],
 }
 
-/// The reference arm of method-uses.md, number by number.
+/// The reference arm `puma560-3`, number by number.
 pub(crate) fn puma() -> Vec<Link> {
     let quarter = std::f64::consts::FRAC_PI_2;
     let diagonal = |x, y, z| [x, y, z, 0.0, 0.0, 0.0];
