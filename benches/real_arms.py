@@ -220,20 +220,9 @@ class Run:
         raw = sum(len(part["t"]) for part in train)
         return cls(fit, told, (len(seen["t"]), len(judged["t"])), raw, rmse, nrmse)
 
-    def conditioned(self):
-        """What was done to the training rows."""
-        same, found = band(self.fit.model), self.fit.summary()
-        spikes = found["conditioning"]["total"]["spikes"].items()
-        lines = [
-            f"{self.raw} rows -> {found['rows']} rows",
-            f"cut-off {same['filter']:.2f} Hz, torque {1e3 * same['delay']:.1f} ms late",
-            *(f"{signal}: {count} outliers replaced" for signal, count in spikes),
-        ]
-        return "\n".join(lines + self.fit.warnings)
-
 
 def write_arm(page, name, arm, runs):
-    """The row of the summary, and the section of an arm."""
+    """The rows of an arm in all tables."""
     fit, rows = runs[0].fit, runs[0].rows
     rmse, nrmse = (np.array([getattr(own, key) for own in runs]) for key in ("rmse", "nrmse"))
     ratios = nrmse.mean(axis=0) / nrmse.mean(axis=0)[2]
@@ -245,31 +234,34 @@ def write_arm(page, name, arm, runs):
         f"| {name} | {nrmse.shape[-1]} | {rows[0]} + {rows[1]} | {cutoffs} | {means[0]}"
         f" {arm.limit:.2f} | {seconds[0]:.0f} | {means[1]} {seconds[1]:.0f} |",
     )
-    split = "30 % of the time to test: the last, the first, the middle"
-    if arm.block:
-        split = f"blocks of {arm.block:g} s, every third to test, from each of the first three"
-    lines = [
-        f"{rows[0]} training rows, {rows[1]} test rows ({split}).\n",
-        f"```text\n{runs[0].conditioned()}\n```\n",
-        "| joint | RMSE ours [N·m] | regressor | NRMSE ours | regressor | ratio | ratio with URDF |",
-        "|---|---|---|---|---|---|---|",
-    ]
     for j, joint in enumerate(fit.model.joints):
         ours, _, theirs = (f"{x.mean():.3f} ± {x.std(ddof=1):.3f}" for x in nrmse[:, :, j].T)
         remark = "" if j < arm.counted else " (not counted)"
-        lines.append(
-            f"| {joint} | {rmse[:, 0, j].mean():.3f} | {rmse[:, 2, j].mean():.3f} | {ours} |"
-            f" {theirs} | {ratios[0, j]:.2f}{remark} | {ratios[1, j]:.2f} |"
+        page.row(
+            "| arm and joint |",
+            f"| {name}: {joint} | {rmse[:, 0, j].mean():.3f} | {rmse[:, 2, j].mean():.3f} | {ours} |"
+            f" {theirs} | {ratios[0, j]:.2f}{remark} | {ratios[1, j]:.2f} |",
         )
-    lines.append(
-        f"\n{fit.model.complexity} terms, {fit.seconds:.0f} s. Chosen on held-out blocks of the"
-        " training rows, first cut:\n"
+    write_choices(page, name, runs[0])
+
+
+def write_choices(page, name, run):
+    """The row of what was chosen on held-out rows of the training log."""
+    found, same = run.fit.summary(), band(run.fit.model)
+    chosen = {own["what"]: own["chosen"] for own in found["choices"]}
+    laws = [chosen.get(f"friction of {joint}", "none") for joint in run.fit.model.joints]
+    beside = [
+        f"{what}: {way}"
+        for what, way in chosen.items()
+        if what.startswith(("shaft", "counterbalance")) and way != "none"
+    ]
+    page.row(
+        "| arm | rows, raw",
+        f"| {name} | {run.raw} → {found['rows']} | {same['filter']:.2f} | {1e3 * same['delay']:.1f} |"
+        f" {run.fit.model.complexity} | {', '.join(laws)} | {'; '.join(beside) or 'none'} |"
+        f" {chosen['strength of the physical prior']} |",
     )
-    for choice in fit.summary()["choices"]:
-        tried = ", ".join(f"{own['label']} {own['error']:.4f}" for own in choice["from"])
-        rest = f" of {tried}" if tried else f", {choice['rule']}"
-        lines.append(f"- {choice['what']}: **{choice['chosen']}**{rest}")
-    page.section(name, lines)
+    print(*run.fit.warnings, sep="\n")
 
 
 def write_parts(page, folder):
@@ -376,7 +368,7 @@ class Page:
 
     def published(self, name, ours):
         """The last cell of all rows of an arm in the table of what others have published."""
-        for k in range(self.find("| arm | by | told |"), len(self.lines)):
+        for k in range(self.find("| arm | by | given |"), len(self.lines)):
             if self.lines[k].startswith(f"| {name} |"):
                 self.lines[k] = "|".join([*self.lines[k].split("|")[:-2], f" {ours} |"])
                 print(self.lines[k])

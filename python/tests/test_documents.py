@@ -33,6 +33,51 @@ def test_the_programs_of_a_guide_run(name, tmp_path, monkeypatch):
         exec(compile(program, name, "exec"), space)
 
 
+def is_close(shown, found):
+    """Whether two words are the same, or numbers that agree to 1 %."""
+    try:
+        return float(found) == pytest.approx(float(shown), rel=0.01)
+    except ValueError:
+        return found == shown
+
+
+def run_command(words, folder):
+    line = [sys.executable, "-m", "torquewise", *words.split()]
+    done = subprocess.run(line, cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, words + done.stderr
+    return done.stdout.split()
+
+
+def test_the_commands_for_a_real_log_run_and_print_what_the_guide_shows(shared, tmp_path):
+    name = "ur10_exciting_trajectory.db3"
+    (tmp_path / name).symlink_to((shared / "data/ur10_panda_unisa" / name).resolve())
+    section = (ROOT / "README.md").read_text().split("## A real log")[1]
+    commands = re.findall(r"^torquewise ([^#\n]*)", section, re.M)
+    guide = (ROOT / "docs/your-robot.md").read_text()
+    expected = re.search(r"^```text\n(\d+ rows, .*?)^```", guide, re.S | re.M)[1].split()
+
+    printed = [run_command(command, tmp_path) for command in commands]
+
+    assert [command.split()[0] for command in commands] == ["inspect", "fit", "export"]
+    assert all(map(is_close, expected, printed[1])) and len(printed[1]) > len(expected)
+    assert (tmp_path / "ur10.urdf").exists()
+
+
+def test_the_tables_of_the_guide_on_control_are_what_its_commands_print(tmp_path):
+    guide = (ROOT / "docs/control.md").read_text()
+    lines = "".join(re.findall(r"^```console\n(.*?)^```", guide, re.S | re.M))
+    for line in re.split(r"^\$ ", lines, flags=re.M)[1:]:
+        command, output = line.split("\n", 1)
+        program, words = command.split(" ", 1)
+        if program == "cat":
+            (tmp_path / words).write_text(output)
+            continue
+        printed = run_command(words, tmp_path)
+        if "…" not in output:
+            differing = [pair for pair in zip(output.split(), printed) if not is_close(*pair)]
+            assert len(output.split()) == len(printed) and not differing, command
+
+
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_runs(path, tmp_path):
     nbformat = pytest.importorskip("nbformat")

@@ -1,5 +1,4 @@
-//! From model to what its torque costs a controller: counted operations, time and shares of a
-//! period.
+//! What one torque of a model costs a controller: operations, time, share of a period.
 
 use crate::table::Table;
 use serde_json::{Value, json};

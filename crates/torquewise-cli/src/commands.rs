@@ -1,4 +1,4 @@
-//! From words of the command line to the command they name.
+//! The commands, and their words on the command line.
 
 mod simulate;
 mod excite;

@@ -1,4 +1,4 @@
-//! From moments file to summary and back, and what is said of it.
+//! Moments files read and written.
 
 use crate::error::{CliError, Result};
 use crate::files::{read_bytes, write_whole};

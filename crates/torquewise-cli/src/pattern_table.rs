@@ -1,4 +1,4 @@
-//! From patterns of rows to counts, and a table with the number and the pattern of each row.
+//! Counts of patterns, and a table with the number and the pattern of each row.
 
 use crate::error::Result;
 use crate::files::staged;

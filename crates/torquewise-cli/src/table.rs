@@ -1,4 +1,4 @@
-//! From rows of words and numbers to text in columns.
+//! Text in columns.
 
 use torquewise::model::number;
 

@@ -1,5 +1,4 @@
-//! From models to nanoseconds per call: exported C, the model interpreted, Pinocchio's RNEA, in one
-//! run.
+//! Nanoseconds per call: exported C, the model interpreted, Pinocchio's RNEA, in one run.
 //!
 //! ```sh
 //! cargo bench -p torquewise-export --bench per_call -- puma.json ur5.json=ur5.urdf

@@ -1,5 +1,4 @@
-//! From rigid chain to the same chain in the frames, and with the parameters, that the recursion is
-//! cheapest with.
+//! A rigid chain in the frames and base parameters in which its recursion is cheapest.
 //!
 //! Torque leaves open where a frame lies along its axis, how it is turned about it, and which of
 //! two links carries what does not notice the turn of the joint between them. Frames are turned so

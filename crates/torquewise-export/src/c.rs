@@ -1,4 +1,4 @@
-//! From program to one file of C99: no allocation, no library but `math.h`.
+//! A program as one file of C99: no allocation, no library but `math.h`.
 
 use crate::error::{ExportError, Result};
 use crate::graph::Function;

@@ -1,4 +1,4 @@
-//! From graph to what a call costs: counted operations, and about how long they take.
+//! Cost of a call: counted operations, and about how long they take.
 
 use crate::graph::{Function, Graph, Id, Node};
 use std::fmt;

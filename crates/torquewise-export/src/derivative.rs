@@ -1,4 +1,4 @@
-//! From nodes to their derivatives: along a motion forward, by all angles at once backward.
+//! Derivatives of a graph: forward along a motion, backward by all angles at once.
 //!
 //! The rates of M(q) along a motion cost about twice M(q), the slopes of an energy by all n angles
 //! about thrice the energy (Griewank and Walther, *Evaluating Derivatives*, 2008, ch. 3); terms

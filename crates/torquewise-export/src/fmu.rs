@@ -1,4 +1,4 @@
-//! From program to FMU: an FMI 2.0 unit for model exchange and co-simulation, sources and binary.
+//! A program as an FMI 2.0 unit for model exchange and co-simulation, sources and binary.
 
 use crate::c::{check_name, inclusion, quoted, to_c};
 use crate::error::Result;

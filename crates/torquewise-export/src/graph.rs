@@ -1,4 +1,4 @@
-//! From values to graph of operations in which nothing is computed twice.
+//! A graph of operations in which nothing is computed twice.
 //!
 //! Nodes are numbered in an order in which they can be computed. A node is made once: whoever asks
 //! for the same operation on the same nodes gets the same number, so that a common factor is shared

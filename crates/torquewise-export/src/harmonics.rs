@@ -1,4 +1,4 @@
-//! From energy terms to the same energies, the angles of neighbouring joints summed.
+//! Energy terms rewritten with sums of the angles of neighbouring joints.
 //!
 //! Where joints turn about parallel axes, energies depend on sums of their angles: what reads
 //! cos q₂ cos q₃ − sin q₂ sin q₃ in the functions of one angle each is cos(q₂ + q₃). Written so, an

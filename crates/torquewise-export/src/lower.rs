@@ -1,4 +1,4 @@
-//! From graph to graph whose only angle functions are sin q and cos q of each joint.
+//! A graph rewritten so that its only angle functions are sin q and cos q of each joint.
 //!
 //! Harmonics and sums of angles follow from these by cos(a + b) = cos a cos b − sin a sin b and
 //! sin(a + b) = sin a cos b + cos a sin b. Derivatives are taken before this, where the sine of a

@@ -1,4 +1,4 @@
-//! From stepwise model to cost of the torque after each of its steps: cheaper models come with it.
+//! Cost of the torque after each step of a stepwise model.
 
 use crate::cost::Cost;
 use crate::error::Result;

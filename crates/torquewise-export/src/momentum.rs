@@ -1,4 +1,4 @@
-//! From M(q), C(q, q̇)q̇ and G(q) to what controllers, simulators and observers need of them.
+//! Derived from M(q), C(q, q̇)q̇ and G(q): Coriolis matrix, M⁻¹, accelerations, observer.
 
 use crate::derivative::{Along, rates};
 use crate::graph::{Function, Graph, Id, Input};

@@ -1,4 +1,4 @@
-//! From model to nodes of its parts: M(q), C(q, q̇)q̇, G(q), F(q, q̇).
+//! The parts of a model as nodes: M(q), C(q, q̇)q̇, G(q), F(q, q̇).
 
 use crate::derivative::{Along, rates, slopes};
 use crate::graph::{Function, Graph, Id, Input};

@@ -1,4 +1,4 @@
-//! From sums of terms to nodes: which factors are drawn out, and in which order.
+//! Sums of terms as nodes: which factors are drawn out, and in which order.
 
 use crate::graph::{Graph, Id, Input};
 use std::collections::BTreeMap;

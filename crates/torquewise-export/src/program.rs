@@ -1,5 +1,4 @@
-//! From model to program: the functions that every exported file holds, in as few operations as
-//! found.
+//! The functions that every exported file holds, in few operations.
 
 use crate::cost::Cost;
 use crate::error::{ExportError, Result};

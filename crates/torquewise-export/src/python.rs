@@ -1,4 +1,4 @@
-//! From program to one file of Python that needs the standard library alone.
+//! A program as one file of Python that needs the standard library alone.
 
 use crate::error::Result;
 use crate::graph::Function;

@@ -1,4 +1,4 @@
-//! From rigid chain to nodes of its torque by the recursion of Newton and Euler, outward and back.
+//! The torque of a rigid chain as nodes, by the recursion of Newton and Euler.
 //!
 //! Numbers of the chain are folded in: what is multiplied by zero or one costs nothing. The
 //! acceleration of a point p of a link is a + Up, with U = \[ω̇\]× + \[ω\]×\[ω\]×, and nine entries

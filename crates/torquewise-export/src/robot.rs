@@ -1,5 +1,4 @@
-//! From model to what a robot file holds of it: links, joints, rotors, friction, and what is left
-//! out.
+//! What a robot file holds of a model: links, joints, rotors, friction; what is left out.
 
 use crate::error::{ExportError, Result};
 use minijinja::{Value, context};

@@ -1,5 +1,4 @@
-//! From program to sources of a ROS 2 package: a node that feeds the torque of a desired motion
-//! forward, and one that publishes external torque.
+//! A ROS 2 package: a feed-forward node, and one that publishes external torque.
 
 use crate::c::{check_name, inclusion, to_c};
 use crate::error::Result;

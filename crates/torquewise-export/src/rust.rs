@@ -1,4 +1,4 @@
-//! From program to one file of Rust without `std`: sine and cosine by a trait.
+//! A program as one file of Rust without `std`: sine and cosine by a trait.
 
 use crate::error::Result;
 use crate::graph::Function;

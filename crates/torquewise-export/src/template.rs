@@ -1,4 +1,4 @@
-//! From template and values to text.
+//! Templates filled with values.
 
 use crate::error::Result;
 use minijinja::syntax::SyntaxConfig;

@@ -1,5 +1,4 @@
-//! From program to what the templates of C, Rust and Python are filled with: functions as statements,
-//! in the signs that these languages share.
+//! Functions as statements, in the signs that C, Rust and Python share, for the templates.
 
 use crate::graph::{Function, Graph, Id, Input, Node};
 use crate::program::{Memory, Precision, Program, Quantity};

@@ -1,4 +1,4 @@
-//! From model to robot file: a URDF or MJCF of the model alone, or a URDF of the arm that takes it up.
+//! A model as URDF or MJCF, alone or put into the URDF of the arm.
 
 use crate::error::{ExportError, Result};
 use crate::robot::{Losses, Robot};

@@ -1,4 +1,4 @@
-//! From model to states and what its functions return there, as CSV: to test exported code against.
+//! Test vectors as CSV: states, and what the functions of a model return there.
 
 use crate::error::Result;
 use crate::program::Quantity;

@@ -1,4 +1,4 @@
-//! From model to nodes of its functions without friction, of all ways to compute them the cheapest.
+//! The cheapest of all ways to compute the functions of a model without friction.
 //!
 //! A model that holds a rigid chain is that chain, exactly: the recursion or its expanded energies,
 //! whichever is cheaper, for each function on its own. Of other models the terms are what they are.

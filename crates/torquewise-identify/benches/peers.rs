@@ -1,5 +1,4 @@
-//! From rows in a folder to our side of the comparison with other programs: times, and what was
-//! found.
+//! Our side of the comparison with other programs, on rows in a folder.
 //!
 //! Arguments: a folder, then tasks to run, all by default. Writes there the rows of each task for
 //! the peers to read, `ours.json` with the times, and what was found where a peer checks it.

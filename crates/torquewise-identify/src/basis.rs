@@ -1,5 +1,4 @@
-//! From products of sines and cosines to harmonics of joint sums, in which parallel axes need fewer
-//! (E4).
+//! Harmonics of joint sums, of which parallel axes need fewer than products (E4).
 
 use std::collections::BTreeMap;
 use torquewise_model::term::Factor;

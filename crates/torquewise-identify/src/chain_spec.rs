@@ -1,5 +1,4 @@
-//! From ChainSpec, rows to trial: a chain fitted with each block of time left out, and judged
-//! there.
+//! Block cross-validation of one chain specification.
 
 use crate::drive_terms::{DriveTerm, Gravity};
 use crate::learn::residual_rms;
@@ -22,7 +21,7 @@ pub(crate) struct ChainSpec {
 }
 
 impl ChainSpec {
-    /// Lets gears bear the weight that a chain has, which was fitted to this specification.
+    /// Sets Gⱼ(q) \[N·m\] of `chain`, by which load-dependent friction is multiplied.
     pub(crate) fn bear(&mut self, chain: &Chain) {
         self.gravity = Some(Gravity::of(chain, &self.drive));
     }
@@ -63,7 +62,7 @@ pub(crate) fn trial(
 }
 
 /// Geometric mean over the joints of RMSE on `held` over the spread of the torque in `all`: a joint
-/// whose torque is mostly noise has no more say than the others.
+/// whose torque is mostly noise counts no more than the others.
 fn error(chain: &Chain, held: &Rows, all: &Rows) -> f64 {
     let errors = residual_rms(chain, held).into_iter().enumerate();
     let parts: Vec<f64> = errors

@@ -1,4 +1,4 @@
-//! From sample of a log to torques that were cut off: a drive at its limit, a sensor at its end.
+//! Torques that were clipped: a drive at its limit, a sensor at its end.
 
 use torquewise_motion::Motion;
 

@@ -1,4 +1,4 @@
-//! From external torque to contacts: when it is more than a free arm shows (E16).
+//! Contacts: external torque beyond that of free motion (E16).
 
 mod spread;
 
@@ -56,14 +56,14 @@ pub struct ContactDetector {
     is_open: bool,
 }
 
-/// What the observer says at a time.
+/// Output of the observer at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct Observed<'a> {
     /// Trajectory.
     pub trajectory: usize,
     /// \[s\].
     pub t: f64,
-    /// External torque \[N·m\], n; NaN while the observer settles.
+    /// External torque \[N·m\], n; NaN during the transient of the observer.
     pub torque: &'a [f64],
     /// What the spread of each joint follows, n.
     followed: &'a [[f64; spread::FOLLOWED]],

@@ -1,5 +1,4 @@
-//! From model, recording to diagnosis: what the residuals look like, and which terms carry the
-//! torque.
+//! Diagnosis of a model: its residuals, and which terms carry the torque.
 
 use crate::score::{Scores, score};
 use crate::turning::Turning;
@@ -51,7 +50,7 @@ pub struct Importance {
     pub rms: f64,
 }
 
-/// What one look at the residuals of a model tells.
+/// Diagnosis of the residuals of a model.
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
     /// RMSE, NRMSE, R² of each joint.
@@ -225,7 +224,7 @@ impl<'m> Look<'m> {
     }
 }
 
-/// What tells the reversals of each joint whose friction has a travel.
+/// Finds the reversals of each joint whose friction has a travel.
 fn turning(model: &Model) -> Vec<Option<Turning>> {
     let mut all = vec![None; model.n_joints()];
     for shaft in ShaftFriction::all(model) {

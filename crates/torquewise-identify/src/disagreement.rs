@@ -1,5 +1,4 @@
-//! From model, several logs to disagreements: joints whose gravity is another in one log than in
-//! another.
+//! Joints whose gravity differs from log to log.
 
 use crate::clustered::Stretches;
 use std::fmt;
@@ -27,7 +26,7 @@ pub struct JointAtOdds {
     pub std_error: [f64; 2],
 }
 
-/// Logs that are told apart at most; later ones are not compared.
+/// Logs that are compared at most; later ones are not.
 const MOST_LOGS: usize = 1_000;
 /// Batches of a log at most: then neighbours are joined.
 const MOST_BATCHES: usize = 16;

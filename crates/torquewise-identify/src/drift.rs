@@ -1,4 +1,4 @@
-//! From model, sample of long logs to drift: joints whose friction changes as their gears warm.
+//! Joints whose friction changes along a log, as gears warm.
 
 use crate::clustered::{Solved, Stretches};
 use std::fmt;
@@ -78,7 +78,7 @@ fn logs(t: &[f64]) -> Vec<Range<usize>> {
     starts.zip(ends.iter().copied().chain([t.len()])).map(|(a, b)| a..b).collect()
 }
 
-/// b/(1 + a) of r = a x + b y, and its standard error; `None` where it cannot be told.
+/// b/(1 + a) of r = a x + b y, and its standard error; `None` where it is not determined.
 ///
 /// - `rows`: x, y, r
 fn change(rows: &[(f64, f64, f64)]) -> Option<(f64, f64)> {

@@ -1,4 +1,4 @@
-//! From friction, rotors, springs to columns: what loads a joint beside the links of the arm.
+//! Columns of the drive terms: friction, rotors, springs.
 
 use crate::states::States;
 use faer::Mat;

@@ -1,5 +1,4 @@
-//! From a chain and a log to the chain refitted on every row, physical, with its covariance (E11)
-//! (E14).
+//! A chain refitted on every row, physical, with its covariance (E11) (E14).
 //!
 //! The search finds the structure on a sample. Here every row counts: a [`Linearisation`] says
 //! where the torque is linearised, a pass over the logs adds up normal equations, and these say

@@ -1,5 +1,4 @@
-//! From sample of a log to findings: what its motion cannot determine, in words a person can act
-//! on.
+//! What the motion of a log cannot determine, in words a person can act on.
 
 use crate::rough::unexplained_part;
 use faer::linalg::solvers::Solve;
@@ -89,7 +88,7 @@ pub enum Finding {
     },
 }
 
-/// Below these a joint says little: rad, rad/s, rad/s².
+/// Below these a joint is hardly excited: rad, rad/s, rad/s².
 const LEAST_RANGE: f64 = 0.35;
 const LEAST_SPEED: f64 = 0.2;
 const LEAST_ACCELERATION: f64 = 0.5;
@@ -104,7 +103,7 @@ const LEAST_RESIDUAL: f64 = 0.005;
 
 /// A torque that a rough model explains no better than this is none of the motion.
 const MOST_RESIDUAL: f64 = 0.85;
-/// Rows that tell a command.
+/// Rows by which a command is recognised.
 const COMMAND_ROWS: usize = 2_000;
 
 /// What the motion of a log leaves open, joint by joint; joints that never move are left to the
@@ -174,7 +173,7 @@ fn of_joint(survey: &Survey, joint: usize) -> Vec<Finding> {
     found
 }
 
-/// What a joint that moves says by its torque.
+/// What the torque of a moving joint shows.
 fn of_torque(survey: &Survey, joint: usize) -> Option<Finding> {
     if !moves(survey, joint) || survey.torque_std[joint] <= 0.0 {
         return None;

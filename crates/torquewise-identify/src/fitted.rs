@@ -1,5 +1,4 @@
-//! From a chain that nothing moves any more to a model: its parameters, and equations that can be
-//! told from zero (E8) (E11).
+//! The model of a converged chain, its equations without terms near zero (E8) (E11).
 
 use crate::basis::{Energies, Wanted, joint_sums};
 use crate::drifts;
@@ -34,7 +33,7 @@ const HELD_OUT_ROWS: usize = 4_000;
 const DRAWS: usize = 40;
 /// Size of these draws in standard deviations: small, so that all is linear.
 const DRAW_SIZE: f64 = 1e-3;
-/// Terms whose coefficient is below so many standard errors cannot be told from zero.
+/// Terms whose coefficient is below so many standard errors are not significant.
 const LEAST_T: f64 = 2.0;
 
 /// A chain that was fitted to every row.
@@ -256,7 +255,7 @@ fn equations(
     Ok((terms.filter(certain).collect(), candidates))
 }
 
-/// Chains whose parameters scatter as the covariance says, but less.
+/// Chains whose parameters scatter by the covariance, but less.
 fn draws(
     chain: &RigidChain,
     friction: &[Weighted<FrictionTerm>],

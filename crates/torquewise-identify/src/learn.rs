@@ -1,4 +1,4 @@
-//! From a sample of a log to chain: the geometry of the arm, its masses and its friction (E8).
+//! A chain learned from a sample of a log: geometry, inertia and friction (E8).
 
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, columns};
@@ -51,7 +51,7 @@ const WORTH_OF_ANGLES: f64 = 0.1;
 /// Parallel neighbours must lower the error by this part: a wrist that hardly turns fits either way,
 /// and its axes stand across each other.
 const WORTH_OF_PARALLEL: f64 = 0.05;
-/// Where they lower it by less than this part, the log does not tell.
+/// Where they lower it by less than this part, the axis is not resolved.
 const UNRESOLVED: f64 = 0.3;
 /// Rounds of refinement on all but a held-out block.
 const ROUNDS: usize = 6;
@@ -338,7 +338,7 @@ impl<'a> ChainLearner<'a> {
     }
 }
 
-/// Whoever watches, as a search tells of itself.
+/// The observer, in the form that a search reports to.
 pub(crate) fn searching(watch: Watch<'_>) -> impl Fn(Stage) -> ControlFlow<()> + Sync {
     move |stage| {
         watch(match stage {

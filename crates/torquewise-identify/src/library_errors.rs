@@ -1,5 +1,4 @@
-//! From the terms of a library, sample to what they leave of torque on rows that they were not
-//! fitted on.
+//! Held-out error of the terms of a library.
 
 use crate::states::States;
 use crate::unseen::{HeldOut, Unseen, regions, whole_logs};

@@ -1,4 +1,4 @@
-//! From a model of the arm and a log with a load on its last link to the load (E15).
+//! The load on the last link, from a log and a model of the bare arm (E15).
 
 mod gains;
 mod rows;
@@ -121,7 +121,7 @@ impl Payload {
         })
     }
 
-    /// What the log tells too little of, and which motion would tell it.
+    /// What the log does not determine, and which motion would.
     pub fn hints(&self) -> Vec<&'static str> {
         let mut hints = Vec::new();
         let is_told = self.mass.std_error < TOLD.0 * self.mass.value;

@@ -1,4 +1,4 @@
-//! From what the user wants to plan: a method with its own options, clusters and a seed.
+//! The plan of a fit: a method with its own options, clusters and a seed.
 
 use torquewise_model::RobotNames;
 use torquewise_rigid::{Geometry, JointKinds};
@@ -43,7 +43,7 @@ pub struct KnownGeometry {
     pub robot: Option<RobotNames>,
 }
 
-/// The two ways from rows to equations, each with what it may be told.
+/// The two methods from rows to equations, each with its options.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Method {
     /// Terms are selected from a library, in three regressions or in one.

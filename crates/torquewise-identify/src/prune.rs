@@ -1,5 +1,4 @@
-//! From all energy terms of a chain to the few that its torque needs, on states like those of the
-//! log.
+//! The few energy terms that the torque of a chain needs, on states like those of the log.
 
 use crate::states::States;
 use faer::Mat;

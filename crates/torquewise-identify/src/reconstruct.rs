@@ -1,5 +1,4 @@
-//! From recording to Reconstruction: sums of its logs, then the steps of the paper or a learned
-//! chain.
+//! The fit: sums of the logs, then the steps of the paper or a learned chain.
 
 use crate::estimate::refined_by_rollouts;
 use crate::fitted::Fitted;

@@ -1,4 +1,4 @@
-//! From log to Reconstruction: what was found, how, and what was said on the way.
+//! The result of a fit: what was found, how, and the warnings.
 
 use crate::clipped::clipped;
 use crate::excitation::Finding;
@@ -23,7 +23,7 @@ pub use torquewise_stepwise::progress::{Progress, Watch};
 pub struct Reconstruction {
     /// The equations of motion.
     pub model: Model,
-    /// The log at a glance.
+    /// Summary of the log: ranges, noise, sample.
     pub survey: Survey,
     /// The patterns its rows fall into.
     pub patterns: Patterns,
@@ -35,7 +35,7 @@ pub struct Reconstruction {
     pub steps: Vec<StepReport>,
     /// Terms that did not stay though resampled logs kept them, the likeliest first.
     pub dropped: Vec<Dropped>,
-    /// What the user should know.
+    /// Warnings.
     pub warnings: Vec<Warning>,
 }
 
@@ -45,7 +45,7 @@ const INERTIA_ROWS: usize = 100;
 const MUCH: f64 = 0.2;
 
 impl Reconstruction {
-    /// What the steps found in a library, with what the user should know of it.
+    /// Result of the steps on a library, with warnings.
     ///
     /// # Errors
     /// [`IdentifyError`] as of [`Self::doubt_torque`].
@@ -129,7 +129,7 @@ impl Reconstruction {
         Ok(())
     }
 
-    /// Whether a joint of the model resists its own acceleration the wrong way, over its motion.
+    /// Whether a joint of the model has negative inertia on the mean of its motion.
     fn has_negative_inertia(&self) -> Result<bool, IdentifyError> {
         let motion = thinned(&self.survey.sample, INERTIA_ROWS);
         let torque = Torque::new(&self.model);

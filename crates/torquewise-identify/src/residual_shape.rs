@@ -33,12 +33,12 @@ pub struct Shape {
 /// Speeds, of the largest: up to the first a joint rests, up to the second it is slow, from the
 /// third on it is fast.
 const SPEEDS: [f64; 3] = [0.02, 0.15, 0.7];
-/// Angles are told apart in so many parts of their range.
+/// Number of bins of the range of an angle.
 const POSES: usize = 6;
 /// Of the squared residual this part must lie there, and so many times as much as of the rows.
 const MOST: f64 = 0.6;
 const DENSER: f64 = 2.0;
-/// Rows below this part of all tell nothing.
+/// Fewer rows than this part of all are too few.
 const FEW: f64 = 0.01;
 
 /// The joints, of some that a model misses, of which most is missed in few rows.

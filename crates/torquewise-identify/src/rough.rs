@@ -5,9 +5,9 @@ use faer::{Mat, Side};
 use torquewise_motion::Motion;
 use torquewise_stepwise::survey::thinned;
 
-/// Rows that tell.
+/// Rows that are fitted.
 const ROWS: usize = 2_000;
-/// Fewer rows than this times the columns tell nothing.
+/// Fewer rows than this times the columns are too few.
 const ROWS_PER_COLUMN: usize = 20;
 /// Ridge on columns of unit length.
 const RIDGE: f64 = 1e-8;

@@ -84,7 +84,7 @@ impl Request {
         self
     }
 
-    /// What tells it from others: the pass it is for, and a checksum.
+    /// Its identity: the pass it is for, and a checksum.
     pub fn name(&self) -> String {
         let bytes = postcard::to_stdvec(self).unwrap_or_default();
         format!("pass {} ({:08x})", self.pass(), crc32fast::hash(&bytes))

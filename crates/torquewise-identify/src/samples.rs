@@ -41,11 +41,11 @@ impl Scatter {
     }
 }
 
-/// Draws models whose parameters scatter around those of a learned chain as their covariance says,
+/// Draws models whose parameters scatter around those of a learned chain by their covariance,
 /// of those that an arm can have: links are bodies, no rotor is negative, friction brakes where it
 /// did. They are draws of a Markov chain, by slices through an ellipse.
 ///
-/// - `returns`: models that know no error of their own
+/// - `returns`: models without a covariance of their own
 ///
 /// Source: I. Murray, R. P. Adams, D. J. C. `MacKay`, AISTATS 9 (2010).
 ///

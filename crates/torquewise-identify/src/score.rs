@@ -1,4 +1,4 @@
-//! From model, recording to scores: RMSE, NRMSE and R² of each joint.
+//! RMSE, NRMSE and R² of each joint.
 
 use torquewise_model::{Model, Torque};
 use torquewise_motion::{Motion, Recording};

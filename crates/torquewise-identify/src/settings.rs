@@ -1,4 +1,4 @@
-//! From plan, recording to settings: what logs are summed under, and the columns that are summed.
+//! Under which settings logs are summed, and which columns are.
 
 use crate::plan::Plan;
 use serde::{Deserialize, Serialize};
@@ -16,7 +16,7 @@ pub struct Settings {
     pub joints: Vec<String>,
     /// The library that is summed; none where a chain is learned, which needs no sums.
     pub library: Option<SummedLibrary>,
-    /// How rows are told apart, log by log.
+    /// Patterns of the rows, log by log.
     pub patterns: PatternPlan,
     /// How the signals were filtered, as the caller describes it.
     pub signals: String,

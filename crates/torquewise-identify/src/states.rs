@@ -1,4 +1,4 @@
-//! From states, energy terms to torques: what each term loads the joints with (E4).
+//! Torque of each energy term at given states (E4).
 
 use faer::Mat;
 use rand::{RngExt, SeedableRng};

@@ -1,5 +1,4 @@
-//! From recording to summary: all that a fit needs of its logs, in sums that add up without
-//! rounding.
+//! Summary of logs: all that a fit needs of them, in sums that add up without rounding.
 
 use crate::estimate::add_up;
 use crate::plan::{Method, Plan};
@@ -29,11 +28,11 @@ pub struct Summary {
     pub(crate) survey: SurveySum,
     /// Noise in rows at standstill.
     pub(crate) still: NoiseSum,
-    /// What the rows of each pattern say, or all rows; nothing where a chain is learned.
+    /// Sums of the rows of each pattern, or of all rows; none where a chain is learned.
     pub(crate) sums: Vec<RowSums>,
     /// What was chosen before rows were summed.
     pub(crate) choices: Vec<Choice>,
-    /// What the rows say where a chain asked for it.
+    /// Sums of the rows that a chain asked for.
     pub(crate) pass: Option<Pass>,
 }
 
@@ -203,7 +202,7 @@ impl Summary {
         self.still.sort();
     }
 
-    /// What its logs told at a glance.
+    /// Summary of its logs: ranges, noise, sample.
     pub(crate) fn survey(&self) -> Result<Survey, IdentifyError> {
         self.survey.finish()
     }

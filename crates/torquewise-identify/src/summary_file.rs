@@ -1,4 +1,4 @@
-//! From summary to bytes of a file and back: versioned, checksummed, the same for the same logs.
+//! Summaries as bytes: versioned, checksummed, the same for the same logs.
 
 use crate::framed::{damaged, framed, unframed};
 use crate::settings::Settings;

@@ -1,5 +1,4 @@
-//! From a fitted chain and its log to what its torque columns are: of gains that differ from joint to
-//! joint, or without gravity (E27).
+//! What the torque columns are: without gravity, or with a gain for each joint (E27).
 
 use crate::estimate::Linearisation;
 use crate::unseen::{HeldOut, Unseen, geometric_mean, regions, whole_logs};
@@ -10,7 +9,7 @@ use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::survey::thinned;
 
-/// Rows that tell.
+/// Rows that are tried on.
 const ROWS: usize = 2_000;
 /// Taken for something else, torques must leave this part of what they leave as they are on held-out
 /// rows, by time and by region.
@@ -180,7 +179,7 @@ impl JointRows {
     }
 }
 
-/// Solves normal equations of columns of which some may say the same.
+/// Solves normal equations of columns that may be linearly dependent.
 fn solved(mut gram: Mat<f64>, right: &Mat<f64>) -> Option<Vec<f64>> {
     let p = gram.ncols();
     let root = |square: f64| if square > 0.0 { square.sqrt() } else { 1.0 };

@@ -15,7 +15,7 @@ use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
 use torquewise_stepwise::survey::{Survey, thinned};
 
-/// Rows that tell.
+/// Rows that are tried on.
 const ROWS: usize = 400;
 /// Other signs must leave this part of what the torques leave as they are, product of the mean squares
 /// of all joints.
@@ -152,7 +152,7 @@ impl SignTest {
     }
 
     /// Product over joints of the mean square that a chain leaves, or that friction adds which drives
-    /// its shaft, over the variance of the torque: a joint that nothing explains has no say.
+    /// its shaft, over the variance of the torque: a joint that nothing explains does not count.
     fn left(&self, chain: &Chain, rows: &Rows, motion: &Motion, extras: &[Mat<f64>]) -> f64 {
         let mut left: Vec<f64> = chain.residual_rms.iter().map(|rms| rms * rms).collect();
         let mut shafts: Vec<&[f64]> = self.drive.iter().filter_map(DriveTerm::resists).collect();

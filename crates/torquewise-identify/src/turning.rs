@@ -1,6 +1,6 @@
-//! From positions to the way since each joint last turned round, where friction had turned before.
+//! Travel of each joint since its last reversal.
 
-/// The way since the last reversal of one joint.
+/// Travel since the last reversal of one joint.
 #[derive(Clone, Debug)]
 pub(crate) struct Turning {
     /// Way \[rad\] after which friction counts as turned.

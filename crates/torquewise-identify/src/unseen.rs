@@ -1,4 +1,4 @@
-//! From a chain, motion to what it leaves of a torque on blocks of time that it was not fitted on.
+//! Held-out error of a chain, by blocks of time and regions.
 
 use crate::estimate::{LEAST_RESIDUAL, Linearisation};
 use crate::regions::Regions;

@@ -1,4 +1,4 @@
-//! From reconstruction to verdict: may the model be used, and why.
+//! The verdict: may the model be used, and why.
 
 use crate::excitation::{Finding, list};
 use crate::reconstruction::Reconstruction;

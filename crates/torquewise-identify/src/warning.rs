@@ -1,4 +1,4 @@
-//! From survey, patterns, fit to warnings: what the user should know, in words.
+//! Warnings: what the user should know, in words.
 
 use crate::disagreement::Disagreement;
 use crate::drift::Drift;
@@ -28,12 +28,12 @@ pub enum Warning {
     },
     /// Rows of a pattern are missing, its terms were fitted with the rows of the next.
     PatternMissing(Pattern),
-    /// Candidates that no row can tell of.
+    /// Candidates that no row excites.
     UnassignedCandidates {
         /// How many.
         candidates: usize,
     },
-    /// Terms left out of the last fit because others say the same in this log.
+    /// Terms left out of the last fit because they are linearly dependent in this log.
     Dependent {
         /// Their names.
         terms: Vec<String>,
@@ -88,7 +88,7 @@ const NOTHING: f64 = 1e-3;
 const LITTLE: f64 = 0.5;
 
 impl Warning {
-    /// Whether it is good to know, but no reason to doubt the model.
+    /// Whether it is a note: no reason to doubt the model.
     pub fn is_remark(&self) -> bool {
         matches!(self, Self::PatternMissing(_) | Self::Dependent { .. })
     }

@@ -1,5 +1,4 @@
-//! From a stretch of rows to those with a value that no motion leads to: a bit that fell over, a
-//! sensor that dropped out.
+//! Rows with a value that no motion leads to: a flipped bit, a sensor that dropped out.
 
 use crate::signal::Signal;
 

@@ -1,4 +1,4 @@
-//! From file of named arrays to rows: each array read as columns, time along its longer side.
+//! Rows of files of named arrays, time along the longer side.
 
 mod numbers;
 mod array;

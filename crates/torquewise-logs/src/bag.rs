@@ -1,5 +1,4 @@
-//! From bag of ROS 2 to rows of its joint states: time, and position, velocity and effort by joint
-//! name.
+//! ROS 2 bags: rows of joint states, position, velocity and effort by joint name.
 
 mod joint_state;
 mod db3_messages;

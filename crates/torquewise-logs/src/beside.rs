@@ -1,4 +1,4 @@
-//! From rows of a log and of files beside it to rows with the columns of all.
+//! Rows of a log joined with those of further files.
 
 use crate::error::{LogError, Place, Result};
 use crate::rows::{Irregular, Rows};

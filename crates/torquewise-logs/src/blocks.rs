@@ -1,4 +1,4 @@
-//! From rows of signals to blocks: split at gaps, q̇ and q̈ completed if wanted, in fixed memory.
+//! Blocks of signals: split at gaps, q̇ and q̈ completed if wanted, in fixed memory.
 
 use crate::absurd::{LONGEST, absurd};
 use crate::error::{LogError, Result};

@@ -1,4 +1,4 @@
-//! From profile and column names to mapping.
+//! The mapping of columns that a profile says.
 
 use crate::error::{LogError, Result, shown};
 use crate::joints;

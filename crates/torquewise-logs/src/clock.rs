@@ -1,5 +1,4 @@
-//! From Raw rows to the same rows at the times they were sampled: held rows out, late stamps
-//! mended.
+//! Rows at the times they were sampled: held rows left out, late stamps corrected.
 
 use faer::Mat;
 use torquewise_motion::Repairs;
@@ -17,11 +16,11 @@ const WINDOW: usize = 32;
 const GAP: f64 = 3.5;
 /// Fewer rows between gaps tell nothing of a clock.
 const LEAST_ROWS: usize = 8;
-/// Stamps are mended if positions follow their neighbours so much better afterwards: the root of
+/// Stamps are corrected if positions follow their neighbours so much better afterwards: the root of
 /// the mean square of what they are off falls to this part.
 const BETTER: f64 = 0.9;
 
-/// How the clock of logs is mended, decided once for all of them.
+/// How the time stamps of logs are corrected, decided once for all of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ClockRepair {
     /// Rows that repeat position and torque of the one before are left out: the device was slower

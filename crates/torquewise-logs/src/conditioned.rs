@@ -1,4 +1,4 @@
-//! From logs to conditioned Recording: resampled, filtered and differentiated, in fixed memory.
+//! Conditioned logs: resampled, filtered and differentiated, in fixed memory.
 
 use crate::clock::ClockRepair;
 use crate::error::{LogError, Result};

@@ -1,4 +1,4 @@
-//! From CSV bytes to rows, one line at a time.
+//! Rows of a CSV file, one line at a time.
 
 use crate::error::{LogError, Place, Result, shown};
 use crate::joints::{self, CSV_COMMENT};

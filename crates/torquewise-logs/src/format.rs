@@ -1,4 +1,4 @@
-//! From path to format: what a log file is, by its extension.
+//! The format of a log file, by its extension.
 
 use crate::error::{LogError, Result, shown};
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! From columns in memory to rows: tables that another program holds, read where they lie.
+//! Tables in memory that another program holds, read where they lie.
 
 use crate::error::{LogError, Place, Result};
 use crate::rows::Rows;

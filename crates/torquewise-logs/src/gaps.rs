@@ -1,4 +1,4 @@
-//! From time stamps to gaps: where one trajectory ends and the next begins.
+//! Gaps in time, where one trajectory ends and the next begins.
 
 use torquewise_motion::stats::median;
 

@@ -1,4 +1,4 @@
-//! From motion to log file.
+//! Motion written as a log file.
 
 use crate::error::{LogError, Result};
 use crate::joints;

@@ -1,4 +1,4 @@
-//! From log files to Recording: several files read as one, any number of times.
+//! Several log files read as one, any number of times.
 
 use crate::blocks::Blocks;
 use crate::error::{LogError, Result};

@@ -1,4 +1,4 @@
-//! From columns of a file to slots of signals in SI units: what is multiplied by what and added.
+//! Which columns give which signal in SI units, multiplied by what and added.
 
 use crate::signal::Signal;
 

@@ -1,5 +1,4 @@
-//! From a Parquet file to whether its decoder can be trusted with it: what it claims is held against
-//! the bytes there are, since the decoder allocates and recurses as it is told.
+//! Claims of a Parquet file checked against its bytes, before its decoder allocates or recurses.
 //!
 //! Source: Apache Parquet format, parquet.thrift, 2.11; Apache Thrift, compact protocol encoding.
 

@@ -1,4 +1,4 @@
-//! From logs to pieces of all trajectories: what the conditioning of all of them is chosen from.
+//! Pieces of all trajectories, from which their conditioning is chosen.
 
 use crate::clock::{ClockLane, ClockRepair, joined};
 use crate::error::{LogError, Result};
@@ -10,7 +10,7 @@ pub(crate) const FIRST_ROWS: usize = 1 << 15;
 /// Rows of all pieces, about.
 const MOST_ROWS: usize = 1 << 18;
 
-/// Pieces with their clock mended, evenly spread: all rows of short logs, some of long ones.
+/// Pieces with corrected time stamps, evenly spread: all rows of short logs, some of long ones.
 pub(crate) struct Pieces {
     /// What the clock of all logs asks for.
     pub(crate) clock: ClockRepair,

@@ -1,5 +1,4 @@
-//! From column names to mapping of a plain log: t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in SI
-//! units.
+//! The mapping of a plain log: t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in SI units.
 
 use crate::error::{LogError, Result, shown};
 use crate::mapping::{Mapping, Slot};

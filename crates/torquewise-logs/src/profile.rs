@@ -1,5 +1,4 @@
-//! From TOML text to profile: which column of a log is which signal, in which unit and at which
-//! scale.
+//! Profiles: which column of a log is which signal, in which unit and at which scale.
 
 pub(crate) mod unit;
 mod check;

@@ -1,4 +1,4 @@
-//! From rows and mapping to rows of signals: t, q, dq, ddq and tau in SI units, repaired if wanted.
+//! Rows of signals: t, q, dq, ddq and tau in SI units, repaired if wanted.
 
 use crate::error::{LogError, Place, Result};
 use crate::mapping::{Mapping, Time};

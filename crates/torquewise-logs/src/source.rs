@@ -1,4 +1,4 @@
-//! From path to rows of signals: a log file that can be read any number of times.
+//! A log file as rows of signals, read any number of times.
 
 #[cfg(feature = "formats")]
 use crate::arrays::ArrayRows;

@@ -1,4 +1,4 @@
-//! From unknown log to profile to begin with, and why it says what it says.
+//! A suggested profile for an unknown log, with reasons.
 
 mod guess;
 mod measure;

@@ -1,4 +1,4 @@
-//! From columns of values to CSV or Parquet file, written whole or not at all.
+//! Columns of values as CSV or Parquet, written whole or not at all.
 
 use crate::error::{LogError, Result};
 use crate::format::Format;

@@ -1,4 +1,4 @@
-//! From Raw blocks of one trajectory to filtered motion, and what was repaired on the way.
+//! Filtered motion of one trajectory, and what was repaired on the way.
 
 use crate::clock::{ClockLane, ClockRepair, joined};
 use crate::pieces::FIRST_ROWS;

@@ -1,4 +1,4 @@
-//! From motion to warnings: values so large that their unit must be another than SI.
+//! Warnings of values so large that their unit cannot be SI.
 
 use crate::gaps::median_step;
 use faer::MatRef;

@@ -1,5 +1,4 @@
-//! From model to is it physics? M(q) symmetric positive definite, Ṁ − 2C skew, friction takes
-//! power.
+//! Physical checks: M(q) positive definite, Ṁ − 2C skew, friction takes power.
 
 use crate::error::ModelError;
 use crate::friction::{FrictionLaw, FrictionTerm};

@@ -1,4 +1,4 @@
-//! From kinetic and potential energy to torque: the terms of M(q) and V(q), differentiated (E4).
+//! Torque of kinetic and potential energy: the terms of M(q) and V(q), differentiated (E4).
 
 use crate::term::{Sum, Term, collect};
 use serde::{Deserialize, Serialize};

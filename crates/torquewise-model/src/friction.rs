@@ -1,5 +1,4 @@
-//! From speed of a shaft to friction: the parts of the Stribeck curve (17), each with its own
-//! weight.
+//! Laws of friction of a shaft: the parts of the Stribeck curve (17), each with its weight.
 
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
@@ -77,7 +76,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// Whether it is both, as for a drive that rubs alike either way.
+    /// Whether it is both, as for a drive with the same friction both ways.
     pub fn is_both(&self) -> bool {
         *self == Self::Both
     }

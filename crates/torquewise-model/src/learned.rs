@@ -241,7 +241,7 @@ pub fn links(
     Ok(table)
 }
 
-/// A value with its error; a dash where it cannot be told from zero.
+/// A value with its error; a dash where it does not differ from zero significantly.
 fn shown(value: f64, error: f64, selection: &Selection) -> String {
     let is_resolved = error > 0.0 && value.abs() >= LEAST_T * error;
     if is_resolved || selection.all { with_error(value, error) } else { DASH.to_owned() }

@@ -1,4 +1,4 @@
-//! From orders to candidates: the product library F₁·F₂ and the energy library.
+//! The candidates: the product library F₁·F₂ and the energy library.
 
 use crate::energy::{EnergyTerm, Place};
 use crate::term::{Kind, Term, Trig};

@@ -1,4 +1,4 @@
-//! From links of a rigid chain to their torque, whole or in parts: the recursion, ready to run.
+//! The links of a rigid chain, ready to give their torque, whole or in parts.
 
 use crate::rigid_chain::RigidChain;
 use crate::term::Kind;

@@ -1,4 +1,4 @@
-//! From terms and weights to Model: what was found, as plain data.
+//! The model: terms and weights, as plain data.
 
 use crate::energy::EnergyTerm;
 use crate::error::ModelError;
@@ -57,7 +57,7 @@ pub struct Choice {
     pub from: Vec<Candidate>,
 }
 
-/// One of the ways there were to choose from.
+/// A candidate of a choice.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Candidate {

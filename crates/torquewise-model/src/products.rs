@@ -1,4 +1,4 @@
-//! From sums of terms to products ready to evaluate: each sine and cosine once.
+//! Sums of terms as products ready to evaluate, each sine and cosine once.
 
 use crate::term::{Factor, Kind, Sum};
 use std::collections::BTreeMap;

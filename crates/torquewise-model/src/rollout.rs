@@ -1,5 +1,4 @@
-//! From a measured state and measured torque to where the arm goes, beside where it went: the second
-//! truth of a model (E23).
+//! Rollouts: simulation from a measured state with the measured torque (E23).
 
 use crate::error::ModelError;
 use crate::friction::{FrictionLaw, FrictionTerm};
@@ -39,7 +38,7 @@ pub struct Drift {
     pub windows: usize,
 }
 
-/// An arm that moves as its model says.
+/// An arm simulated by its model.
 #[derive(Clone, Debug)]
 pub struct Simulator<'m> {
     torque: Torque,

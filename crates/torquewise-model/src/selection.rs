@@ -7,7 +7,7 @@ use crate::weighted::Weighted;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Coefficients below so many standard errors cannot be told from zero.
+/// Coefficients below so many standard errors do not differ from zero.
 const LEAST_T: f64 = 2.0;
 /// Part of the largest coefficient of a sum below which one is rounding.
 const ROUNDING: f64 = 1e-12;
@@ -21,7 +21,7 @@ pub struct Selection {
     pub part: Option<Kind>,
     /// So many terms of each sum, those with the largest coefficients.
     pub top: Option<usize>,
-    /// Also terms that cannot be told from zero.
+    /// Also terms that do not differ from zero significantly.
     pub all: bool,
 }
 
@@ -70,7 +70,7 @@ fn largest<T>(terms: &[Weighted<T>]) -> f64 {
     terms.iter().map(|w| w.coefficient.abs()).fold(0.0, f64::max)
 }
 
-/// Whether a coefficient can be told from zero.
+/// Whether a coefficient differs from zero significantly.
 fn is_resolved<T>(weighted: &Weighted<T>, largest: f64) -> bool {
     let size = weighted.coefficient.abs();
     size >= LEAST_T * weighted.std_error && size > ROUNDING * largest

@@ -1,5 +1,4 @@
-//! From laws of friction on a shaft to the parameters that engineers know: Coulomb, static,
-//! Stribeck.
+//! Friction in engineering values: Coulomb, static, Stribeck speed, viscous, stiffness.
 
 use crate::friction::{FrictionLaw, FrictionTerm};
 use crate::model::Model;
@@ -59,7 +58,7 @@ pub struct ShaftFriction<'m> {
     shaft: &'m [f64],
 }
 
-/// A number is told from zero from so many standard errors on.
+/// Standard errors from which on a number differs from zero.
 const RESOLVED: f64 = 2.0;
 /// What is left of the turn of a reversal after its travel.
 const LEFT: f64 = 0.1;
@@ -126,7 +125,7 @@ impl<'m> ShaftFriction<'m> {
         Some(format!("F{joints}({place}{})", first.turning()))
     }
 
-    /// What engineers know it by.
+    /// Its usual name.
     pub fn parameters(&self) -> FrictionParameters {
         let plain = |term: &FrictionTerm| !term.load;
         let offset = self.sum(|term| one(plain(term) && term.law == FrictionLaw::Offset));

@@ -1,5 +1,4 @@
-//! From functions of one state to terms: products of sines and cosines, or positions of sliding
-//! joints, with velocities, accelerations.
+//! Terms: products of sines and cosines, or slide positions, with velocities, accelerations.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

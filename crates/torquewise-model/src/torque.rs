@@ -1,4 +1,4 @@
-//! From model to torque: at one state, over a motion, whole or in parts.
+//! Torque of a model: at one state, over a motion, whole or in parts.
 
 use crate::error::ModelError;
 use crate::friction::FrictionTerm;

@@ -1,4 +1,4 @@
-//! From q(t) to q̇, q̈: derivatives by local polynomial least squares, on any time stamps.
+//! Derivatives of q(t) by local polynomial least squares, on any time stamps.
 
 use crate::error::{MotionError, Result};
 use faer::{Mat, MatRef};

@@ -1,4 +1,4 @@
-//! From rows to what friction remembers of the path to each: states of Dahl elements (E13).
+//! States of Dahl elements along the rows of a recording (E13).
 
 use faer::Mat;
 

@@ -1,4 +1,4 @@
-//! From signals to Motion: q, q̇, q̈ and τ of n joints at m instants, shapes checked once.
+//! Motion: q, q̇, q̈ and τ of n joints at m instants, shapes checked once.
 
 use crate::error::{MotionError, Result};
 use crate::memory::Memory;

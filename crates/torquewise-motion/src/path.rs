@@ -1,4 +1,4 @@
-//! From positions to what friction remembers of the path: the states of Dahl elements (E13).
+//! States of Dahl elements along a path of positions (E13).
 
 use crate::memory::Memory;
 use crate::motion::Motion;
@@ -9,7 +9,7 @@ use std::borrow::Cow;
 /// comes near a loop of any shape between them.
 pub const TRAVELS: [f64; 5] = [0.0005, 0.002, 0.01, 0.05, 0.2];
 
-/// Dahl elements on their way along a trajectory.
+/// Dahl elements along a trajectory.
 ///
 /// An element starts in the middle, x = 0, as nothing is known of what was before. Over a sample
 /// its state moves towards the direction of the step: x ← s + (x − s)·e^(−|Δq|/δ), s = sign Δq,
@@ -41,7 +41,7 @@ impl Path {
         Self { travels: travels.to_vec(), q: Vec::new(), states, trajectory: None }
     }
 
-    /// Forgets the way so far.
+    /// Forgets the path so far.
     pub fn reset(&mut self) {
         self.q.clear();
         self.states.fill(0.0);

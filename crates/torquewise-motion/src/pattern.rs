@@ -1,4 +1,4 @@
-//! From velocity, acceleration to pattern: which parts of the torque a row activates.
+//! Patterns: which parts of the torque a row activates.
 
 /// The three patterns of motion, in the order in which they activate parts of the torque.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

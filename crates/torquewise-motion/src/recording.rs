@@ -1,4 +1,4 @@
-//! From recording to Motion blocks: one or several trajectories, read in order and in fixed memory.
+//! Recordings: one or several trajectories, read in order as blocks, in fixed memory.
 
 use crate::motion::Motion;
 use crate::signals::bandwidth::Band;
@@ -68,7 +68,7 @@ pub trait Recording {
 
 /// Logs before their filter: what they become at any bandwidth, and with any delay of the torque.
 pub trait RawRecording: Sync {
-    /// The logs once cut-off and delay are settled.
+    /// The logs once cut-off and delay are chosen.
     type Filtered: Recording;
 
     /// Where a search for the bandwidth may begin: a cut-off \[Hz\].

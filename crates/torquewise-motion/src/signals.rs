@@ -1,4 +1,4 @@
-//! From signal conditioning: what was measured of an arm to clean, evenly sampled motion.
+//! Signal conditioning: clean, evenly sampled motion from what was measured.
 //!
 //! [`condition()`] takes out spikes, resamples jittery stamps, chooses one cut-off above the band
 //! of the motion, passes all signals through the same zero-phase low-pass filter, derives

@@ -1,5 +1,4 @@
-//! From arm to true coefficients: M(q) and V(q) in the energy library, torque in the product
-//! library.
+//! True coefficients of an arm in the energy and the product library.
 
 use faer::Mat;
 use faer::prelude::SolveLstsq;

@@ -8,7 +8,7 @@ use faer::linalg::triangular_solve::{
 };
 use faer::{Conj, Mat, MatRef, Par, Side, Spec};
 
-/// A pivot this much below the largest one means: the other columns say the same.
+/// A pivot this much below the largest one means linear dependence on the other columns.
 ///
 /// For columns of unit length a pivot is 1 − R², R² being what the columns before it explain.
 /// Duplicates leave about 1e-15 times the rounding of the Gram matrix, some 1e-13 after many rows.

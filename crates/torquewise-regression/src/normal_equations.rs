@@ -31,7 +31,7 @@ pub struct Selection {
     pub coefficients: Vec<f64>,
     /// Columns that carry a weight, ascending.
     pub active: Vec<usize>,
-    /// Columns asked for but left out, ascending: the active ones say the same.
+    /// Columns asked for but left out, ascending: linearly dependent on the active ones.
     pub dependent: Vec<usize>,
     /// ‖y − Y c‖², zero or more.
     pub residual_energy: f64,

@@ -127,7 +127,7 @@ impl Prepared {
     }
 }
 
-/// What rows say of a design: its moments or its normal equations, summed without rounding.
+/// Sums of rows of a design: its moments or its normal equations, without rounding.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RowSums {
     sums: ExactSums,

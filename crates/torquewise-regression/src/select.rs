@@ -7,7 +7,7 @@ pub mod criterion;
 use crate::error::SparseError;
 use crate::normal_equations::{NormalEquations, Selection};
 
-/// A way to choose columns.
+/// A rule to choose columns.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Selector {

@@ -1,4 +1,4 @@
-//! From reconstruction, diagnosis to HTML report: what was found in a log, and how far to trust it.
+//! The report of a fit: what was found in a log, and how far to trust it.
 
 use crate::error::{ReportError, Result};
 use crate::fit_report::call_cost::CallCost;

@@ -1,4 +1,4 @@
-//! From tables, charts, equations to one HTML text: opened anywhere, printed, kept.
+//! One HTML text of tables, charts and equations: opened anywhere, printed, kept.
 //!
 //! A [`Page`] is plain data; [`Page::to_html`] writes it. The text holds its style and its script,
 //! asks for nothing over the network, follows the light or dark theme of its reader and fits wide

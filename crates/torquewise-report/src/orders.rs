@@ -1,4 +1,4 @@
-//! From order curves to charts: held-out residual against the order of each library (Fig. 5).
+//! Charts of orders: held-out residual against the order of each library (Fig. 5).
 
 use crate::html::{Axis, Chart, Colour, Guide, Mark, Series};
 use torquewise_stepwise::orders::{OrderCurve, OrderPoint};

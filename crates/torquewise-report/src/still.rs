@@ -1,4 +1,4 @@
-//! From charts to a still picture: an SVG drawn by plotters, words kept as words.
+//! Charts as a still picture: an SVG drawn by plotters, words kept as words.
 
 use crate::error::{ReportError, Result};
 use crate::html::chart::Position;

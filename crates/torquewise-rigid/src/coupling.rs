@@ -1,5 +1,4 @@
-//! From logged coordinates to joint angles of a chain, where a motor of one joint turns others as
-//! well.
+//! Coupled joints: joint angles of a chain from logged coordinates, q_chain = Γ q (E18).
 
 use serde::{Deserialize, Serialize};
 use simba::simd::SimdRealField;
@@ -18,7 +17,7 @@ pub struct Coupled {
     pub ratio: i8,
 }
 
-/// the map Γ from logged coordinates to joint angles, q_chain = Γ q, unit lower triangular. By
+/// The map Γ from logged coordinates to joint angles, q_chain = Γ q, unit lower triangular. By
 /// virtual work τ = Γᵀ τ_chain and M = Γᵀ M_chain Γ \[E18\]. Empty is the identity.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]

@@ -1,4 +1,4 @@
-//! From normal equations to the parameters that fit best among those that physics allows (E14).
+//! The best physically consistent parameters of normal equations (E14).
 
 use crate::error::ChainError;
 use crate::inertia::{Inertial, divergence, divergence_slopes};
@@ -6,7 +6,7 @@ use crate::recursion::PER_BODY;
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{ColRef, Mat, Side};
 
-/// What physics says of the parameters of a chain, whatever the log says.
+/// Physical constraints on the parameters of a chain, whatever the log.
 ///
 /// All of it is one convex function Ψ of the parameters: zero at nominal values, and without bound
 /// towards what cannot be.
@@ -16,7 +16,7 @@ pub struct Prior {
     pub bodies: Vec<Inertial>,
     /// Sums of parameters that must be positive: rotor inertia, friction at a speed.
     pub positive: Vec<Positive>,
-    /// Parameters that are near zero: (index, standard deviation).
+    /// Parameters with a Gaussian prior at zero: (index, standard deviation in its unit).
     pub small: Vec<(usize, f64)>,
 }
 

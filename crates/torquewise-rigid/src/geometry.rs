@@ -1,4 +1,4 @@
-//! From parameters to geometry: where the joint axes of a chain lie, as far as torque can tell.
+//! Geometry of a chain: where its joint axes lie, as far as torque determines it (E8).
 
 mod choices;
 
@@ -12,7 +12,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub const GRAVITY: f64 = 9.81;
 /// Numbers that place a joint in the frame before it.
 pub const PER_JOINT: usize = 4;
-/// Numbers that say where gravity points in the base.
+/// Parameters of the direction of gravity in the base.
 pub const PER_BASE: usize = 2;
 
 /// Where the joint axes of a chain of n joints lie.
@@ -20,7 +20,7 @@ pub const PER_BASE: usize = 2;
 /// Joint 1 moves about or along z of the base. Joint i + 1 moves so by an axis that is fixed in the frame of
 /// joint i: its direction is that of z turned by the rotation vector (w₁, w₂, 0), its place the
 /// shift (p₁, p₂, 0) seen from the turned frame. Neither a shift along the axis nor a turn about it
-/// is a parameter: the masses of the link behind it are free, so torque cannot tell them. Nor is
+/// is a parameter: the masses of the link behind it are free, so torque cannot determine it. Nor is
 /// the place of a sliding joint, which stays 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Geometry {

@@ -1,5 +1,4 @@
-//! From geometry, rows to masses: the inertial parameters that explain the torque best, and what is
-//! left.
+//! Inertial parameters of a given geometry, by least squares, and the residual.
 
 use crate::error::ChainError;
 use crate::geometry::Geometry;

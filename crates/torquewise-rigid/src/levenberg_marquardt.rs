@@ -1,4 +1,4 @@
-//! From a first geometry to the one that fits: Levenberg–Marquardt with the masses projected out.
+//! Levenberg–Marquardt on the geometry, with the inertial parameters projected out (E8).
 
 use crate::error::ChainError;
 use crate::geometry::Geometry;

@@ -1,4 +1,4 @@
-//! From frames, state to torque, regressor, mass matrix, energy: recursive Newton–Euler.
+//! Recursive Newton–Euler: torque, regressor, mass matrix, energy.
 //!
 //! Every crate that needs rigid-body dynamics uses this recursion, the simulator and the learner.
 //! It is generic over its scalar: `f64` for one state, [`Lanes`] for four states at once.

@@ -1,4 +1,4 @@
-//! From motion, torque, further columns to rows of a regression: what a chain is learned from.
+//! Rows of the regression that a chain is learned from: motion, torque, drive columns.
 
 use crate::error::ChainError;
 use crate::geometry::Geometry;
@@ -16,7 +16,7 @@ pub struct Rows {
     pub(crate) torque: Vec<f64>,
     /// Further columns, (m·n)×e, rows as in `torque`.
     pub(crate) extras: Mat<f64>,
-    /// How much each equation counts, m·n: zero where friction of a resting joint may be anything.
+    /// Weight of each equation, m·n: small where a joint rests and its friction may be anything.
     pub(crate) shares: Vec<f64>,
     /// Whether gravity was taken out of the torque.
     weightless: bool,
@@ -136,7 +136,7 @@ impl Rows {
         Self { weightless: true, ..self }
     }
 
-    /// What moves as a geometry says, and weighs if these rows do.
+    /// The moving bodies of a geometry, under gravity if these rows are.
     pub(crate) fn kinematics(&self, geometry: &Geometry) -> Kinematics {
         let kinematics = Kinematics::new(geometry);
         if self.weightless { kinematics.without_gravity() } else { kinematics }

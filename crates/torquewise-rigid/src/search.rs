@@ -1,4 +1,4 @@
-//! From rows to chain: many starts with axes at right angles, the best of them refined.
+//! Search of the geometry: many starts with axes at right angles, the best of them refined.
 
 use crate::coupling::Coupling;
 use crate::error::ChainError;
@@ -70,10 +70,10 @@ pub struct Chain {
     /// Where its axes lie.
     pub geometry: Geometry,
     /// Inertial parameters of each body, 10 each: m, m·c, then moments about the origin of its
-    /// frame xx, yy, zz, xy, xz, yz. Only what torque can tell is determined; the ridge picks the
+    /// frame xx, yy, zz, xy, xz, yz. Torque determines base parameters only; the ridge picks the
     /// smallest of the rest, so that a mass of its own may even be negative.
     pub inertial: Vec<f64>,
-    /// Coefficients of the columns beside the chain, e.
+    /// Coefficients of the drive columns, e; units of each column (kg·m², N·m, N·m·s/rad).
     pub drive: Vec<f64>,
     /// RMS of the residual of each joint \[N·m\], n, on the rows it was refined on.
     pub residual_rms: Vec<f64>,

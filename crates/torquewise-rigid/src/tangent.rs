@@ -1,5 +1,4 @@
-//! From chain, rows to what it leaves of them, and how each of its parameters would change that
-//! (E11).
+//! Residual of a chain, and its derivative by each parameter (E11).
 
 use crate::error::ChainError;
 use crate::inertial_fit::weighted_columns;
@@ -9,7 +8,7 @@ use crate::search::{Chain, all_parameters, first_weights, weights_of};
 use crate::usual_arm::UsualArm;
 use faer::Mat;
 
-/// The torque of rows as a chain near the one that was found can say it.
+/// The torque of rows, linearised at a chain.
 ///
 /// Equations as in [`Rows`]: all rows of joint 1 first. Each is divided by the noise of its joint
 /// and counts as the rows say.

@@ -1,8 +1,8 @@
-//! From geometry to what arms like it have: axes at right angles and near each other (E8).
+//! The prior of the geometry: axes at right angles and near each other (E8).
 
 use crate::geometry::{Geometry, PER_BASE, nearest_right_angle};
 
-/// The arm that a geometry is held to where the log tells nothing: the axes at the right angles that
+/// The prior of a geometry where the log determines nothing: the axes at the right angles that
 /// they are nearest to, all through one point, and by how much arms differ from that.
 #[derive(Clone, Debug)]
 pub struct UsualArm {

@@ -16,7 +16,7 @@ pub fn split(count: usize, block: usize) -> (Vec<usize>, Vec<usize>) {
     (held, rest)
 }
 
-/// A way to fit, and how it does on each block it was not fitted on.
+/// A candidate fit, and its error on each block it was not fitted on.
 #[derive(Clone, Debug)]
 pub struct CvScore {
     /// As a choice has it on record.

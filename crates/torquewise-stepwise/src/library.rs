@@ -89,9 +89,9 @@ impl SummedLibrary {
 pub struct LibrarySums {
     /// Which columns were summed.
     pub library: SummedLibrary,
-    /// How rows were told apart, log by log.
+    /// Patterns of the rows, log by log.
     pub patterns: PatternPlan,
-    /// What the rows of each pattern say, or all rows.
+    /// Sums of the rows of each pattern, or of all rows.
     pub sums: Vec<RowSums>,
     /// The noise at standstill, if enough rows stand still.
     pub still: Option<NoiseFloor>,

@@ -117,7 +117,7 @@ const GAIN: f64 = 70.0;
 const NORMAL_MEDIAN: f64 = 0.674_489_750_196_081_7;
 /// Differences beyond this many deviations are jumps; noise loses 6e-5 of its rows by it.
 const JUMP: f64 = 4.0;
-/// A block with fewer differences says too little about a variance.
+/// A block with fewer differences does not determine a variance.
 const LEAST_ROWS: usize = 30;
 /// Fewer blocks of standstill rows are not relied on.
 const LEAST_BLOCKS: usize = 5;

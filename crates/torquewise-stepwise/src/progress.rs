@@ -4,7 +4,7 @@ use crate::error::IdentifyError;
 use std::fmt;
 use std::ops::ControlFlow;
 
-/// A stage of the work, told when it begins, or how far it is.
+/// A stage of the work, reported when it begins, or its progress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
     /// The log is looked through.
@@ -34,7 +34,7 @@ pub enum Progress {
     Refit,
     /// The model is judged on rows held out.
     Judging,
-    /// The stage goes on: told often, so that work can be stopped.
+    /// The stage goes on: reported often, so that work can be stopped.
     Working,
     /// All is done.
     Done,
@@ -48,7 +48,7 @@ pub type Watch<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync + 'a);
 pub const UNWATCHED: Watch<'static> = &|_| ControlFlow::Continue(());
 
 impl Progress {
-    /// Tells whoever watches.
+    /// Reports to the observer.
     ///
     /// # Errors
     /// [`IdentifyError::Stopped`] if the work is not wanted any more.

@@ -47,7 +47,7 @@ impl RefitPlan<'_> {
     }
 }
 
-/// A coefficient whose column adds less than this part of the torque cannot be told from rounding.
+/// A coefficient whose column adds less than this part of the torque is rounding.
 const PRECISION: f64 = 1e-11;
 /// Memory of the sums of all parts of a log at most, unless a single one takes more.
 const SUM_BYTES: usize = 256 << 20;
@@ -127,7 +127,7 @@ pub(crate) fn refit(
         .collect()
 }
 
-/// What a part of the sample says, linearised at the first fit: in \[Y e\].
+/// Sums of a part of the sample, linearised at the first fit: in \[Y e\].
 struct Part {
     gram: Mat<f64>,
     /// What noise adds to it.
@@ -152,7 +152,7 @@ struct GroupRefit<'a> {
     dependent: Vec<usize>,
     /// Whether the torque is explained but for rounding.
     is_explained: bool,
-    /// What the parts of the sample say.
+    /// Sums of the parts of the sample.
     parts: Vec<Part>,
     /// Terms of less t² leave.
     least_t_squared: f64,

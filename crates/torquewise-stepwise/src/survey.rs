@@ -12,7 +12,7 @@ use torquewise_motion::{Motion, Recording, Signals};
 use torquewise_regression::SparseError;
 use torquewise_regression::exact::ExactSums;
 
-/// What one pass over a log tells.
+/// What one pass over a log finds.
 #[derive(Clone, Debug)]
 pub struct Survey {
     /// Joint names, base to tip, n.
@@ -223,7 +223,7 @@ impl SurveySum {
             && self.sampled.is_sound(width(n), SAMPLE_ROWS)
     }
 
-    /// What the logs told.
+    /// What was found in the logs.
     ///
     /// # Errors
     /// [`IdentifyError::Motion`] if there are no joints.

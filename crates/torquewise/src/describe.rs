@@ -1,4 +1,4 @@
-//! From model to an object that other programs read.
+//! A model as an object that other programs read.
 
 use crate::summary::AllRepairs;
 use serde_json::{Value, json};
@@ -8,7 +8,7 @@ use torquewise_model::term::Kind;
 use torquewise_model::{Form, FrictionTerm, Model, ModelError, Weighted, learned, print};
 
 /// What is in a model, or in a part of it, for programs: axes, terms by joint, energies, friction,
-/// what was chosen and repaired on the way.
+/// what was chosen and repaired.
 ///
 /// # Errors
 /// [`ModelError`] if the geometry of the chain is none.

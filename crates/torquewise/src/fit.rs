@@ -1,4 +1,4 @@
-//! From logs to a model: the one call that chooses what is fitted, conditions, fits and judges.
+//! The fit: the one call that chooses what is fitted, conditions, fits and judges.
 
 use crate::error::{Error, Result};
 use crate::evaluate::{Evaluation, evaluate};

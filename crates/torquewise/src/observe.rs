@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use torquewise_motion::{Motion, ReadResult, Recording, Visit, VisitPair};
 use torquewise_stepwise::Progress;
 
-/// What is told while work is under way.
+/// What an observer receives while work is under way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
     /// Rows will be read, about so many if that is known.

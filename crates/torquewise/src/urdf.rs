@@ -1,4 +1,4 @@
-//! From the URDF of an arm to what a fit is told of it.
+//! What a fit takes from the URDF of an arm.
 
 use crate::error::Result;
 use torquewise_identify::plan::KnownGeometry;

@@ -1,4 +1,4 @@
-//! From shell to script that completes the words of the command line.
+//! `completions`: a script that completes the words of the command line.
 
 use crate::error::{CliError, Result};
 use crate::outcome::Outcome;

@@ -1,4 +1,4 @@
-//! From model, arm to closed loop at a fixed rate: how well each controller tracks.
+//! `control`: the loop closed at a fixed rate, and how well each controller tracks.
 
 mod report;
 mod setup;

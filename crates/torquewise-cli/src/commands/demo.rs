@@ -1,5 +1,6 @@
 //! The whole way at once: a log, its patterns, its equations, and how well they predict.
 
+use super::fit::date;
 use crate::error::Result;
 use crate::files::{check_rows, create_folder, read_arm, staged, write_whole};
 use crate::outcome::Outcome;
@@ -9,19 +10,21 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::PathBuf;
+use std::time::SystemTime;
 use torquewise::dynamics::{MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise::logs::write_motion;
 use torquewise::model::print;
 use torquewise::model::selection::Selection;
 use torquewise::motion::{Motion, Pattern};
+use torquewise::page::{LogFile, Origin, page};
 use torquewise::report::html::Colour;
 use torquewise::report::{chart_figure, torque_charts};
-use torquewise::{Evaluation, Fit, FitOptions, FitResult, Library, Torque};
+use torquewise::{Evaluation, Fit, FitOptions, FitResult, Library, Log, Torque};
 
 /// Simulate the reference arm, reconstruct it, print and plot what was found
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
-    /// Folder for log, models and figure
+    /// Folder for log, models, figure and report
     #[arg(short, long, value_name = "DIR", default_value = "torquewise-demo")]
     output: PathBuf,
     /// Arm to reconstruct; the default is that of the paper
@@ -76,6 +79,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let kind = MotionKind::Sines;
     let unseen = MotionPlan { kind, seconds: TEST_SECONDS, rate, seed: seed.wrapping_add(1) };
     let test = simulate(&arm, &unseen)?.motion;
+    create_folder(&arguments.output)?;
+    let file = staged(&arguments.output.join("log.csv"))?;
+    write_motion(&file, &log)?;
+    let recorded = Log::open(&file)?;
 
     let product = FitOptions { library: Some(Library::Product), ..FitOptions::default() };
     let methods = [
@@ -86,12 +93,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut found = Vec::with_capacity(methods.len());
     for (name, file, options) in methods {
         let options = FitOptions { seed, ..options };
-        let fit = Fit::new(&log).options(options).observer(&watch()).run()?;
+        let fit = Fit::new(&recorded).options(options).observer(&watch()).run()?;
         let scores = fit.evaluate(&test)?;
         found.push(Found { name, file, fit, scores });
     }
     let purities = purities(&found[0], &log, &clean.truth);
-    write_files(arguments, &log, &found, &figure(arm.name(), &test, &found)?)?;
+    write_files(arguments, &found, &figure(arm.name(), &test, &found)?)?;
 
     let warnings = found[0].fit.warnings.iter().map(ToString::to_string).collect();
     let text = text(arguments, &log, &purities, &found);
@@ -126,13 +133,22 @@ fn figure(arm: &str, test: &Motion, found: &[Found]) -> Result<String> {
     Ok(chart_figure(&format!("{arm}: torque of a motion outside the training set"), &charts, 1)?)
 }
 
-fn write_files(arguments: &Arguments, log: &Motion, found: &[Found], svg: &str) -> Result<()> {
+fn write_files(arguments: &Arguments, found: &[Found], svg: &str) -> Result<()> {
     let folder = &arguments.output;
-    create_folder(folder)?;
-    write_motion(&staged(&folder.join("log.csv"))?, log)?;
+    let date = date(SystemTime::now());
+    let origin = Origin {
+        logs: &[LogFile { name: "log.csv".into(), date: date.clone() }],
+        tests: &[],
+        model: &folder.join(found[0].file).display().to_string(),
+        command: "torquewise demo",
+        version: env!("CARGO_PKG_VERSION"),
+        date: &date,
+    };
+    let html = page(&found[0].fit, None, origin, &watch())?.unwrap_or_default();
     for found in found {
         found.fit.model.save(staged(&folder.join(found.file))?)?;
     }
+    write_whole(&folder.join("report.html"), html)?;
     write_whole(&folder.join("torque.svg"), svg)
 }
 
@@ -157,12 +173,15 @@ fn text(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found
          Equations found with the energy library:\n\n{}\n\
          Torque of a motion outside the training set, {TEST_SECONDS} s of sines without noise:\
          \n\n{}\n\
-         log, models and figure: {}\n",
+         log, models and figure: {}\nreport: {}\n\n\
+         next: open the report; then `torquewise inspect LOG` says what a log of your own holds,\n\
+         and `torquewise fit LOG -o model.json --report report.html` learns the arm from it\n",
         log.n_rows(),
         patterns.text(),
         print::text(&found[0].fit.model, &Selection::default()),
         scores.text(),
-        output.join("torque.svg").display(),
+        output.display(),
+        output.join("report.html").display(),
     )
 }
 
@@ -187,5 +206,6 @@ fn json(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found
         "methods": methods.collect::<Vec<_>>(),
         "log": file("log.csv"),
         "figure": file("torque.svg"),
+        "report": file("report.html"),
     })
 }

@@ -1,4 +1,4 @@
-//! From arm, limits to recordings to make: motions from which a model can be reconstructed.
+//! `excite`: motions to record, from which a model can be identified.
 
 mod figure;
 mod summary;

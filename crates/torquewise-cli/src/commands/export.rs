@@ -1,4 +1,4 @@
-//! From model to source code, an FMU or a ROS 2 package.
+//! `export`: a model as source code, an FMU, a ROS 2 package or a robot file.
 
 use crate::arguments::{Word, choice, parsed};
 use crate::error::{CliError, Result};

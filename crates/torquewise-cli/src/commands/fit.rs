@@ -130,7 +130,7 @@ fn log_file(path: &Path) -> LogFile {
     LogFile { name, date: written.map_or_else(|_| String::new(), date) }
 }
 
-fn date(time: SystemTime) -> String {
+pub(super) fn date(time: SystemTime) -> String {
     DateTime::<Utc>::from(time).format("%Y-%m-%d %H:%M UTC").to_string()
 }
 
@@ -192,6 +192,7 @@ fn rows(fit: &FitResult) -> String {
     let filter = fit.model.training.filter.map_or_else(String::new, |filter| {
         let delay = match filter.delay {
             0.0 => String::new(),
+            delay if delay < 0.0 => format!(", torque {:.1} ms early", -1e3 * delay),
             delay => format!(", torque {:.1} ms late", 1e3 * delay),
         };
         format!(", filtered at {} Hz{delay}", number(filter.cutoff_hz))

@@ -1,4 +1,4 @@
-//! From logs to what they hold, and what they lack.
+//! `inspect`: what logs hold, and what they lack.
 
 use crate::conditioning;
 use crate::error::{CliError, Result};

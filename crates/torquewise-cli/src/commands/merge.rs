@@ -1,4 +1,4 @@
-//! From moments files to one: the same bytes in whatever order.
+//! `merge`: moments files added up, the same bytes in whatever order.
 
 use crate::error::{CliError, Result};
 use crate::files::check_files;

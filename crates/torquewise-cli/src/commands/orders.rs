@@ -1,4 +1,4 @@
-//! From logs to residual against order, and the orders chosen.
+//! `orders`: the held-out residual at each order of the libraries, and the chosen orders.
 
 use crate::arguments::PatternArguments;
 use crate::error::Result;

@@ -1,4 +1,4 @@
-//! From logs to patterns: clusters of rows, and the pattern of each row.
+//! `patterns`: clusters of rows, and the pattern of each row.
 
 use crate::arguments::PatternArguments;
 use crate::error::Result;

@@ -1,4 +1,4 @@
-//! What hangs on the last link of an arm whose model is known.
+//! `payload`: the load on the last link of an arm whose model is known.
 
 use crate::arguments::parsed;
 use crate::error::Result;

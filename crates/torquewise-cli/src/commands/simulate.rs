@@ -1,4 +1,4 @@
-//! From arm, motion, noise to log with known truth.
+//! `simulate`: a log with known truth, of an arm, a motion and noise.
 
 use crate::arguments::{Word, choice, noise_levels};
 use crate::error::Result;

@@ -191,17 +191,18 @@ fn a_recorded_arm_comes_from_a_file() {
 }
 
 #[test]
-fn the_demo_leaves_log_models_and_figure() {
+fn the_demo_leaves_log_models_figure_and_report() {
     let terminal = Terminal::new();
 
     let said = terminal.run("demo --arm planar-2 -o out --seconds 60 --rate 50");
 
     assert!(matches!(said.code, 0 | 3), "{said:?}");
-    for words in ["standstill", "Equations found", "one-shot SINDy"] {
+    for words in ["standstill", "Equations found", "one-shot SINDy", "report: out/report.html"] {
         assert!(said.stdout.contains(words), "{words}: {}", said.stdout);
     }
     let svg = terminal.read("out/torque.svg");
     assert!(svg.starts_with("<svg") && svg.contains("energy library"));
+    assert!(terminal.read("out/report.html").contains("<h2>Verdict"));
     for model in ["energy", "product", "sindy"] {
         terminal.json(&format!("evaluate out/{model}.json out/log.csv"));
     }

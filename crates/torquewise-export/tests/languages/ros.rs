@@ -1,5 +1,4 @@
-//! From ROS 2 package to what can be told of it without ROS: manifest, CMake, C++ against
-//! stand-ins.
+//! ROS 2 packages checked without ROS: manifest, CMake, C++ against stand-ins.
 
 use crate::models::{energies, remembers};
 use crate::run;

@@ -1,5 +1,4 @@
-//! From model to what its functions must return, by the model's own evaluation, and how far they
-//! are off.
+//! What exported functions must return, by the model itself, and how far they are off.
 
 use crate::models::State;
 use crate::run::{OBSERVED, RESET};

@@ -1,4 +1,4 @@
-//! From motion to spread: how far an observer strays on an arm that nothing touches (E16).
+//! Spread of the momentum observer in motion free of contact (E16).
 
 use crate::clustered::Stretches;
 use crate::disagreement::slow;

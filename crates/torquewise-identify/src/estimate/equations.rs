@@ -1,4 +1,4 @@
-//! From sums of a pass to normal equations in the units of the parameters (E11).
+//! Normal equations of a pass, in the units of the parameters (E11).
 
 use super::linearisation::Linearisation;
 use faer::{ColRef, Mat};

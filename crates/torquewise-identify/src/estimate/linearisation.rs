@@ -1,4 +1,4 @@
-//! From a structure and its parameters to rows [J e] of a block of motion.
+//! Linearised torque: rows [J e] of a block of motion.
 
 use crate::drive_terms::{DriveTerm, Gravity, WEIGHT_AT_REST, columns};
 use crate::regions::Regions;
@@ -43,7 +43,7 @@ pub struct Linearisation {
     pub(crate) linear: Vec<f64>,
     /// One over the noise of each joint \[1/(N·m)\], n.
     pub(crate) weights: Vec<f64>,
-    /// What a parameter is counted in, so that sums are of one size: a power of two.
+    /// Scale of each parameter, a power of two, so that sums are of one size.
     pub(crate) scales: Vec<f64>,
     /// White noise of the rows that is corrected for.
     pub(crate) noise: NoiseFloor,

@@ -1,5 +1,4 @@
-//! From structure, geometry to what is known of an arm before any motion: plain links, positive
-//! rotors, friction that takes energy (E14).
+//! The nominal arm of the prior: plain links, positive rotors, dissipative friction (E14).
 
 use super::linearisation::Linearisation;
 use crate::drive_terms::DriveTerm;
@@ -75,7 +74,7 @@ fn plain_arm(at: &Linearisation, sizes: &Sizes) -> Result<Vec<f64>, IdentifyErro
     Ok(links.collect())
 }
 
-/// What physics says of the parameters of a linearisation, and parameters that it allows.
+/// Physical constraints on the parameters of a linearisation, and a feasible start.
 pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64>), IdentifyError> {
     let bodies = plain_arm(at, sizes)?;
     let mut start = bodies.clone();

@@ -1,5 +1,4 @@
-//! From logs to normal equations: one pass over every row, in parallel, with the same bits in any
-//! order.
+//! One pass over every row, in parallel, with the same bits in any order.
 
 use super::linearisation::{Linearisation, shifted};
 use faer::Mat;

@@ -1,4 +1,4 @@
-//! From a start to passes over rows until nothing moves (E11).
+//! Passes over all rows until the parameters converge (E11).
 
 use super::linearisation::Linearisation;
 use super::nominal::Sizes;
@@ -130,7 +130,7 @@ impl Passes {
     }
 }
 
-/// Passes over a recording until the parameters settle.
+/// Passes over a recording until the parameters converge.
 ///
 /// The search leaves inertial parameters that no arm has, and derivatives by the geometry that are
 /// those of such an arm: links are made physical before the geometry moves.

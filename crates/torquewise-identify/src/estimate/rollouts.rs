@@ -1,5 +1,4 @@
-//! From a chain that says the torque well to one that moves like the arm as well: its rotors are
-//! what both its torque and simulated windows ask for (E23).
+//! Rotors refined by simulated windows of the log as well as by torque (E23).
 
 use super::equations::Equations;
 use super::linearisation::Linearisation;
@@ -134,7 +133,7 @@ impl Rotors {
     }
 }
 
-/// What simulated windows say of the rotors near those that they were simulated with.
+/// Normal equations of simulated windows in the rotors, at those they were simulated with.
 struct Windows {
     sums: NormalSums,
     at: Vec<f64>,
@@ -150,7 +149,7 @@ impl Windows {
     }
 }
 
-/// What the torque, and physics, say of the rotors where all else stays.
+/// Normal equations of torque and prior in the rotors, where all else stays.
 struct TorqueOf<'a> {
     step: Step<'a>,
     places: Vec<usize>,

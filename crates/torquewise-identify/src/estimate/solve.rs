@@ -1,4 +1,4 @@
-//! From sums that nothing moves any more to parameters, and what is certain of them (E11) (E14).
+//! Parameters and covariance of converged sums (E11) (E14).
 
 use super::linearisation::Linearisation;
 use super::step::{Step, Tuning};

@@ -1,4 +1,4 @@
-//! From the sums of a pass to what it costs to be where, and the best step from there (E11) (E14).
+//! Merit of a pass, and the best step from there (E11) (E14).
 
 use super::equations::{Equations, cost_of_pull};
 use super::linearisation::Linearisation;
@@ -16,7 +16,7 @@ pub(crate) const LEAST_RESIDUAL: f64 = 1e-4;
 /// So much the cost may still fall for each parameter, in squares of the noise of an independent
 /// row: parameters are then within about a tenth of their standard errors.
 const LEAST_GAIN: f64 = 0.005;
-/// How strong the prior is, in parts of its strength, on the way from an arm that is none.
+/// Strengths of the prior on the path from the nominal arm, in parts of the last.
 const FALLING: [f64; 5] = [1e8, 1e6, 1e4, 1e2, 1.0];
 /// Exponents of ten between which the price of a step of the geometry is looked for, in parts of
 /// its curvature.
@@ -37,7 +37,7 @@ pub(crate) struct Tuning {
     pub(super) errors: Vec<f64>,
 }
 
-/// The normal equations of a pass, and what physics says of its parameters.
+/// The normal equations of a pass, and the physical constraints on its parameters.
 pub(super) struct Step<'a> {
     pub(super) sums: &'a NormalSums,
     pub(super) at: &'a Linearisation,
@@ -51,7 +51,7 @@ pub(super) struct Step<'a> {
     pub(super) before: Vec<f64>,
     /// Without the prior of the geometry.
     pub(super) all: Equations,
-    /// Rows that tell as much as one independent one: neighbours err alike.
+    /// Rows per independent row: errors of neighbours are correlated.
     pub(super) repeats: f64,
     /// Noise over the spread of the torque, geometric mean over the joints.
     pub(super) relative_noise: f64,

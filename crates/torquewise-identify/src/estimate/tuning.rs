@@ -1,4 +1,4 @@
-//! From held-out folds to how strong the prior is (E14).
+//! Strength of the prior, chosen on held-out folds (E14).
 
 use super::equations::Equations;
 use super::step::{Step, Tuning};
@@ -12,7 +12,7 @@ use torquewise_stepwise::held_out::{CvScore, listed, mean};
 /// The choice of the prior's strength, as the model file has it.
 const STRENGTH: &str = "strength of the physical prior";
 /// Strengths of the prior that are tried, the strongest first, in units of what one independent
-/// row tells.
+/// row determines.
 const STRENGTHS: [f64; 9] = [1e3, 1e2, 30.0, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03];
 /// Weaker ones leave to noise what the log does not tell, and no held-out row of the same log would
 /// object: each is taken only if the error is lower than before by a part that is worth it.

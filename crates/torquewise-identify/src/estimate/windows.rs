@@ -1,5 +1,4 @@
-//! From windows of a log to normal equations: where simulated windows end, and how the rotors of the
-//! arm move that (E23).
+//! Normal equations of simulated windows in the rotors of the arm (E23).
 
 use super::linearisation::Linearisation;
 use crate::fitted::movable;
@@ -29,7 +28,7 @@ pub(super) fn drifts_of(
 }
 
 /// Adds up the normal equations of where windows end, an instant for each horizon; a window whose
-/// simulation runs away says nothing.
+/// simulation runs away does not count.
 ///
 /// - `rotors`: shafts of the rotors that are moved, n each
 /// - `weights`: one over the usual drift of each joint at each horizon \[1/rad\]

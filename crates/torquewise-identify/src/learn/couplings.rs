@@ -1,5 +1,4 @@
-//! From chain, rows to chain whose joints are turned by several logged coordinates, where the log
-//! has it.
+//! Joints that several logged coordinates turn, where the log shows it (E18).
 
 use super::{ChainLearner, ROUNDS, TRIAL_ROWS, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};

@@ -1,5 +1,4 @@
-//! From rows to which joints turn and which slide: both are tried on joints of little travel, and
-//! held-out rows choose (E26).
+//! Which joints turn and which slide, by held-out rows (E26).
 
 use super::{ChainLearner, DriveTerm, ROUNDS, TRIAL_ROWS, UNRESOLVED, Watch, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
@@ -179,7 +178,7 @@ impl ChainLearner<'_> {
         }
     }
 
-    /// Says of joints that the log does not tell what they are.
+    /// Warns of joints whose kind the log does not determine.
     fn leave_untold(&self, kinds: &JointKinds, joints: &[usize], choices: &mut Vec<Choice>) {
         choices.extend(joints.iter().map(|&joint| Choice {
             what: format!("kind of {}", self.motion.joints()[joint]),

@@ -1,5 +1,4 @@
-//! From a chain to what stands beside its links: shafts that joints share, springs, friction. Each
-//! is offered in a few ways, and held-out rows choose (17) (E13) (E21).
+//! Offers of drive terms: shared shafts, springs, friction, by held-out rows (E13) (E21).
 
 use super::{ChainLearner, LAST_ROWS};
 use crate::chain_spec::ChainSpec;
@@ -15,15 +14,15 @@ use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::{CvScore, listed};
 use torquewise_stepwise::survey::thinned;
 
-/// Something beside the links of which held-out rows choose one way.
+/// A drive term of which held-out rows choose one variant.
 pub(super) struct Offer {
     /// As the model file has it.
     what: String,
     /// Ways with their names, the simplest first.
     ways: Vec<(&'static str, Vec<DriveTerm>)>,
-    /// The way that others are first judged beside.
+    /// The variant that others are first compared with.
     usual: usize,
-    /// A longer way must lower the error by this part, and by so much of the torque.
+    /// A longer variant must lower the error by this part, and by so much of the torque.
     worth: f64,
     trifle: f64,
 }
@@ -38,7 +37,7 @@ const TRIFLE: f64 = 1e-3;
 const SWEEPS: usize = 2;
 
 impl Offer {
-    /// The simplest way that is near the best, and its record.
+    /// The simplest variant that is near the best, and its record.
     fn chosen(&self, trials: &[CvScore]) -> Option<(usize, Choice)> {
         let least = trials.iter().map(CvScore::error).fold(f64::INFINITY, f64::min);
         let near = |trial: &CvScore| (1.0 - self.worth) * trial.error() - self.trifle <= least;
@@ -144,7 +143,7 @@ impl ChainLearner<'_> {
         (0..self.motion.n_joints()).map(of).collect()
     }
 
-    /// Chooses a way of each offer, beside what a specification has.
+    /// Chooses a variant of each offer, in addition to what a specification has.
     pub(super) fn choose(
         &self,
         spec: &mut ChainSpec,

@@ -1,4 +1,4 @@
-//! From a load of known mass to what a unit of each torque column is worth (E15).
+//! Gains of the torque columns, from a load of known mass (E15).
 
 use super::rows::WithLoad;
 use super::{Pass, STRENGTH, chain_of};
@@ -28,12 +28,12 @@ pub struct Gains {
     /// Names of the joints, n.
     #[serde(skip)]
     joints: Vec<String>,
-    /// Whether the model was told where its axes lie.
+    /// Whether the axes of the model were given.
     #[serde(skip)]
     is_given: bool,
 }
 
-/// A gain is told where its standard error is below this part of it.
+/// A gain is resolved where its standard error is below this part of it.
 const TOLD: f64 = 0.1;
 /// How much more than by all rows a known mass is held.
 const HELD: f64 = 1e6;
@@ -172,12 +172,12 @@ impl Gains {
         })
     }
 
-    /// Whether the log tells the gain of each joint.
+    /// Whether the gain of each joint is resolved.
     pub fn told(&self) -> Vec<bool> {
         self.gains.iter().map(|gain| gain.std_error < TOLD * gain.value).collect()
     }
 
-    /// Why gains may be wrong, or are not told, and what to do.
+    /// Why gains may be wrong, or are not resolved, and what to do.
     pub fn hints(&self) -> Vec<String> {
         let mut hints = Vec::new();
         if !self.is_given {

@@ -1,5 +1,4 @@
-//! From friction of LuGre, which no law of the learner is to a model that knows it at rest and
-//! reversal.
+//! LuGre friction, which is no law of the learner, is known at rest and at reversal.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

@@ -1,4 +1,4 @@
-//! From simulated log with friction to the arm and the friction it was simulated with, by a chain.
+//! A learned chain finds the arm and the friction that a log was simulated with.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -34,9 +34,9 @@ pub(crate) fn rubbing(motion: &Motion, friction: &Friction, noise: f64) -> Motio
         let spread = (tau.col(joint).squared_norm_l2() / m - mean * mean).sqrt();
         for row in 0..tau.nrows() {
             let dq: Vec<f64> = dq.row(row).iter().copied().collect();
-            let has_friction: f64 = friction.iter().map(|(f, c)| c * f.torque(joint, &dq)).sum();
+            let friction: f64 = friction.iter().map(|(f, c)| c * f.torque(joint, &dq)).sum();
             let unit: f64 = StandardNormal.sample(&mut random);
-            tau[(row, joint)] += has_friction + noise * spread * unit;
+            tau[(row, joint)] += friction + noise * spread * unit;
         }
     }
     Motion::new(signals).unwrap()

@@ -102,11 +102,11 @@ fn worst(found: &Reconstruction, speeds: [f64; 2]) -> Vec<f64> {
     for step in 0..=200 {
         let speed = speeds[0] + (speeds[1] - speeds[0]) * f64::from(step) / 200.0;
         for speed in [speed, -speed] {
-            let has_friction = torque.friction(&vec![0.0; n], &vec![speed; n]).unwrap();
+            let friction = torque.friction(&vec![0.0; n], &vec![speed; n]).unwrap();
             // A gravity torque of the base joint that is constant is an offset of its friction.
             for (joint, worst) in worst.iter_mut().enumerate() {
                 let truth = truth_of(&CURVES[joint], speed);
-                *worst = worst.max(((has_friction[joint] - truth) / truth).abs());
+                *worst = worst.max(((friction[joint] - truth) / truth).abs());
             }
         }
     }

@@ -1,4 +1,4 @@
-//! From chains fitted on every row to intervals, longer logs, physics, and rounds through files.
+//! Chains fitted on every row: intervals, longer logs, physics, rounds through files.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

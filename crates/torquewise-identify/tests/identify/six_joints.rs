@@ -1,5 +1,4 @@
-//! From simulated arms of six and seven joints to a model that predicts other motion, by a learned
-//! chain.
+//! Learned chains of six and seven joints predict other motion.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

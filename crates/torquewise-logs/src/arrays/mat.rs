@@ -1,4 +1,4 @@
-//! From MATLAB file (.mat, version 5) to arrays; fields of structures are joined to names by dots.
+//! MATLAB files (.mat, version 5); fields of structures are joined to names by dots.
 
 use crate::arrays::array::{Array, Body, LONGEST_NAME, MAX_COLUMNS, Order, Packing};
 use crate::arrays::mat_elements::{COMPRESSED, Elements, MATRIX, Tag, kind_of, sizes, wrong};

@@ -1,4 +1,4 @@
-//! From bytes of a MAT file to elements: tag, body and padding, read without going back.
+//! Elements of a MAT file: tag, body and padding, read without going back.
 //!
 //! Source: MathWorks, MAT-File Format, R2024b, chapter 1 (level 5).
 

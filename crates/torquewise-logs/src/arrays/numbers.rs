@@ -1,4 +1,4 @@
-//! From stored elements of an array to numbers, some at a time.
+//! Numbers of stored elements, some at a time.
 
 use std::io::{self, BufReader, Read};
 

@@ -1,4 +1,4 @@
-//! From arrays to rows.
+//! Rows of arrays.
 
 use crate::arrays::array::{Array, MAX_COLUMNS};
 use crate::arrays::numbers::Numbers;

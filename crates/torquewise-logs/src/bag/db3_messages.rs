@@ -1,4 +1,4 @@
-//! From SQLite bag (.db3) to topics and messages, some thousand rows at a time.
+//! SQLite bags (.db3): topics and messages, some thousand rows at a time.
 
 use crate::bag::{MAX_BYTES, Message, Messages, Topic};
 use crate::error::{LogError, Result};

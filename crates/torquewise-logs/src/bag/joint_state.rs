@@ -1,4 +1,4 @@
-//! From CDR bytes to joint states: what a sensor_msgs/msg/JointState holds.
+//! A sensor_msgs/msg/JointState decoded from CDR.
 //!
 //! Source: OMG CORBA 3.4, part 2, chapter 9.3 (CDR); OMG DDS-RTPS 2.5, chapter 10 (encapsulation);
 //! OMG DDS-XTypes 1.3, chapter 7.4 (alignment of version 2).

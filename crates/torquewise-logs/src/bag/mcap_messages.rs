@@ -1,4 +1,4 @@
-//! From MCAP bag (.mcap) to topics and messages, one chunk at a time.
+//! MCAP bags (.mcap): topics and messages, one chunk at a time.
 
 use crate::bag::{MAX_BYTES, Message, Messages, Topic};
 use crate::error::{LogError, Result, guarded, open_whole};

@@ -1,4 +1,4 @@
-//! From joint states to rows, sorted by time.
+//! Rows of joint states, sorted by time.
 
 use crate::bag::Messages;
 use crate::bag::survey::{Aligned, Survey, decoded, places};

@@ -1,4 +1,4 @@
-//! From bag to what its joint states hold: found in one pass before the rows are read.
+//! What the joint states of a bag hold, found in one pass before the rows are read.
 
 use crate::bag::db3_messages::{self, Db3Messages};
 use crate::bag::joint_state::JointState;

@@ -1,4 +1,4 @@
-//! From profile to the first thing in it that cannot be right.
+//! The first thing in a profile that cannot be right.
 
 use crate::error::{LogError, Result, shown};
 use crate::joints;

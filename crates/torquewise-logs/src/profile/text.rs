@@ -1,4 +1,4 @@
-//! From TOML text to profile and back.
+//! Profiles as TOML.
 
 use crate::error::{LogError, Result};
 use crate::profile::Profile;

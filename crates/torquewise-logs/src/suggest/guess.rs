@@ -1,4 +1,4 @@
-//! From column names to families: columns of one signal, one per joint.
+//! Families of columns: one signal, one column per joint.
 
 use crate::joints;
 use crate::signal::Signal;

@@ -1,5 +1,4 @@
-//! From first rows of a log to its usual step, ranges, and velocities beside the slopes of
-//! positions.
+//! Usual step and ranges of a log, and its velocities against the slopes of positions.
 
 use crate::error::Result;
 use crate::gaps::median_step;

@@ -1,4 +1,4 @@
-//! From what was guessed and measured to text of a profile, and reasons.
+//! Text of a suggested profile, and its reasons.
 
 use crate::signal::Signal;
 use crate::suggest::Suggestion;

@@ -1,5 +1,4 @@
-//! From friction to torque, text and back: the Stribeck curve, coupled shafts, files old and
-//! hostile.
+//! Friction as torque and as text: the Stribeck curve, coupled shafts, hostile files.
 
 #![expect(clippy::float_cmp, reason = "the same bits are meant")]
 

@@ -1,4 +1,4 @@
-//! From a state to where an arm goes: closed forms of one joint with friction, and whole windows.
+//! Rollouts against closed forms of one joint with friction, and whole windows.
 
 use crate::friction::{EXACT, model, weighted};
 use faer::Mat;

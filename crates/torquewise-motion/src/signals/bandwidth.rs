@@ -1,4 +1,4 @@
-//! From pieces of raw logs to the same motion at several bandwidths, beside the raw torque (E12).
+//! Pieces of logs at several bandwidths, with the raw torque (E12).
 
 use crate::error::{MotionError, Result};
 use crate::memory::Memory;

@@ -1,4 +1,4 @@
-//! From Raw blocks to Motion blocks: a trajectory of any length, in fixed memory.
+//! Conditioned blocks of a trajectory of any length, in fixed memory.
 
 use crate::error::{MotionError, Result};
 use crate::signals::clean::{Even, Outliers, clean};

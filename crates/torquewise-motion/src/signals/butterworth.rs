@@ -1,4 +1,4 @@
-//! From order, cut-off to second-order sections: Butterworth low-pass filters, and running them.
+//! Butterworth low-pass filters as second-order sections.
 
 use crate::error::{MotionError, Result};
 use std::f64::consts::PI;

@@ -1,4 +1,4 @@
-//! From columns to even columns: spikes out, then onto even time stamps.
+//! Columns without spikes, on even time stamps.
 
 use crate::error::{MotionError, Result};
 use crate::signals::outliers::{HALF_WINDOW, replace_outliers, spike_scale};
@@ -19,7 +19,7 @@ pub struct Outliers {
     pub rows: Vec<usize>,
 }
 
-/// What of a log has to be known to clean any part of it in the same way.
+/// What all parts of a log are cleaned by.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Base {
     pub(crate) timing: Timing,

@@ -1,4 +1,4 @@
-//! From Raw to Motion: one trajectory, cleaned, made even, filtered and derived.
+//! One trajectory cleaned, resampled, filtered and differentiated.
 
 use crate::error::{MotionError, Result};
 use crate::signals::clean::{Even, Outliers};

@@ -43,13 +43,13 @@ pub(crate) fn best_shift(
     }
     let steps = whole(steps);
     let step = (end - begin) / steps as f64;
-    let mut worst_as_infinite = |seconds: f64| {
+    let mut finite_error = |seconds: f64| {
         let error = error(seconds);
         if error.is_finite() { error } else { f64::INFINITY }
     };
     let mut best = (0, f64::INFINITY);
     for k in 0..=steps {
-        let found = worst_as_infinite(begin + k as f64 * step);
+        let found = finite_error(begin + k as f64 * step);
         if found < best.1 {
             best = (k, found);
         }
@@ -58,7 +58,7 @@ pub(crate) fn best_shift(
     if best.0 == 0 || best.0 == steps {
         return Ok(Shift { seconds, error: best.1, at_end: true });
     }
-    let (seconds, found) = golden(worst_as_infinite, seconds - step, seconds + step, 1e-3 * step);
+    let (seconds, found) = golden(finite_error, seconds - step, seconds + step, 1e-3 * step);
     Ok(Shift { seconds, error: found, at_end: false })
 }
 

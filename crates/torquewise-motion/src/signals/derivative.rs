@@ -1,4 +1,4 @@
-//! From filtered q to q̇, q̈: derivatives of evenly sampled signals without delay.
+//! Derivatives q̇, q̈ of evenly sampled, filtered q, without delay.
 
 use crate::error::{MotionError, Result};
 use crate::{LocalPolynomial, derivative};

@@ -1,4 +1,4 @@
-//! From signal to its noise: how much of it is white, and the step it is quantised to.
+//! Noise of a signal: how much of it is white, and its quantisation step.
 
 use crate::stats::median;
 /// Rows of standstill needed to judge the noise on them alone.

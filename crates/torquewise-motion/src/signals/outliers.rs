@@ -1,4 +1,4 @@
-//! From signal to spikes, and the signal without them: a Hampel filter that follows the motion.
+//! Outliers of a signal: a Hampel filter that follows the motion.
 
 use crate::signals::noise::quantisation;
 use crate::signals::spline::lagrange;

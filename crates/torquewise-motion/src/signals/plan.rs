@@ -1,4 +1,4 @@
-//! From first part of a log, settings to Plan: what every part of it goes through.
+//! The plan of conditioning: what every part of a log goes through.
 
 use crate::error::{MotionError, Result};
 use crate::signals::butterworth::{low_pass, settle_time};

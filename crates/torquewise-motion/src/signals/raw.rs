@@ -1,4 +1,4 @@
-//! From log columns to Raw: what was measured of one trajectory, shapes checked.
+//! Raw signals of one trajectory, shapes checked.
 
 use crate::error::{MotionError, Result};
 use crate::signals::spline::check_increasing;

@@ -1,4 +1,4 @@
-//! From conditioning to ConditionReport: everything that was found, done and left out.
+//! Report of conditioning: everything that was found, done and left out.
 
 use crate::signals::clean::Outliers;
 use crate::signals::delay::Shift;

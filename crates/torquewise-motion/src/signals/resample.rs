@@ -1,4 +1,4 @@
-//! From uneven time stamps to even ones: how even a log is, and its signals on an even grid.
+//! Resampling: how even the time stamps are, and signals on an even grid.
 
 use crate::Repairs;
 use crate::error::{MotionError, Result};

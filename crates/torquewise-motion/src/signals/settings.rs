@@ -1,4 +1,4 @@
-//! From wishes to Conditioning: how raw signals are to be conditioned.
+//! Settings of conditioning.
 
 use crate::error::{MotionError, Result};
 

@@ -1,4 +1,4 @@
-//! From even columns, Plan to smooth q, q̇, q̈, τ, and the rows of them that are kept.
+//! Filtered q, q̇, q̈, τ, and the rows of them that are kept.
 
 use crate::error::Result;
 use crate::signals::butterworth::low_pass;

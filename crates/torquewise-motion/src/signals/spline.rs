@@ -1,4 +1,4 @@
-//! From samples at any times to values between them: the cubic spline.
+//! The cubic spline through samples at any times.
 
 use crate::error::{MotionError, Result};
 

@@ -1,4 +1,4 @@
-//! From signal to smoothed signal: a filter run forwards and backwards, so that nothing is delayed.
+//! Zero-phase filtering: forwards and backwards, so that nothing is delayed.
 
 use crate::error::{MotionError, Result};
 use crate::signals::butterworth::{Section, sosfilt, sosfilt_zi};

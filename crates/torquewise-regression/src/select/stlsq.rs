@@ -25,7 +25,7 @@ impl Default for Stlsq {
 impl Stlsq {
     /// Columns that survive the threshold, with their least-squares weights.
     ///
-    /// A column dropped once does not return, whether it was small or said what others say.
+    /// A column dropped once does not return, whether it was small or linearly dependent.
     ///
     /// # Errors
     /// [`SparseError::Setting`] if threshold or ridge are negative or not finite.

@@ -1,4 +1,4 @@
-//! From random waves, monomials and weights to designs, and what their formulas say at random rows.
+//! Random designs, and what their formulas say at random rows.
 
 use faer::Mat;
 use proptest::prelude::*;

@@ -1,4 +1,4 @@
-//! From counted operations of each step's torque to which of them fits which control rate.
+//! Which step's torque fits which control rate, by counted operations.
 
 use crate::error::{ReportError, Result};
 use crate::fit_report::Findings;

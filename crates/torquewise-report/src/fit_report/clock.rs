@@ -1,4 +1,4 @@
-//! From time stamps of several trajectories to one clock: end to end, with a gap between them.
+//! One clock for several trajectories: end to end, with a gap between them.
 
 use crate::html::{Band, Colour};
 use torquewise_motion::Pattern;

@@ -1,5 +1,4 @@
-//! From findings to tables: how the log was filtered and repaired, how far it reaches, how noisy it
-//! is.
+//! Tables of conditioning: filter, repairs, ranges, noise.
 
 use crate::fit_report::Findings;
 use crate::html::number::significant;

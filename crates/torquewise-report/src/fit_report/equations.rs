@@ -1,5 +1,4 @@
-//! From findings to equations: energies first where the model has them, then the torque of each
-//! joint.
+//! Equations: energies first where the model has them, then the torque of each joint.
 
 use crate::fit_report::Findings;
 use crate::html::equation::{Equation, energies, math};

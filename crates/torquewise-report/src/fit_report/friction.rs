@@ -1,4 +1,4 @@
-//! From findings to friction: its parameters, and its curves beside what was measured.
+//! Friction: its parameters, and its curves with what was measured.
 
 use crate::fit_report::Findings;
 use crate::html::{Chart, Colour, Item, Mark, Section, Series, Table};

@@ -1,5 +1,4 @@
-//! From findings to bars: how much of each joint's torque a term carries, and which terms nearly
-//! stayed.
+//! Importance of terms: how much of each torque each carries, and which nearly stayed.
 
 use crate::fit_report::Findings;
 use crate::html::equation::{friction, term};

@@ -1,4 +1,4 @@
-//! From findings to details of the method: how rows were told apart, and what each step found.
+//! Details of the method: patterns, and what each step found.
 
 use crate::error::{ReportError, Result};
 use crate::fit_report::Findings;

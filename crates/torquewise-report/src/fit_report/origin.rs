@@ -1,4 +1,4 @@
-//! From files, command and date of a fit to title, list of logs and foot of its report.
+//! Title, list of logs and foot of a report.
 
 use crate::html::{Column, Item, Table};
 

@@ -1,4 +1,4 @@
-//! From physical checks to verdict: whether the model could be an arm.
+//! Physical checks in words.
 
 use crate::html::number::{count, significant};
 use crate::html::{Callout, Column, Item, Section, Table, Tone};

@@ -1,5 +1,4 @@
-//! From findings to residual charts: against time, velocity, position; their spread and their
-//! memory.
+//! Charts of residuals: against time, velocity, position; spread and autocorrelation.
 
 use crate::fit_report::Findings;
 use crate::fit_report::clock::{self, Clock};

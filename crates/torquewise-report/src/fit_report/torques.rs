@@ -1,4 +1,4 @@
-//! From findings to torque charts: measured and predicted, joint by joint.
+//! Charts of torque: measured and predicted, joint by joint.
 
 use crate::fit_report::Findings;
 use crate::fit_report::clock::{self, Clock};

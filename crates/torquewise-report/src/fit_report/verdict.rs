@@ -1,4 +1,4 @@
-//! From findings to verdict: may the model be used, how large is its error, and what to do next.
+//! Verdict, errors, and what to do next.
 
 use crate::fit_report::Findings;
 use crate::html::number::{count, significant};

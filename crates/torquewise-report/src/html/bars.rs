@@ -1,4 +1,4 @@
-//! From named sizes to bars beside their names.
+//! Bars with names.
 
 use crate::html::colour::Colour;
 use crate::html::markup::Label;

@@ -1,4 +1,4 @@
-//! From points to chart: what is drawn, and how it is to be read.
+//! Charts: what is drawn, and how it is to be read.
 
 use crate::html::colour::Colour;
 use serde::Serialize;

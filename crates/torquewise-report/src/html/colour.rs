@@ -1,4 +1,4 @@
-//! From role to colour: its name in the page and its value in the SVG figures.
+//! Colours by role: the name in the page, the value in SVG figures.
 
 use plotters::style::RGBColor;
 use torquewise_motion::Pattern;

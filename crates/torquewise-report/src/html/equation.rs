@@ -1,5 +1,4 @@
-//! From the LaTeX of terms to MathML: equations to read in a browser, with the digits that mean
-//! something.
+//! Terms in LaTeX as MathML, with the digits that are significant.
 
 use crate::html::markup::Label;
 use crate::html::number::{aligned, count};

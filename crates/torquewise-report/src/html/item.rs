@@ -1,4 +1,4 @@
-//! From item to HTML: one part of a section.
+//! One part of a section as HTML.
 
 use crate::error::Result;
 use crate::html::bars::Bars;

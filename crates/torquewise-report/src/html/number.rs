@@ -1,4 +1,4 @@
-//! From numbers to text: the digits that say something, aligned at the decimal point.
+//! Numbers as text: significant digits, aligned at the decimal point.
 
 use serde::{Serialize, Serializer};
 

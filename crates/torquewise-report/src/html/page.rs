@@ -1,4 +1,4 @@
-//! From page to HTML text: title, contents, sections, style and script in one file.
+//! The page: title, contents, sections, style and script in one file.
 
 use crate::error::Result;
 use crate::html::item::{Item, Writer};

@@ -1,4 +1,4 @@
-//! From chain of axes with a motion to what the script of a page moves and turns.
+//! Axes and motion of a chain, for the script of a page.
 
 use serde::Serialize;
 

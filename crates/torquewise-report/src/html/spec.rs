@@ -1,4 +1,4 @@
-//! From chart to JSON for the script of a page: thinned columns of short numbers.
+//! A chart as JSON for the script of a page: thinned columns of short numbers.
 
 use crate::error::Result;
 use crate::html::chart::{Axis, Band, Chart, Guide, Mark, Position};

@@ -1,4 +1,4 @@
-//! From points to rows to draw: from left to right, few, with every peak among them.
+//! Thinned points to draw: from left to right, few, with every peak among them.
 
 use crate::html::chart::{Mark, Series};
 

@@ -1,5 +1,4 @@
-//! From moved bodies, a change of the geometry to the change of the torque: the recursion
-//! differentiated.
+//! Derivative of the torque by the geometry: the recursion differentiated (E8).
 
 use super::{Body, Inertia, MOST_JOINTS, Moved, PER_BODY, Scalar, Wrench, along_z, splat};
 use crate::geometry::GeometryDerivative;

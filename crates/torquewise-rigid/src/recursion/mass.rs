@@ -1,4 +1,4 @@
-//! From frames, q to M(q): composite rigid bodies, from the tip inward.
+//! M(q) by composite rigid bodies, from the tip inward.
 
 use super::{Body, Inertia, Kinematics, Moved, PER_BODY, Scalar, Wrench, along_z};
 use nalgebra::{Matrix3, Vector3};

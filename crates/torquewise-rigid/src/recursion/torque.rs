@@ -1,4 +1,4 @@
-//! From states to torque alone: nothing is kept of the recursion, and it takes no memory.
+//! Torque alone: nothing is kept of the recursion, and it takes no memory.
 
 use super::splat;
 use super::{

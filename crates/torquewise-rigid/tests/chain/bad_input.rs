@@ -1,4 +1,4 @@
-//! From logs that cannot be learned from to an error, never a panic, never a number that is none.
+//! Logs that cannot be learned from are errors: no panic, no NaN.
 
 use crate::twins::{chain, puma, rows, sines};
 use faer::{Mat, MatRef};

@@ -1,5 +1,4 @@
-//! From Denavit–Hartenberg rows to the same arm twice: as rigid-body dynamics has it, and as a
-//! chain.
+//! The same arm twice, from Denavit–Hartenberg rows: rigid-body dynamics, and a chain.
 
 use faer::Mat;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -21,7 +20,7 @@ pub(crate) struct Link {
     pub(crate) inertia: [f64; 6],
 }
 
-/// The arm of method.md, section 5, number by number.
+/// The reference arm `puma560-3`, number by number.
 pub(crate) fn puma() -> Vec<Link> {
     let quarter = std::f64::consts::FRAC_PI_2;
     let diagonal = |x, y, z| [x, y, z, 0.0, 0.0, 0.0];

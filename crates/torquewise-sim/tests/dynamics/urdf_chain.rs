@@ -1,5 +1,4 @@
-//! From a URDF to the geometry of a fit and back: bodies in the frames of the geometry, put into the
-//! file, move as they did.
+//! URDF to the geometry of a fit and back: bodies put into the file move as they did.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

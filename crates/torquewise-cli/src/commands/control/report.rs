@@ -1,4 +1,4 @@
-//! From trackings to figure and page: errors, positions and torques of each controller.
+//! Figure and page of `control`: errors, positions and torques of each controller.
 
 use crate::commands::control::{Compared, Run};
 use crate::error::Result;

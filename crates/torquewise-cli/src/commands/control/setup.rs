@@ -1,4 +1,4 @@
-//! From words of the command line to the plant, and the motion that is wanted of it.
+//! The plant and the desired motion of `control`, from the command line.
 
 use crate::arguments::{Word, choice};
 use crate::error::Result;

@@ -1,4 +1,4 @@
-//! From trackings to table, JSON and warnings.
+//! Table, JSON and warnings of `control`.
 
 use crate::commands::control::{Arguments, Compared, Run};
 use crate::outcome::Outcome;

@@ -1,4 +1,4 @@
-//! From plan to figure: position and velocity of each joint beside their limits.
+//! Figure of `excite`: position and velocity of each joint with their limits.
 
 use crate::error::Result;
 use torquewise::excite::{Excitation, Limits, Planned, State};

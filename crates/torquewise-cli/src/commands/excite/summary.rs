@@ -1,4 +1,4 @@
-//! From plan to what is said about it: peaks beside limits, how well it tells coefficients apart.
+//! Summary of `excite`: peaks, limits, and how well the motion determines coefficients.
 
 use super::{Arguments, Files};
 use crate::outcome::Outcome;
