@@ -108,6 +108,10 @@ pub(crate) fn learn(
     };
     let kinds = chain.geometry.kinds().clone();
     let mut offers = learner.springs(&balanced, &kinds);
+    if matches!(friction, FrictionKind::Stribeck | FrictionKind::Auto) {
+        let bare = ChainSpec { drive: known(&kinds), ..spec.clone() };
+        learner.reverse(&bare, &chain, &mut choices)?;
+    }
     if has_friction {
         offers.extend(learner.shafts(&kinds));
     }

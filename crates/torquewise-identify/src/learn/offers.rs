@@ -11,6 +11,7 @@ use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 use torquewise_rigid::{Chain, JointKinds};
 use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::friction::{FrictionLibrary, REVERSAL, WIDTHS, WORTH, reversal_label};
 use torquewise_stepwise::held_out::{CvScore, listed};
 use torquewise_stepwise::survey::thinned;
 
@@ -19,7 +20,7 @@ pub(super) struct Offer {
     /// As the model file has it.
     what: String,
     /// Ways with their names, the simplest first.
-    ways: Vec<(&'static str, Vec<DriveTerm>)>,
+    ways: Vec<(String, Vec<DriveTerm>)>,
     /// The variant that others are first compared with.
     usual: usize,
     /// A longer variant must lower the error by this part, and by so much of the torque.
@@ -79,9 +80,9 @@ impl ChainLearner<'_> {
             Offer {
                 what: format!("shaft shared by joints {joint} and {}", joint + 1),
                 ways: vec![
-                    ("none", Vec::new()),
-                    ("sum", shared(1.0)),
-                    ("difference", shared(-1.0)),
+                    ("none".to_owned(), Vec::new()),
+                    ("sum".to_owned(), shared(1.0)),
+                    ("difference".to_owned(), shared(-1.0)),
                 ],
                 usual: 0,
                 worth: WORTH_OF_SHAFT,
@@ -98,8 +99,8 @@ impl ChainLearner<'_> {
         let of = |joint: usize| Offer {
             what: balance_of(self.motion, joint),
             ways: vec![
-                ("none", Vec::new()),
-                ("spring", DriveTerm::counterbalance(n, joint, kinds.of(joint))),
+                ("none".to_owned(), Vec::new()),
+                ("spring".to_owned(), DriveTerm::counterbalance(n, joint, kinds.of(joint))),
             ],
             usual: 0,
             worth: WORTH_OF_SPRING,
@@ -129,11 +130,11 @@ impl ChainLearner<'_> {
             Offer {
                 what: format!("friction of {}", self.motion.joints()[joint]),
                 ways: vec![
-                    ("none", Vec::new()),
-                    ("viscous", way(&[&linear[..moving]])),
-                    ("Coulomb", way(&[&linear])),
-                    ("Dahl under load", way(&[&linear, &loaded, &dahl])),
-                    ("Stribeck", way(&[&linear, &bends])),
+                    ("none".to_owned(), Vec::new()),
+                    ("viscous".to_owned(), way(&[&linear[..moving]])),
+                    ("Coulomb".to_owned(), way(&[&linear])),
+                    ("Dahl under load".to_owned(), way(&[&linear, &loaded, &dahl])),
+                    ("Stribeck".to_owned(), way(&[&linear, &bends])),
                 ],
                 usual: 2,
                 worth: WORTH_OF_FRICTION / self.motion.n_joints() as f64,
@@ -141,6 +142,33 @@ impl ChainLearner<'_> {
             }
         };
         (0..self.motion.n_joints()).map(of).collect()
+    }
+
+    /// Takes the friction that reverses as sharply as held-out regions ask for.
+    pub(super) fn reverse(
+        &mut self,
+        spec: &ChainSpec,
+        chain: &Chain,
+        choices: &mut Vec<Choice>,
+    ) -> Result<(), IdentifyError> {
+        let laws = WIDTHS.map(|part| FrictionLibrary::with_width(self.laws.peak.clone(), part));
+        let terms = |laws: &FrictionLibrary| {
+            let alike = [laws.linear(), laws.stribeck()].concat().into_iter();
+            DriveTerm::friction(alike.filter(|term| term.direction.is_both()).collect()).collect()
+        };
+        let ways = std::iter::zip(WIDTHS, &laws);
+        let offer = Offer {
+            what: REVERSAL.to_owned(),
+            ways: ways.map(|(part, laws)| (reversal_label(part), terms(laws))).collect(),
+            usual: 0,
+            worth: WORTH,
+            trifle: 0.0,
+        };
+        if let Some((way, choice)) = self.best(spec, chain, &[offer])?.into_iter().next() {
+            self.laws = laws[way].clone();
+            choices.extend(choice);
+        }
+        Ok(())
     }
 
     /// Chooses a variant of each offer, in addition to what a specification has.
@@ -152,12 +180,31 @@ impl ChainLearner<'_> {
         choices: &mut Vec<Choice>,
     ) -> Result<(), IdentifyError> {
         spec.bear(chain);
+        for (offer, (way, choice)) in offers.iter().zip(self.best(spec, chain, offers)?) {
+            let terms = offer.ways[way].1.iter().filter(|term| !spec.drive.contains(term));
+            let terms: Vec<DriveTerm> = terms.cloned().collect();
+            spec.drive.extend(terms);
+            choices.extend(choice);
+        }
+        Ok(())
+    }
+
+    /// The variant of each offer that is best in addition to a specification and the others, with
+    /// its record; nothing where no rows can be held out.
+    fn best(
+        &self,
+        spec: &ChainSpec,
+        chain: &Chain,
+        offers: &[Offer],
+    ) -> Result<Vec<(usize, Option<Choice>)>, IdentifyError> {
         let (library, places) = placed(offers, &spec.drive);
         let motion = thinned(self.motion, LAST_ROWS);
         let (tau, at) = (motion.require_tau()?.to_owned(), self.library(chain, library));
         let blocks = regions(&motion, self.motion.n_rows().div_ceil(motion.n_rows().max(1)));
         let target = [(&tau, &tau)];
-        let Some(unseen) = Unseen::new(&at, &motion, &target, &blocks)? else { return Ok(()) };
+        let Some(unseen) = Unseen::new(&at, &motion, &target, &blocks)? else {
+            return Ok(Vec::new());
+        };
         let bodies = at.linear.len() - at.structure.drive.len();
         let known = bodies + spec.drive.len();
         let mut chosen: Vec<usize> = offers.iter().map(|offer| offer.usual).collect();
@@ -174,7 +221,7 @@ impl ChainLearner<'_> {
                     active.sort_unstable();
                     active.dedup();
                     let errors = unseen.errors(&active).pop()??.by_block();
-                    let (label, complexity) = (offer.ways[way].0.to_owned(), active.len());
+                    let (label, complexity) = (offer.ways[way].0.clone(), active.len());
                     Some(CvScore { label, complexity, errors })
                 };
                 let trials: Option<Vec<CvScore>> =
@@ -188,13 +235,7 @@ impl ChainLearner<'_> {
                 break;
             }
         }
-        for (offer, way) in offers.iter().zip(chosen) {
-            let terms = offer.ways[way].1.iter().filter(|term| !spec.drive.contains(term));
-            let terms: Vec<DriveTerm> = terms.cloned().collect();
-            spec.drive.extend(terms);
-        }
-        choices.extend(record.into_iter().flatten());
-        Ok(())
+        Ok(chosen.into_iter().zip(record).collect())
     }
 }
 
