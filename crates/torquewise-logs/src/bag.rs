@@ -2,6 +2,7 @@
 //! name.
 
 mod joint_state;
+#[cfg(feature = "sqlite")]
 mod db3_messages;
 mod mcap_messages;
 mod survey;

@@ -10,11 +10,11 @@ use proptest::prelude::*;
 use std::fs::File;
 use std::path::PathBuf;
 use std::sync::LazyLock;
-use torquewise_logs::{LogError, Logs, write_motion};
+use torquewise_logs::{LogError, Options, write_motion};
 use torquewise_motion::{Motion, Signals};
 
 fn read(file: PathBuf) -> Result<Vec<Motion>, LogError> {
-    Logs::open(&[file])?.read_all()
+    crate::read_both(&file, &Options::default())
 }
 
 fn read_bytes(bytes: &[u8]) -> Result<Vec<Motion>, LogError> {

@@ -1,0 +1,61 @@
+//! The first rows of a log as they stand in it, for whoever has to say what its columns mean.
+
+use crate::error::Result;
+use crate::log_input::LogInput;
+use crate::source::named_rows;
+use serde::Serialize;
+
+/// Columns that are shown at most.
+const MOST_COLUMNS: usize = 200;
+
+/// A column of a log.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PreviewColumn {
+    /// Its name.
+    pub name: String,
+    /// Its first values, NaN where one is missing; none at all where one is no number.
+    pub values: Vec<f64>,
+}
+
+/// The columns of a log, whatever they are called, with their first values.
+///
+/// # Errors
+/// `LogError` if the file cannot be read.
+pub fn preview(file: impl Into<LogInput>, rows: usize) -> Result<Vec<PreviewColumn>> {
+    let file = &file.into();
+    let names = named_rows(file)?.names().to_vec();
+    let shown = names.into_iter().take(MOST_COLUMNS).enumerate();
+    // One by one, so that a column of words takes no other with it.
+    let column = |(place, name)| {
+        let values = first_values(file, place, rows).unwrap_or_default();
+        PreviewColumn { name, values }
+    };
+    Ok(shown.map(column).collect())
+}
+
+fn first_values(file: &LogInput, column: usize, most: usize) -> Result<Vec<f64>> {
+    let mut rows = named_rows(file)?;
+    rows.choose(&[column])?;
+    let (mut value, mut values) = ([0.0], Vec::new());
+    while values.len() < most && rows.next(&mut value)? {
+        values.push(value[0]);
+    }
+    Ok(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::preview;
+    use crate::LogInput;
+    use std::sync::Arc;
+
+    #[test]
+    fn columns_of_words_have_no_values_and_those_beside_them_do() {
+        let text = b"clock,state,x\n0,idle,1.5\n1,moving,2.5\n2,idle,3.5\n".to_vec();
+
+        let columns = preview(LogInput::held("a.csv", Arc::new(text)), 2).unwrap();
+
+        let found: Vec<_> = columns.iter().map(|c| (c.name.as_str(), c.values.as_slice())).collect();
+        assert_eq!(found, [("clock", &[0.0, 1.0][..]), ("state", &[]), ("x", &[1.5, 2.5])]);
+    }
+}
