@@ -18,7 +18,7 @@ function engine() {
   };
 }
 
-// The colours are those of the report.
+// The style stands in the page, so that it is there at first paint; its colours are those of the report.
 function page() {
   const colours = (theme) => readFileSync(`${COLOURS}/${theme}.css`, "utf8");
   return {
@@ -27,9 +27,9 @@ function page() {
       order: "post",
       handler: (html) => html
         .replace(/<script type="module"[^>]*src="([^"]*)"[^>]*>/, '<script defer src="$1">')
-        .replace(/ crossorigin/g, "")
-        .replace("/* colours */", `:root { ${colours("light")} }
-          @media (prefers-color-scheme: dark) { :root { ${colours("dark")} } }`),
+        .replace("/* style */", `:root {\n${colours("light")}}
+@media (prefers-color-scheme: dark) { :root {\n${colours("dark")}} }
+${readFileSync("src/app.css", "utf8")}`),
     },
   };
 }
@@ -42,7 +42,7 @@ export default defineConfig({
     target: "es2022",
     modulePreload: false,
     rollupOptions: {
-      output: { format: "iife", entryFileNames: "app.js", assetFileNames: "[name][extname]" },
+      output: { format: "iife", entryFileNames: "app.js" },
     },
   },
 });

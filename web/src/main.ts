@@ -1,5 +1,4 @@
 // The page: a log is dropped, looked at, fitted, and taken away as a model.
-import "./app.css";
 import { Cancelled, Refused, ask, cancel, prepare } from "./engine";
 import { ColumnsForm } from "./columns";
 import { byId, download, element, fill, list, number, table } from "./dom";

@@ -43,11 +43,7 @@ impl Format {
             Self::Db3 => cfg!(feature = "sqlite"),
             _ => cfg!(feature = "formats"),
         };
-        if is_built {
-            Ok(format)
-        } else {
-            Err(LogError::NotBuilt { file: file.into(), extension })
-        }
+        if is_built { Ok(format) } else { Err(LogError::NotBuilt { file: file.into(), extension }) }
     }
 }
 

@@ -2,8 +2,8 @@
 
 use crate::error::{LogError, Place, Result, guarded};
 use crate::format::Format;
-use crate::log_input::{LogInput, Opened};
 use crate::joints::{self, PARQUET_KEY};
+use crate::log_input::{LogInput, Opened};
 use crate::parquet_checks::{self, MOST_PAGE_BYTES};
 use crate::rows::Rows;
 use parquet::basic::{ConvertedType, LogicalType, Type};

@@ -2,6 +2,7 @@
 
 use crate::error::Result;
 use crate::log_input::LogInput;
+use crate::rows::Rows;
 use crate::source::named_rows;
 use serde::Serialize;
 
@@ -23,22 +24,29 @@ pub struct PreviewColumn {
 /// `LogError` if the file cannot be read.
 pub fn preview(file: impl Into<LogInput>, rows: usize) -> Result<Vec<PreviewColumn>> {
     let file = &file.into();
-    let names = named_rows(file)?.names().to_vec();
-    let shown = names.into_iter().take(MOST_COLUMNS).enumerate();
-    // One by one, so that a column of words takes no other with it.
-    let column = |(place, name)| {
-        let values = first_values(file, place, rows).unwrap_or_default();
-        PreviewColumn { name, values }
-    };
-    Ok(shown.map(column).collect())
+    let log = named_rows(file)?;
+    let names: Vec<String> = log.names().iter().take(MOST_COLUMNS).cloned().collect();
+    let all: Vec<usize> = (0..names.len()).collect();
+    let values = first_values(log, &all, rows).unwrap_or_else(|_| {
+        // One by one, so that a column of words takes no other with it.
+        let own = |&column: &usize| {
+            let values = named_rows(file).and_then(|log| first_values(log, &[column], rows));
+            values.map(|mut own| own.remove(0)).unwrap_or_default()
+        };
+        all.iter().map(own).collect()
+    });
+    let columns = names.into_iter().zip(values);
+    Ok(columns.map(|(name, values)| PreviewColumn { name, values }).collect())
 }
 
-fn first_values(file: &LogInput, column: usize, most: usize) -> Result<Vec<f64>> {
-    let mut rows = named_rows(file)?;
-    rows.choose(&[column])?;
-    let (mut value, mut values) = ([0.0], Vec::new());
-    while values.len() < most && rows.next(&mut value)? {
-        values.push(value[0]);
+/// First values of some columns.
+fn first_values(mut log: Box<dyn Rows>, columns: &[usize], most: usize) -> Result<Vec<Vec<f64>>> {
+    log.choose(columns)?;
+    let (mut row, mut values) = (vec![0.0; columns.len()], vec![Vec::new(); columns.len()]);
+    let mut left = most;
+    while left > 0 && log.next(&mut row)? {
+        values.iter_mut().zip(&row).for_each(|(own, value)| own.push(*value));
+        left -= 1;
     }
     Ok(values)
 }
@@ -55,7 +63,8 @@ mod tests {
 
         let columns = preview(LogInput::held("a.csv", Arc::new(text)), 2).unwrap();
 
-        let found: Vec<_> = columns.iter().map(|c| (c.name.as_str(), c.values.as_slice())).collect();
+        let found: Vec<_> =
+            columns.iter().map(|c| (c.name.as_str(), c.values.as_slice())).collect();
         assert_eq!(found, [("clock", &[0.0, 1.0][..]), ("state", &[]), ("x", &[1.5, 2.5])]);
     }
 }

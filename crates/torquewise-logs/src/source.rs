@@ -167,7 +167,8 @@ impl Origin {
         let format = Format::of(file)?;
         // A pipe or a device gives its bytes once; a log is read several times.
         if !file.is_held()
-            && fs::metadata(file.path()).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+            && fs::metadata(file.path()).is_ok_and(|found| !found.is_file() && !found.is_dir())
+        {
             return Err(LogError::unusable(
                 file.display(),
                 " is a pipe or a device, not a file, and a log is read several times",

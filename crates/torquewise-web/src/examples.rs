@@ -111,7 +111,8 @@ fn raw(motion: &Motion) -> String {
     let header = names.into_iter().flatten().collect::<String>();
     written(motion, &format!("tick_ms{header}"), |motion, row| {
         let degrees = motion.q().row(row).iter().map(|q| q.to_degrees()).collect::<Vec<_>>();
-        let tau = motion.tau().map(|tau| tau.row(row).iter().map(|x| x / TORQUE_CONSTANT).collect());
+        let tau =
+            motion.tau().map(|tau| tau.row(row).iter().map(|x| x / TORQUE_CONSTANT).collect());
         let tau: Vec<f64> = tau.unwrap_or_default();
         std::iter::once((1e3 * motion.t()[row]).round()).chain(degrees).chain(tau).collect()
     })

@@ -10,4 +10,4 @@ pub mod examples;
 mod fitted;
 pub mod answer;
 #[cfg(target_family = "wasm")]
-mod exports;
+pub mod exports;
