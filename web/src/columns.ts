@@ -54,7 +54,7 @@ export class ColumnsForm {
   element(opened: Opened): HTMLElement {
     const reasons = opened.suggestion?.reasons ?? [];
     return element("div", {}, this.form, reasons.length > 0 && element("details", {},
-      element("summary", {}, "Why these are suggested"), list(reasons)));
+      element("summary", {}, "How the columns were understood"), list(reasons)));
   }
 
   // Fills the form with what a profile says.

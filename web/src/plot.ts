@@ -22,6 +22,7 @@ export function plot(columns: Column[]): HTMLElement {
   if (low > high) return element("span", { class: "faded" }, "no numbers");
   const box = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   box.setAttribute("viewBox", `0 0 ${WIDTH} ${HEIGHT}`);
+  box.setAttribute("preserveAspectRatio", "none");
   box.setAttribute("role", "img");
   const shown = [low, high].map((value) => Number(value.toPrecision(3)));
   box.setAttribute("aria-label", `first rows, from ${shown[0]} to ${shown[1]}`);

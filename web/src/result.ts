@@ -56,8 +56,8 @@ export function showResult(answered: Answered<Fitted>, name: string, wishes: Wis
       wishes.simulate && element("span", {}, ", or ", element("button", { type: "button", class: "small", id: "simulate", onclick: wishes.simulate }, "simulate one")), "."),
     other,
     element("div", { id: "scores", tabindex: -1 }),
-    element("h3", {}, "Equations"),
-    element("pre", { class: "scroll", tabindex: 0, "aria-label": "Equations of motion" }, fitted.equations),
+    element("details", {}, element("summary", {}, "Equations of motion"),
+      element("pre", { tabindex: 0, "aria-label": "Equations of motion" }, fitted.equations)),
     element("h3", {}, "Report"),
     report);
   section.hidden = false;

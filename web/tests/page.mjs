@@ -15,7 +15,7 @@ const FLAGS = [
 ];
 
 // Long enough for a fit on a busy machine [ms].
-const PATIENCE = 240_000;
+const PATIENCE = 120_000;
 
 export async function launch() {
   const named = process.env.TORQUEWISE_CHROMIUM || "chromium";
@@ -58,20 +58,30 @@ export async function example(page, name) {
   await idle(page);
 }
 
-export async function drop(page, files, into = "#files") {
-  await page.setInputFiles(into, files);
-  await page.waitForFunction(() => document.body.hasAttribute("aria-busy"));
-  await idle(page);
+// Does something that makes the page work, and waits until it is done.
+export async function done(page, act) {
+  const ends = page.evaluate(() => new Promise((end) => {
+    const watch = new MutationObserver(() => {
+      if (document.body.hasAttribute("aria-busy")) return;
+      watch.disconnect();
+      end();
+    });
+    watch.observe(document.body, { attributeFilter: ["aria-busy"] });
+  }));
+  await act();
+  await ends;
+}
+
+export function drop(page, files, into = "#files") {
+  return done(page, () => page.setInputFiles(into, files));
 }
 
 export async function idle(page) {
   await page.waitForFunction(() => !document.body.hasAttribute("aria-busy"));
 }
 
-export async function fit(page) {
-  await page.click("#run");
-  await page.waitForFunction(() => document.body.hasAttribute("aria-busy"));
-  await idle(page);
+export function fit(page) {
+  return done(page, () => page.click("#run"));
 }
 
 export async function saved(page, button) {
