@@ -56,7 +56,8 @@ function open(own: File[], by: Profile | null): Promise<void> {
   return work(async () => {
     for (const id of ["found", "columns", "fit", "result"]) byId(id).hidden = true;
     [files, profile] = [own, by];
-    const { json } = await ask<Opened>({ ask: "open", ...logAt(own, null) }, own, doing);
+    const { json, memory } = await ask<Opened>({ ask: "open", ...logAt(own, null) }, own, doing);
+    byId("found").dataset["memory"] = String(memory);
     const columns = byId("columns");
     const form = new ColumnsForm(json, by, (asked) => void open(files, asked));
     if (json.log) {

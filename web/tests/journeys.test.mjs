@@ -2,6 +2,7 @@
 import assert from "node:assert/strict";
 import { Buffer } from "node:buffer";
 import { after, before, test } from "node:test";
+import { bag } from "./mcap.mjs";
 import { CONFORMANCE, done, drop, example, fit, idle, launch, saved } from "./page.mjs";
 
 let browser;
@@ -99,14 +100,50 @@ test("a file that is wrong is refused with its place and a way out, and the next
   assert.match(await page.innerText("#found"), /Not recorded: dq, ddq, tau/);
   await fit(page);
   assert.match(await page.innerText("#problem"), /no-torque\.csv has no torque/);
-  await page.locator("details.options summary").click();
   await drop(page, `${CONFORMANCE}smooth.csv`);
   await page.locator("details.options summary").click();
-  await page.getByLabel("Model", { exact: true }).selectOption("chain");
-  await page.getByLabel("Least coefficient").fill("0.1");
+  await page.locator("[name=library]").selectOption("chain");
+  await page.locator("[name=threshold]").fill("0.1");
   await fit(page);
   assert.match(await page.innerText("#problem"), /threshold is not used by a learned chain/);
   assertQuiet(page);
+  await page.context().close();
+});
+
+test("a bag whose chunks are packed by zstd is read, as are several files at once", async () => {
+  const rows = (from) => Array.from({ length: 3000 }, (_, k) => {
+    const t = from + k / 100;
+    const [q, dq] = [[Math.sin(t), Math.cos(1.3 * t)], [Math.cos(t), -1.3 * Math.sin(1.3 * t)]];
+    return { t, q, dq, tau: [9 * Math.cos(q[0]), 2 * Math.cos(q[1])] };
+  });
+  const bags = [0, 1].map((k) => ({ ...file(`run_${k}.mcap`, ""), buffer: bag(["hip", "knee"], rows(1000 * (k + 1))) }));
+  const page = await browser.open();
+  await drop(page, bags);
+  const found = await page.innerText("#found");
+  assert.match(found, /run_0\.mcap, run_1\.mcap: \d+ rows, 5\d\.\d s/);
+  assert.match(found, /hip/);
+  assertQuiet(page);
+  await page.context().close();
+});
+
+test("a log of many megabytes is read in little memory", async () => {
+  const lines = Array.from({ length: 2000 }, (_, k) => {
+    const [q1, q2] = [Math.sin(k / 50), Math.cos(k / 31)].map((q) => q.toFixed(12));
+    return `${q1},${q2},${(9 * Math.cos(Number(q1))).toFixed(12)},${(2 * Math.cos(Number(q2))).toFixed(12)}\n`;
+  }).join("");
+  const page = await browser.open();
+  const log = await page.evaluateHandle((own) => new File(["q1,q2,tau1,tau2\n", ...Array(400).fill(own)], "long.csv"), lines);
+  assert.ok(await log.evaluate((own) => own.size) > 40e6);
+  await done(page, () => log.evaluate((own) => {
+    const moved = new DataTransfer();
+    moved.items.add(own);
+    document.dispatchEvent(new DragEvent("drop", { dataTransfer: moved }));
+  }));
+  await page.getByLabel("Rows per second").fill("100");
+  await done(page, () => page.click("text=Read these columns"));
+  assert.match(await page.innerText("#found"), /799990 rows, 7999\.9 s at 100 Hz/);
+  const memory = Number(await page.locator("#found").getAttribute("data-memory"));
+  assert.ok(memory > 0 && memory < 100e6, `${memory} bytes`);
   await page.context().close();
 });
 
