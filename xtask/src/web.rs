@@ -10,14 +10,7 @@ use std::process::{Command, Stdio};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
-/// What a bare Debian installs: Rust with the sources of its library, a linker, a compiler of C, and
-/// what makes and opens the page.
-const PACKAGES: [(&str, &str); 4] = [
-    ("/usr/bin/wasm-ld-19", "rustc-web cargo-web rust-web-src lld-19"),
-    ("/usr/bin/clang-19", "clang-19"),
-    ("/usr/bin/npm", "nodejs npm"),
-    ("/usr/bin/chromium", "chromium"),
-];
+const APT: &str = "/usr/bin/apt-get";
 
 /// Where Debian puts the sources of the library of Rust.
 const SOURCES: &str = "/usr/lib/rustlib/src/rust/library";
@@ -35,14 +28,14 @@ const LARGEST_ENGINE: u64 = 6_000_000;
 /// What failed, or is missing where `TORQUEWISE_WEB_REQUIRED` is set.
 pub(crate) fn run(root: &Path) -> Result<bool> {
     let is_required = env::var_os("TORQUEWISE_WEB_REQUIRED").is_some();
-    if is_required {
-        install()?;
+    if is_required && Path::new(APT).exists() {
+        install(&lacking())?;
     }
-    if let Err(missing) = needs() {
+    if let Some((what, _)) = lacking().first() {
         if is_required {
-            bail!("{missing}");
+            bail!("{what}");
         }
-        eprintln!("skipped: {missing}; docs/browser.md says what it takes");
+        eprintln!("skipped: {what}; docs/browser.md says what it takes");
         return Ok(false);
     }
     let engine = engine(root)?;
@@ -66,47 +59,40 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
     Ok(true)
 }
 
-/// Installs what a Debian machine lacks, if it may.
-fn install() -> Result<()> {
-    let has_target = rustup_has_target();
-    let lacks = PACKAGES.iter().enumerate().filter(|(place, (file, _))| {
-        let is_there = match place {
-            0 => has_target,
-            2 => node().is_some(),
-            3 => env::var_os("TORQUEWISE_CHROMIUM").is_some(),
-            _ => is_there("clang"),
-        };
-        !is_there && !Path::new(file).exists()
-    });
-    let lacking: Vec<&str> = lacks.flat_map(|(_, (_, names))| names.split(' ')).collect();
-    if lacking.is_empty() || !Path::new("/usr/bin/apt-get").exists() {
+/// What is missing, and the packages of Debian that have it.
+fn lacking() -> Vec<(&'static str, &'static str)> {
+    let by_debian = Path::new(SOURCES).exists() && is_there("wasm-ld-19");
+    let has_node = node().is_some_and(|node| node >= LEAST_NODE) && is_there("npm");
+    let needs = [
+        (
+            rustup_has_target() || by_debian,
+            "no Rust for wasm32-unknown-unknown, which `rustup target add` has",
+            "rustc-web cargo-web rust-web-src lld-19",
+        ),
+        (is_there(clang()), "no clang, which compiles zstd to WebAssembly", "clang-19"),
+        (has_node, "no Node.js 18 or newer with npm", "nodejs npm"),
+        (
+            is_there(&chromium().to_string_lossy()),
+            "no Chromium: install it or name it in TORQUEWISE_CHROMIUM",
+            "chromium",
+        ),
+    ];
+    let lacks = needs.into_iter().filter(|(is_there, ..)| !is_there);
+    lacks.map(|(_, what, packages)| (what, packages)).collect()
+}
+
+fn install(lacking: &[(&str, &str)]) -> Result<()> {
+    let packages: Vec<&str> = lacking.iter().flat_map(|(_, names)| names.split(' ')).collect();
+    if packages.is_empty() {
         return Ok(());
     }
     let apt = |words: &[&str]| {
-        let mut apt = Command::new("apt-get");
+        let mut apt = Command::new(APT);
         apt.args(["-qq", "-o", "Dpkg::Use-Pty=0"]).args(words).stdout(Stdio::null());
         call(apt.env("DEBIAN_FRONTEND", "noninteractive"))
     };
     apt(&["update"])?;
-    apt(&[&["install", "--yes", "--no-install-recommends"][..], &lacking].concat())
-}
-
-/// Fails with the first thing that is missing.
-fn needs() -> Result<()> {
-    if !rustup_has_target() && !(Path::new(SOURCES).exists() && is_there("wasm-ld-19")) {
-        bail!("no Rust for {TARGET}: `rustup target add {TARGET}`, or on Debian {}", PACKAGES[0].1);
-    }
-    if !is_there(clang()) {
-        bail!("no clang, which compiles zstd to WebAssembly");
-    }
-    match node() {
-        Some(node) if node >= LEAST_NODE && is_there("npm") => {}
-        _ => bail!("no Node.js {LEAST_NODE} or newer with npm"),
-    }
-    if !is_there(&chromium().to_string_lossy()) {
-        bail!("no Chromium: install it or name it in TORQUEWISE_CHROMIUM");
-    }
-    Ok(())
+    apt(&[&["install", "--yes", "--no-install-recommends"][..], &packages].concat())
 }
 
 /// Compiles the engine; by rustup where it has the target, else by the Rust of Debian, which has
@@ -146,10 +132,11 @@ fn chromium() -> OsString {
     env::var_os("TORQUEWISE_CHROMIUM").unwrap_or_else(|| "chromium".into())
 }
 
-/// The command line, whose models those of the page are held against; nothing where it is not built.
+/// The command line built last, whose models those of the page are held against; nothing where none is.
 fn program(root: &Path) -> PathBuf {
     let built = ["release", "debug"].map(|profile| target(root).join(profile).join("torquewise"));
-    built.into_iter().find(|program| program.exists()).unwrap_or_default()
+    let age = |program: &PathBuf| fs::metadata(program).and_then(|found| found.modified()).ok();
+    built.into_iter().filter(|program| program.exists()).max_by_key(age).unwrap_or_default()
 }
 
 /// Its first number.
