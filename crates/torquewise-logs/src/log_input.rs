@@ -1,5 +1,6 @@
 //! A file of a log: on a disk, or bytes that another program holds.
 
+#[cfg(feature = "formats")]
 use crate::error::{LogError, Result};
 #[cfg(feature = "formats")]
 use parquet::file::reader::{ChunkReader, Length};

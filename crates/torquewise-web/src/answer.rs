@@ -32,14 +32,16 @@ pub type Held<'a> = &'a dyn Fn(&FileAt) -> LogInput;
 pub fn answer(request: &str, held: Held<'_>, observer: Observer<'_>) -> Answer {
     let request = match serde_json::from_str(request) {
         Ok(request) => request,
-        Err(error) => return problem(&error.to_string(), Some("reload the page".into())),
+        Err(error) => return problem(&error.to_string(), Some("reload the page")),
     };
-    answered(request, held, observer).unwrap_or_else(|error| {
-        problem(&error.to_string(), error.help().map(|help| help.to_string()))
-    })
+    answered(request, held, observer).unwrap_or_else(|error| refusal(&error))
 }
 
-fn problem(message: &str, help: Option<String>) -> Answer {
+fn refusal(error: &Error) -> Answer {
+    problem(&error.to_string(), error.help().map(|help| help.to_string()).as_deref())
+}
+
+fn problem(message: &str, help: Option<&str>) -> Answer {
     Answer::of(json!({ "problem": { "message": message, "help": help } }))
 }
 
@@ -51,7 +53,7 @@ impl Answer {
 
 fn answered(request: Request, held: Held<'_>, observer: Observer<'_>) -> Result<Answer, Error> {
     match request {
-        Request::Open(log) => open(log, held, observer).map(Answer::of),
+        Request::Open(log) => open(&log, held, observer).map(Answer::of),
         Request::Fit { log, options, date } => {
             let options = FitOptions::of_keywords(&options)?;
             options.check()?;
@@ -95,7 +97,7 @@ impl LogAt {
 
 /// What a log holds: its columns, a profile to begin with, and what a fit would suffer from, or why
 /// it cannot be read with the profile at hand.
-fn open(log: LogAt, held: Held<'_>, observer: Observer<'_>) -> Result<Value, Error> {
+fn open(log: &LogAt, held: Held<'_>, observer: Observer<'_>) -> Result<Value, Error> {
     let inputs = log.inputs(held);
     let first = inputs.first().ok_or(LogError::NoFiles)?;
     let mut found = json!({ "columns": preview(first, PREVIEW_ROWS)? });
@@ -121,8 +123,7 @@ fn open(log: LogAt, held: Held<'_>, observer: Observer<'_>) -> Result<Value, Err
         Ok(log) => found["log"] = log,
         Err(Error::Interrupted) => return Err(Error::Interrupted),
         Err(error) => {
-            let help = error.help().map(|help| help.to_string());
-            found["refused"] = problem(&error.to_string(), help).json["problem"].take();
+            found["refused"] = refusal(&error).json["problem"].take();
             let unnamed = matches!(error, Error::Log(LogError::NoColumn { .. }));
             found["refused"]["is_unnamed"] = unnamed.into();
         }

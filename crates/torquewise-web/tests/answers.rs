@@ -1,5 +1,4 @@
 //! What the page asks, answered as the library answers it.
-#![expect(clippy::unwrap_used, reason = "a test stops where its ground gives way")]
 
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
