@@ -34,6 +34,10 @@ export class ColumnsForm {
     this.families = families(opened.columns);
     const profile = given ?? opened.suggestion?.profile;
     if (profile) this.take(profile);
+    if (this.rate === "" && !this.families.some((family) => family.meaning === "t")) {
+      const clock = this.families.find(({ columns, meaning }) => meaning === "" && columns.length === 1 && isClock(columns[0]!));
+      if (clock) [clock.meaning, clock.unit] = ["t", likely("t", clock.columns)];
+    }
     this.form = element("form", { onsubmit: (event: Event) => {
       event.preventDefault();
       this.use(this.profile());
@@ -152,6 +156,15 @@ function families(columns: Column[]): Family[] {
     found.set(stem, [...(found.get(stem) ?? []), column]);
   }
   return [...found.values()].map((own) => ({ columns: own, meaning: "", unit: "" }));
+}
+
+// Whether values grow by about the same from row to row.
+function isClock({ values }: Column): boolean {
+  const mean = ((values.at(-1) ?? 0) - (values[0] ?? 0)) / Math.max(1, values.length - 1);
+  return mean > 0 && values.every((value, row) => {
+    const step = row === 0 ? mean : (value ?? NaN) - (values[row - 1] ?? NaN);
+    return step > 0 && step < 3 * mean;
+  });
 }
 
 // The unit that the size of values speaks for.
