@@ -60,19 +60,21 @@ export interface Answered<T> {
 
 export async function ask<T>(request: object, files: File[], doing: Doing): Promise<Answered<T>> {
   doing("loading the engine", null);
-  const module = await compile();
-  const worker = new EngineWorker();
-  const start = performance.now();
+  const ended = new Promise<never>((_, fail) => { stop = () => fail(new Cancelled()); });
+  let worker: Worker | undefined;
   try {
-    const told = await new Promise<Told>((done, fail) => {
-      stop = () => fail(new Cancelled());
-      worker.onerror = (event) => done({ kind: "failed", message: event.message });
-      worker.onmessage = ({ data }: MessageEvent<Told>) => {
+    const module = await Promise.race([compile(), ended]);
+    const own = worker = new EngineWorker();
+    const start = performance.now();
+    const answer = new Promise<Told>((done) => {
+      own.onerror = (event) => done({ kind: "failed", message: event.message });
+      own.onmessage = ({ data }: MessageEvent<Told>) => {
         if (data.kind === "doing") doing(data.text, data.share);
         else done(data);
       };
-      worker.postMessage({ module, request: JSON.stringify(request), files });
+      own.postMessage({ module, request: JSON.stringify(request), files });
     });
+    const told = await Promise.race([answer, ended]);
     if (told.kind !== "answer") {
       throw new Refused({
         message: `The engine stopped: ${told.kind === "failed" ? told.message : ""}`,
@@ -89,7 +91,7 @@ export async function ask<T>(request: object, files: File[], doing: Doing): Prom
     };
   } finally {
     stop = undefined;
-    worker.terminate();
+    worker?.terminate();
   }
 }
 
