@@ -52,7 +52,7 @@ export class ColumnsForm {
       : [problem.message, problem.help];
     return element("div", {},
       element("h2", { id: "columns-heading" }, "Columns"),
-      element("p", {}, element("strong", {}, text), help && ` ${help}`));
+      element("p", {}, element("strong", {}, text), element("br"), help));
   }
 
   element(opened: Opened): HTMLElement {

@@ -94,6 +94,6 @@ scope.onmessage = ({ data }) => {
     const memory = engine.memory.buffer.byteLength;
     scope.postMessage({ kind: "answer", json, content, memory }, [content.buffer]);
   }).catch((error: unknown) => {
-    scope.postMessage({ kind: "failed", message: failure || String(error) });
+    scope.postMessage({ kind: "failed", message: failure.replace(/^panicked at [^\n]*\n/, "") || String(error) });
   });
 };
