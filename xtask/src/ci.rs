@@ -1,6 +1,6 @@
 //! Everything a change must pass, cheapest first.
 
-use crate::{python, tidy};
+use crate::{python, tidy, web};
 use anyhow::{Context, Result, bail};
 use std::env;
 use std::env::consts::EXE_SUFFIX;
@@ -68,6 +68,8 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     cargo("build --release")?;
     step("the program that users get");
     run_release(&target.join(format!("release/torquewise{EXE_SUFFIX}")), &target.join("demo"))?;
+    step("web");
+    web::run(root)?;
     step("clean work tree");
     if changes(root) != tree {
         bail!("files of the work tree changed: see `git status`");

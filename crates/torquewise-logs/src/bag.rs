@@ -1,6 +1,7 @@
 //! ROS 2 bags: rows of joint states, position, velocity and effort by joint name.
 
 mod joint_state;
+#[cfg(feature = "sqlite")]
 mod db3_messages;
 mod mcap_messages;
 mod survey;

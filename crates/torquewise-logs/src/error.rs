@@ -5,8 +5,6 @@
 use crate::format::Format;
 use std::error::Error;
 use std::fmt;
-#[cfg(feature = "formats")]
-use std::fs::File;
 use std::io;
 #[cfg(feature = "formats")]
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -123,7 +121,7 @@ pub enum LogError {
     ))]
     CoarseClock { place: Place, repeated: u64, rows: u64 },
     #[error("{}: this build of torquewise reads no .{extension}", file.display())]
-    #[diagnostic(help("build with the feature `formats`"))]
+    #[diagnostic(help("{}", missing_feature(extension)))]
     NotBuilt { file: PathBuf, extension: String },
     #[error("{} is a folder without .db3 or .mcap files", file.display())]
     #[diagnostic(help("give the folder of a ROS 2 bag, or log files"))]
@@ -233,12 +231,13 @@ pub(crate) fn guarded<T>(file: &Path, work: impl FnOnce() -> Result<T>) -> Resul
         .unwrap_or_else(|_| Err(LogError::Damaged { file: file.into() }))
 }
 
-#[cfg(feature = "formats")]
-pub(crate) fn open_whole(file: &Path) -> Result<File> {
-    let input = File::open(file).map_err(LogError::read(file))?;
-    match input.metadata().map_err(LogError::read(file))?.len() {
-        0 => Err(LogError::Empty { file: file.into() }),
-        _ => Ok(input),
+fn missing_feature(extension: &str) -> &'static str {
+    match extension {
+        "db3" => {
+            "convert it to .mcap with `ros2 bag convert`, or read it with a build that has the \
+             feature `sqlite`, such as the command line"
+        }
+        _ => "build with the feature `formats`",
     }
 }
 

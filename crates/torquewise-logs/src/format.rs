@@ -38,11 +38,12 @@ impl Format {
             let extension = shown(extension.as_bytes());
             return Err(LogError::UnknownExtension { file: file.into(), extension });
         };
-        if format == Self::Csv || cfg!(feature = "formats") {
-            Ok(format)
-        } else {
-            Err(LogError::NotBuilt { file: file.into(), extension })
-        }
+        let is_built = match format {
+            Self::Csv => true,
+            Self::Db3 => cfg!(feature = "sqlite"),
+            _ => cfg!(feature = "formats"),
+        };
+        if is_built { Ok(format) } else { Err(LogError::NotBuilt { file: file.into(), extension }) }
     }
 }
 

@@ -23,10 +23,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Without the default feature `formats` only CSV is read and written.
+//! Without the default features only CSV is read and written; `formats` adds all but `.db3`, which
+//! takes a library in C and is `sqlite`.
 
 pub mod error;
 mod format;
+mod log_input;
 mod joints;
 mod rows;
 mod lines;
@@ -59,6 +61,8 @@ mod trajectory;
 pub mod conditioned;
 #[cfg(feature = "formats")]
 pub mod suggest;
+#[cfg(feature = "formats")]
+pub mod preview;
 pub mod units;
 mod sink;
 #[cfg(feature = "formats")]
@@ -70,8 +74,11 @@ pub use conditioned::ConditionedLogs;
 pub use error::{LogError, Place};
 pub use format::{is_bag, is_log};
 pub use frame::Frame;
+pub use log_input::{HeldBytes, LogInput};
 pub use log_writer::{LogWriter, write_motion};
 pub use logs::Logs;
+#[cfg(feature = "formats")]
+pub use preview::preview;
 pub use profile::Profile;
 pub use signal_rows::{Clock, ReadReport};
 pub use sink::{Column, ColumnKind, Values};

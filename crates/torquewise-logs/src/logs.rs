@@ -4,6 +4,7 @@ use crate::blocks::Blocks;
 use crate::error::{LogError, Result};
 use crate::frame::Frame;
 use crate::joints;
+use crate::log_input::LogInput;
 use crate::signal::Signal;
 use crate::signal_rows::ReadReport;
 use crate::source::{Options, Source};
@@ -62,9 +63,16 @@ impl Logs {
     pub fn open_with(paths: &[PathBuf], options: &Options) -> Result<Self> {
         let paths = paths.iter().map(|path| files_of(path)).collect::<Result<Vec<_>, _>>()?;
         let paths = paths.concat();
-        let open = |path: &PathBuf| Source::open(path, options);
-        let sources = paths.iter().map(open).collect::<Result<Vec<_>, _>>()?;
-        Self::of_sources(sources, paths)
+        Self::of_inputs(&paths.iter().map(LogInput::from).collect::<Vec<_>>(), options)
+    }
+
+    /// The same for files that need not lie on a disk.
+    ///
+    /// # Errors
+    /// As [`open_with`](Self::open_with).
+    pub fn of_inputs(files: &[LogInput], options: &Options) -> Result<Self> {
+        let sources = files.iter().map(|file| Source::open(file, options));
+        Self::of_sources(sources.collect::<Result<_>>()?, files.iter().map(PathBuf::from).collect())
     }
 
     /// Reads tables in memory instead of files; each has a label, which stands for the name of a
@@ -117,7 +125,7 @@ impl Logs {
     /// [`LogError::NoTorque`] names the first that does not.
     pub fn require_tau(&self) -> Result<()> {
         match self.sources.iter().find(|source| source.mapping.slot(Signal::Tau).is_none()) {
-            Some(source) => Err(LogError::NoTorque { file: source.file.clone() }),
+            Some(source) => Err(LogError::NoTorque { file: (&source.file).into() }),
             None => Ok(()),
         }
     }
@@ -331,10 +339,10 @@ fn agreed_joints(sources: &[Source]) -> Result<Vec<String>> {
     let first = sources.first().ok_or(LogError::NoFiles)?;
     let expected = first.mapping.n_joints;
     if let Some(other) = sources.iter().find(|source| source.mapping.n_joints != expected) {
-        let (file, found) = (other.file.clone(), other.mapping.n_joints);
-        return Err(LogError::JointCount { file, found, first: first.file.clone(), expected });
+        let (file, found) = ((&other.file).into(), other.mapping.n_joints);
+        return Err(LogError::JointCount { file, found, first: (&first.file).into(), expected });
     }
-    let mut named = sources.iter().filter_map(|s| Some((s.file.as_path(), s.joints.as_ref()?)));
+    let mut named = sources.iter().filter_map(|s| Some((s.file.path(), s.joints.as_ref()?)));
     let Some((first, expected)) = named.next() else {
         return Ok(joints::numbered(expected));
     };

@@ -4,7 +4,7 @@
 
 use crate::error::{LogError, Result};
 use crate::format::Format;
-use std::fs::File;
+use crate::log_input::Opened;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
@@ -39,14 +39,14 @@ const DICTIONARY_VALUES: &[i16] = &[7, 1];
 const OF_TEXTS: [i64; 2] = [6, 7];
 
 /// Makes sure that the metadata at the end of a file can be decoded.
-pub(crate) fn check_footer(file: &Path, input: &mut File) -> Result<()> {
+pub(crate) fn check_footer(file: &Path, input: &mut Opened) -> Result<()> {
     let footer = footer(input).map_err(LogError::decode(file, Format::Parquet))?;
     // The decoder says what is wrong with a file that ends otherwise.
     let is_sound = footer.is_none_or(|footer| footer_is_sound(&footer));
     if is_sound { Ok(()) } else { Err(LogError::Damaged { file: file.into() }) }
 }
 
-fn footer(input: &mut File) -> io::Result<Option<Vec<u8>>> {
+fn footer(input: &mut Opened) -> io::Result<Option<Vec<u8>>> {
     let length = input.seek(SeekFrom::End(0))?;
     let mut end = [0; 8];
     let Some(start_of_end) = length.checked_sub(8) else { return Ok(None) };
@@ -100,7 +100,7 @@ fn is_tree(children: &[i64]) -> bool {
 
 /// Bytes that the largest page of a column chunk and its dictionary take, from the headers of its
 /// pages; none where these cannot be right.
-pub(crate) fn page_bytes(input: &mut File, start: u64, length: u64) -> io::Result<Option<u64>> {
+pub(crate) fn page_bytes(input: &mut Opened, start: u64, length: u64) -> io::Result<Option<u64>> {
     let (mut at, end) = (start, start.saturating_add(length));
     let (mut largest, mut dictionary) = (0, 0);
     while at < end {
@@ -122,7 +122,7 @@ struct Page {
     length: u64,
 }
 
-fn page(input: &mut File, at: u64, left: u64) -> io::Result<Option<Page>> {
+fn page(input: &mut Opened, at: u64, left: u64) -> io::Result<Option<Page>> {
     input.seek(SeekFrom::Start(at))?;
     let mut head = Vec::new();
     input.take(LONGEST_HEADER.min(left)).read_to_end(&mut head)?;

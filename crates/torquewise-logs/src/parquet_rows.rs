@@ -1,8 +1,9 @@
 //! Rows of a Parquet file, some of each row group at a time.
 
-use crate::error::{LogError, Place, Result, guarded, open_whole};
+use crate::error::{LogError, Place, Result, guarded};
 use crate::format::Format;
 use crate::joints::{self, PARQUET_KEY};
+use crate::log_input::{LogInput, Opened};
 use crate::parquet_checks::{self, MOST_PAGE_BYTES};
 use crate::rows::Rows;
 use parquet::basic::{ConvertedType, LogicalType, Type};
@@ -11,7 +12,6 @@ use parquet::data_type::DataType;
 use parquet::file::metadata::{ParquetMetaData, RowGroupMetaData};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::{ColumnDescriptor, SchemaDescriptor};
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use torquewise_motion::BLOCK_ROWS;
 
@@ -20,9 +20,9 @@ pub(crate) struct ParquetRows {
     file: PathBuf,
     names: Vec<String>,
     joints: Option<Vec<String>>,
-    reader: SerializedFileReader<File>,
+    reader: SerializedFileReader<Opened>,
     /// The file once more, for the headers of its pages.
-    pages: File,
+    pages: Opened,
     chosen: Vec<usize>,
     group: Vec<NumberColumn>,
     groups: usize,
@@ -33,13 +33,13 @@ pub(crate) struct ParquetRows {
 }
 
 impl ParquetRows {
-    pub(crate) fn open(file: &Path) -> Result<Self> {
-        let mut input = open_whole(file)?;
+    pub(crate) fn open(file: &LogInput) -> Result<Self> {
+        let mut input = file.open_whole()?;
         parquet_checks::check_footer(file, &mut input)?;
         guarded(file, || Self::new(file, input))
     }
 
-    fn new(file: &Path, input: File) -> Result<Self> {
+    fn new(file: &Path, input: Opened) -> Result<Self> {
         let pages = input.try_clone().map_err(LogError::read(file))?;
         let reader =
             SerializedFileReader::new(input).map_err(LogError::decode(file, Format::Parquet))?;

@@ -11,6 +11,7 @@ use crate::error::{LogError, Result};
 use crate::format::Format;
 use crate::frame::{Frame, FrameRows};
 use crate::joints;
+use crate::log_input::LogInput;
 use crate::mapping::Mapping;
 #[cfg(feature = "formats")]
 use crate::parquet_rows::ParquetRows;
@@ -19,9 +20,9 @@ use crate::profile::Profile;
 use crate::profile::unit::time_factor;
 use crate::rows::Rows;
 use crate::signal_rows::{Clock, SignalRows};
-use std::fs::{self, File};
+use std::fs;
 use std::io::{BufReader, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 const BUFFER_BYTES: usize = 1 << 16;
@@ -39,7 +40,7 @@ pub struct Options {
 
 #[derive(Clone, Debug)]
 pub(crate) struct Source {
-    pub(crate) file: PathBuf,
+    pub(crate) file: LogInput,
     pub(crate) mapping: Mapping,
     pub(crate) joints: Option<Vec<String>>,
     opening: Opening,
@@ -53,7 +54,7 @@ pub(crate) struct Source {
 #[derive(Clone, Debug)]
 struct Opening {
     origin: Origin,
-    beside: Vec<(String, PathBuf)>,
+    beside: Vec<(String, LogInput)>,
     clock_column: Option<ClockColumn>,
 }
 
@@ -67,7 +68,7 @@ enum Origin {
 
 impl Source {
     /// Reads the header; of a bag all messages, which say what it holds.
-    pub(crate) fn open(file: &Path, options: &Options) -> Result<Self> {
+    pub(crate) fn open(file: &LogInput, options: &Options) -> Result<Self> {
         let profile = options.profile.as_ref();
         let topic = options.topic.as_deref().or(profile.and_then(|p| p.topic.as_deref()));
         let joints = profile.map_or(&[][..], |profile| &profile.joints);
@@ -76,10 +77,10 @@ impl Source {
 
     /// The same of a frame, which is called `label` in messages.
     pub(crate) fn of_frame(label: &Path, frame: Arc<dyn Frame>, options: &Options) -> Result<Self> {
-        Self::new(label, Origin::Frame(frame), options)
+        Self::new(&label.into(), Origin::Frame(frame), options)
     }
 
-    fn new(file: &Path, origin: Origin, options: &Options) -> Result<Self> {
+    fn new(file: &LogInput, origin: Origin, options: &Options) -> Result<Self> {
         let profile = options.profile.as_ref();
         let is_bag = !matches!(origin, Origin::File(_) | Origin::Frame(_));
         let is_text = matches!(origin, Origin::File(Format::Csv));
@@ -99,7 +100,7 @@ impl Source {
         let clock = if profile.is_some() { Clock::Repair } else { options.clock };
         let names = rows.names().to_vec();
         let rows_hint = rows.count().or_else(|| is_text.then(|| lines_of(file)).flatten());
-        let source = Self { file: file.into(), mapping, joints, opening, names, clock, rows_hint };
+        let source = Self { file: file.clone(), mapping, joints, opening, names, clock, rows_hint };
         // Columns that cannot be read are told now.
         source.rows_from(rows)?;
         Ok(source)
@@ -108,7 +109,7 @@ impl Source {
     pub(crate) fn rows(&self) -> Result<SignalRows> {
         let rows = self.opening.rows(&self.file)?;
         if rows.names() != self.names {
-            return Err(LogError::Changed { file: self.file.clone() });
+            return Err(LogError::Changed { file: (&self.file).into() });
         }
         self.rows_from(rows)
     }
@@ -120,23 +121,23 @@ impl Source {
 }
 
 impl Opening {
-    fn new(file: &Path, origin: Origin, profile: Option<&Profile>) -> Self {
+    fn new(file: &LogInput, origin: Origin, profile: Option<&Profile>) -> Self {
         let folder = file.parent().unwrap_or(Path::new(""));
         let beside = profile.map(|profile| &profile.beside).into_iter().flatten();
-        let beside = beside.map(|(name, path)| (name.clone(), folder.join(path))).collect();
+        let beside = beside.map(|(name, path)| (name.clone(), folder.join(path).into())).collect();
         let clock_column = profile
             .and_then(|profile| profile.t.as_ref())
             .map(|t| (t.column.clone(), time_factor(t.unit.as_deref()).unwrap_or(1.0)));
         Self { origin, beside, clock_column }
     }
 
-    fn rows(&self, file: &Path) -> Result<Box<dyn Rows>> {
+    fn rows(&self, file: &LogInput) -> Result<Box<dyn Rows>> {
         let log = self.origin.rows(file)?;
         if self.beside.is_empty() {
             return Ok(log);
         }
-        let beside = |(name, path): &(String, PathBuf)| {
-            Ok(Beside { file: path.clone(), name: name.clone(), rows: named_rows(path)? })
+        let beside = |(name, file): &(String, LogInput)| {
+            Ok(Beside { file: file.into(), name: name.clone(), rows: named_rows(file)? })
         };
         let beside = self.beside.iter().map(beside).collect::<Result<_>>()?;
         Ok(Box::new(SideBySide::new((file.into(), log), beside, self.clock_column.clone())))
@@ -144,17 +145,17 @@ impl Opening {
 }
 
 /// About how many lines a text file has: as many as its first bytes let expect.
-fn lines_of(file: &Path) -> Option<u64> {
+fn lines_of(file: &LogInput) -> Option<u64> {
     let mut first = Vec::new();
-    let input = File::open(file).ok()?;
-    let size = input.metadata().ok()?.len();
+    let input = file.open().ok()?;
+    let size = input.count().ok()?;
     input.take(BUFFER_BYTES as u64).read_to_end(&mut first).ok()?;
     let lines = first.split(|&byte| byte == b'\n').skip(1).count() as u64;
     (lines > 0).then(|| size * lines / (first.len() as u64).max(1))
 }
 
 /// The rows of any file as they stand, of a bag all joints of its first message.
-pub(crate) fn named_rows(file: &Path) -> Result<Box<dyn Rows>> {
+pub(crate) fn named_rows(file: &LogInput) -> Result<Box<dyn Rows>> {
     Origin::of(file, None, &[])?.rows(file)
 }
 
@@ -162,15 +163,21 @@ impl Origin {
     /// What a file is; a bag is surveyed, for a topic and for joints in their order where these are
     /// given.
     #[cfg_attr(not(feature = "formats"), expect(unused_variables, reason = "there are no bags"))]
-    fn of(file: &Path, topic: Option<&str>, joints: &[String]) -> Result<Self> {
+    fn of(file: &LogInput, topic: Option<&str>, joints: &[String]) -> Result<Self> {
         let format = Format::of(file)?;
         // A pipe or a device gives its bytes once; a log is read several times.
-        if fs::metadata(file).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+        if !file.is_held()
+            && fs::metadata(file.path()).is_ok_and(|found| !found.is_file() && !found.is_dir())
+        {
             return Err(LogError::unusable(
                 file.display(),
                 " is a pipe or a device, not a file, and a log is read several times",
                 "copy it to a file",
             ));
+        }
+        if file.is_held() && format == Format::Db3 {
+            let help = "convert it to .mcap with `ros2 bag convert`";
+            return Err(LogError::unusable(file.display(), " is read from a disk alone", help));
         }
         Ok(match format {
             #[cfg(feature = "formats")]
@@ -179,7 +186,7 @@ impl Origin {
         })
     }
 
-    fn rows(&self, file: &Path) -> Result<Box<dyn Rows>> {
+    fn rows(&self, file: &LogInput) -> Result<Box<dyn Rows>> {
         Ok(match self {
             Self::Frame(frame) => Box::new(FrameRows::new(file, frame.clone())),
             #[cfg(feature = "formats")]
@@ -191,7 +198,7 @@ impl Origin {
                 Box::new(ArrayRows::open(file, *format)?)
             }
             Self::File(_) => {
-                let input = File::open(file).map_err(LogError::read(file))?;
+                let input = file.open().map_err(LogError::read(file))?;
                 Box::new(CsvRows::new(file, BufReader::with_capacity(BUFFER_BYTES, input))?)
             }
         })

@@ -6,9 +6,9 @@ mod text;
 
 use crate::error::Result;
 use crate::format::Format;
+use crate::log_input::LogInput;
 use crate::profile::Profile;
 use crate::source::named_rows;
-use std::path::Path;
 
 /// A profile for a log that has other columns than `t`, `q1`…`qn`, …
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,7 +31,8 @@ pub struct Suggestion {
 ///
 /// # Errors
 /// `LogError` if the file cannot be read; a name that means nothing is no error.
-pub fn suggest(file: &Path) -> Result<Suggestion> {
+pub fn suggest(file: impl Into<LogInput>) -> Result<Suggestion> {
+    let file = &file.into();
     let rows = named_rows(file)?;
     let names = rows.names().to_vec();
     let is_bag = matches!(Format::of(file)?, Format::Db3 | Format::Mcap);

@@ -8,6 +8,7 @@
 
 pub mod error;
 pub mod html;
+#[cfg(not(target_family = "wasm"))]
 mod still;
 pub mod orders;
 mod torques;
@@ -19,5 +20,6 @@ pub use fit_report::clock::pattern_bands;
 pub use fit_report::origin::{LogFile, Origin};
 pub use fit_report::{Findings, fit_report};
 pub use orders::order_charts;
+#[cfg(not(target_family = "wasm"))]
 pub use still::chart_figure;
 pub use torques::torque_charts;

@@ -2,8 +2,8 @@
 
 use crate::error::{ReportError, Result};
 use crate::html::chart::Position;
-use crate::html::thin::{Sorted, thinned};
-use crate::html::{Axis, Chart, Guide, Mark, Series};
+use crate::html::thin::{Sorted, rows_of, sorted};
+use crate::html::{Axis, Chart, Colour, Guide, Mark, Series};
 use plotters::chart::SeriesAnno;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
@@ -148,7 +148,7 @@ where
         .map_err(drawing)?;
 
     for band in &chart.bands {
-        let style = band.colour.on_paper().mix(0.25).filled();
+        let style = drawn(band.colour).mix(0.25).filled();
         let spans = band.spans.iter().filter(|ends| ends.iter().all(|x| drawable(&chart.x, *x)));
         let tint = |ends: &[f64; 2]| {
             let [from, to] = ends.map(|x| x.clamp(across.start, across.end));
@@ -228,7 +228,7 @@ fn names(chart: &Chart) -> usize {
 }
 
 fn style_of(series: &Series) -> ShapeStyle {
-    let colour = series.colour.on_paper();
+    let colour = drawn(series.colour);
     match series.mark {
         Mark::BroadLine => colour.stroke_width(10),
         Mark::Cloud => colour.mix(0.55).filled(),
@@ -285,6 +285,16 @@ fn number(axis: &Axis, at: f64) -> String {
 
 fn drawing(error: impl std::fmt::Display) -> ReportError {
     ReportError::Drawing { reason: error.to_string() }
+}
+
+fn thinned(series: &Series, log: bool) -> Sorted {
+    let all = sorted(series, log);
+    Sorted::of(&all.points, &all.spread, &rows_of(series.mark, &[&all]))
+}
+
+fn drawn(colour: Colour) -> RGBColor {
+    let [red, green, blue] = colour.on_paper();
+    RGBColor(red, green, blue)
 }
 
 #[cfg(test)]

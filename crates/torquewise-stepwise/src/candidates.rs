@@ -214,8 +214,9 @@ impl Terms {
     }
 }
 
-/// Bytes of normal equations at most: a p×p matrix per equation.
-const MOST_BYTES: usize = 4 << 30;
+/// Bytes of normal equations at most: a p×p matrix per equation; less where no more than 4 GB can be
+/// addressed.
+const MOST_BYTES: usize = if usize::BITS < 64 { 1 << 30 } else { 4 << 30 };
 
 fn check_size(candidates: usize, equations: usize) -> Result<(), IdentifyError> {
     let bytes = |p: usize| 8_usize.saturating_mul(equations).saturating_mul(p).saturating_mul(p);

@@ -1,5 +1,6 @@
 //! The fit: the one call that chooses what is fitted, conditions, fits and judges.
 
+use crate::clock::Moment;
 use crate::error::{Error, Result};
 use crate::evaluate::{Evaluation, evaluate};
 use crate::log::{Filter, Log, Rows, Source};
@@ -9,7 +10,6 @@ use crate::prepared::Prepared;
 use std::ops::Deref;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
 use torquewise_identify::bandwidth::{Tuned, tune};
 use torquewise_identify::disagreement::disagreements;
 use torquewise_identify::reconstruct::reconstruct_from;
@@ -202,12 +202,12 @@ pub(crate) fn timed<T>(
     observer: Observer<'_>,
     work: impl FnOnce(Watch<'_>) -> Result<T, IdentifyError>,
 ) -> Result<(T, f64, Vec<f64>)> {
-    let events: Mutex<Vec<(Progress, Instant)>> = Mutex::new(Vec::new());
+    let events: Mutex<Vec<(Progress, Moment)>> = Mutex::new(Vec::new());
     let is_stopped = AtomicBool::new(false);
-    let start = Instant::now();
+    let start = Moment::now();
     let done = work(&|stage| {
         if !matches!(stage, Progress::Working | Progress::Starts { .. } | Progress::Choices) {
-            events.lock().unwrap_or_else(PoisonError::into_inner).push((stage, Instant::now()));
+            events.lock().unwrap_or_else(PoisonError::into_inner).push((stage, Moment::now()));
         }
         let told = observer(Event::Stage(stage));
         is_stopped.fetch_or(told.is_break(), Ordering::Relaxed);
@@ -221,13 +221,13 @@ pub(crate) fn timed<T>(
     let events = events.into_inner().unwrap_or_else(PoisonError::into_inner);
     let mut step_seconds: Vec<f64> = Vec::new();
     for pair in events.windows(2) {
-        let spent = pair[1].1.duration_since(pair[0].1).as_secs_f64();
+        let spent = pair[1].1.since(pair[0].1);
         match pair[0].0 {
             Progress::Step(_) | Progress::Geometry => step_seconds.push(spent),
             _ => {}
         }
     }
-    Ok((done, start.elapsed().as_secs_f64(), step_seconds))
+    Ok((done, Moment::now().since(start), step_seconds))
 }
 
 #[cfg(test)]

@@ -23,10 +23,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Features, all on by default: `formats` for logs beside plain CSV, `simulation` for arms with known
+//! Features, all on by default: `formats` for logs beside plain CSV, `sqlite` for bags in `.db3`, `simulation` for arms with known
 //! truth and controllers, `figures` for reports and exported code.
 
 mod setting;
+mod clock;
 mod error;
 pub mod observe;
 mod options;

@@ -5,7 +5,7 @@ use crate::options::Facts;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use torquewise_logs::conditioned::RawLogs;
-use torquewise_logs::{ConditionedLogs, Frame, Logs, Options};
+use torquewise_logs::{ConditionedLogs, Frame, LogInput, Logs, Options};
 use torquewise_model::model::Filter as FilterUsed;
 use torquewise_motion::Recording;
 use torquewise_motion::signals::{Conditioning, Cutoff, Trim};
@@ -77,6 +77,14 @@ impl Log {
     pub fn open_all(files: &[PathBuf], options: &Options) -> Result<Self> {
         let files = Logs::open_with(files, options)?;
         Ok(Self { files, filter: Filter::Auto, delay: None })
+    }
+
+    /// The same for files that need not lie on a disk.
+    ///
+    /// # Errors
+    /// As [`Log::open_all`].
+    pub fn of_inputs(files: &[LogInput], options: &Options) -> Result<Self> {
+        Ok(Self { files: Logs::of_inputs(files, options)?, filter: Filter::Auto, delay: None })
     }
 
     /// Tables in memory, each with a label for messages, read as files with the same columns.

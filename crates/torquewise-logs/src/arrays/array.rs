@@ -3,11 +3,10 @@
 use crate::arrays::numbers::{Element, Numbers};
 use crate::error::{LogError, Result, shown};
 use crate::format::Format;
+use crate::log_input::LogInput;
 use flate2::CrcReader;
 use flate2::read::{DeflateDecoder, ZlibDecoder};
-use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
-use std::path::Path;
 
 /// Series of one array at most; a wider one, such as an image, is no signal of a robot.
 const MAX_SERIES: usize = 256;
@@ -53,8 +52,8 @@ pub(super) enum Packing {
 }
 
 impl Body {
-    fn open(&self, file: &Path, element: Element, first: u64) -> io::Result<Numbers> {
-        let mut input = File::open(file)?;
+    fn open(&self, file: &LogInput, element: Element, first: u64) -> io::Result<Numbers> {
+        let mut input = file.open()?;
         input.seek(SeekFrom::Start(self.start))?;
         let input = BufReader::new(input.take(self.stored));
         let mut input: Box<dyn Read + Send> = match self.packing {
@@ -112,7 +111,7 @@ impl Array {
         count.checked_mul(element.size() as u64)
     }
 
-    pub(super) fn numbers(&self, file: &Path, first: u64) -> Result<Numbers> {
+    pub(super) fn numbers(&self, file: &LogInput, first: u64) -> Result<Numbers> {
         let refused = |reason| LogError::Array {
             file: file.into(),
             array: shown(self.name.as_bytes()),

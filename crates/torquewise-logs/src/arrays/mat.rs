@@ -3,11 +3,11 @@
 use crate::arrays::array::{Array, Body, LONGEST_NAME, MAX_COLUMNS, Order, Packing};
 use crate::arrays::mat_elements::{COMPRESSED, Elements, MATRIX, Tag, kind_of, sizes, wrong};
 use crate::arrays::numbers::Element;
-use crate::error::{LogError, Result, open_whole};
+use crate::error::{LogError, Result};
 use crate::format::Format;
+use crate::log_input::LogInput;
 use flate2::read::ZlibDecoder;
 use std::io::{self, BufReader, Read};
-use std::path::Path;
 
 /// Structures within structures that are followed.
 const DEEPEST: usize = 16;
@@ -19,9 +19,9 @@ const LONGEST_NAMES: u64 = 1 << 20;
 
 const MOST_PARTS: usize = 1_000_000;
 
-pub(super) fn arrays(file: &Path) -> Result<Vec<Array>> {
+pub(super) fn arrays(file: &LogInput) -> Result<Vec<Array>> {
     let mut walk = Walk::default();
-    let walked = walk.file(&mut BufReader::new(open_whole(file)?));
+    let walked = walk.file(&mut BufReader::new(file.open_whole()?));
     walked.map_err(LogError::decode(file, Format::Mat))?;
     Ok(walk.arrays)
 }

@@ -2,8 +2,9 @@
 
 use crate::arrays::array::{Array, Body, LONGEST_NAME, Order, Packing};
 use crate::arrays::numbers::{Element, Kind};
-use crate::error::{LogError, Result, guarded, open_whole, shown};
+use crate::error::{LogError, Result, guarded, shown};
 use crate::format::Format;
+use crate::log_input::LogInput;
 use std::io::{BufReader, Read};
 use std::path::Path;
 use zip::read::ZipFile;
@@ -30,8 +31,8 @@ const KINDS: [(&str, Kind); 11] = [
     ("b1", Kind::U1),
 ];
 
-pub(super) fn arrays(file: &Path) -> Result<Vec<Array>> {
-    let input = BufReader::new(open_whole(file)?);
+pub(super) fn arrays(file: &LogInput) -> Result<Vec<Array>> {
+    let input = BufReader::new(file.open_whole()?);
     guarded(file, || {
         let damaged = LogError::decode(file, Format::Npz);
         let mut archive = ZipArchive::new(input).map_err(&damaged)?;

@@ -5,13 +5,13 @@ use crate::arrays::numbers::Numbers;
 use crate::arrays::{mat, npz};
 use crate::error::{LogError, Place, Result};
 use crate::format::Format;
+use crate::log_input::LogInput;
 use crate::rows::Rows;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 
 /// The rows of a file of arrays: a matrix A has columns A1, A2, …, a vector A one column A.
 pub(crate) struct ArrayRows {
-    file: PathBuf,
+    file: LogInput,
     arrays: Vec<Array>,
     names: Vec<String>,
     /// For each column, its array and the series in it.
@@ -32,7 +32,7 @@ struct Stream {
 }
 
 impl ArrayRows {
-    pub(crate) fn open(file: &Path, format: Format) -> Result<Self> {
+    pub(crate) fn open(file: &LogInput, format: Format) -> Result<Self> {
         let arrays = if format == Format::Mat { mat::arrays(file)? } else { npz::arrays(file)? };
         let (mut names, mut series) = (Vec::new(), Vec::new());
         for (k, array) in arrays.iter().enumerate() {
@@ -47,7 +47,7 @@ impl ArrayRows {
                 return Err(LogError::TooManyColumns { file, found, limit: MAX_COLUMNS });
             }
         }
-        let file = file.into();
+        let file = file.clone();
         Ok(Self { file, arrays, names, series, streams: Vec::new(), instants: 0, row: 0 })
     }
 
@@ -121,6 +121,6 @@ impl Rows for ArrayRows {
     }
 
     fn place(&self) -> Place {
-        Place { file: self.file.clone(), row: self.row as u64, line: None }
+        Place { file: (&self.file).into(), row: self.row as u64, line: None }
     }
 }

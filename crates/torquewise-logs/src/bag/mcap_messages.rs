@@ -1,23 +1,23 @@
 //! MCAP bags (.mcap): topics and messages, one chunk at a time.
 
 use crate::bag::{MAX_BYTES, Message, Messages, Topic};
-use crate::error::{LogError, Result, guarded, open_whole};
+use crate::error::{LogError, Result, guarded};
 use crate::format::Format;
+use crate::log_input::{LogInput, Opened};
 use mcap::read::ChannelAccumulator;
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{McapError, McapResult, parse_record};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Bytes of a chunk before the name of its compression.
 const BEFORE_COMPRESSION: usize = 28;
 
 /// All topics of a bag that have messages, with the number of these.
-pub(super) fn topics(file: &Path) -> Result<Vec<Topic>> {
+pub(super) fn topics(file: &LogInput) -> Result<Vec<Topic>> {
     let mut topics: BTreeMap<String, Topic> = BTreeMap::new();
     let mut messages = McapMessages::open(file, None)?;
     while let Some(message) = messages.next_of_any()? {
@@ -36,7 +36,7 @@ pub(super) fn topics(file: &Path) -> Result<Vec<Topic>> {
 pub(super) struct McapMessages {
     file: PathBuf,
     topic: Option<String>,
-    input: BufReader<File>,
+    input: BufReader<Opened>,
     reader: LinearReader,
     /// The records that are left of the chunk that is being read.
     chunk: Cursor<Vec<u8>>,
@@ -46,14 +46,14 @@ pub(super) struct McapMessages {
 }
 
 impl McapMessages {
-    pub(super) fn open(file: &Path, topic: Option<&str>) -> Result<Self> {
+    pub(super) fn open(file: &LogInput, topic: Option<&str>) -> Result<Self> {
         let options = LinearReaderOptions::default()
             .with_record_length_limit(MAX_BYTES)
             .with_emit_chunks(true);
         Ok(Self {
             file: file.into(),
             topic: topic.map(str::to_owned),
-            input: BufReader::new(open_whole(file)?),
+            input: BufReader::new(file.open_whole()?),
             reader: LinearReader::new_with_options(options),
             chunk: Cursor::default(),
             channels: ChannelAccumulator::default(),

@@ -3,9 +3,10 @@
 use crate::bag::Messages;
 use crate::bag::survey::{Aligned, Survey, decoded, places};
 use crate::error::{Place, Result};
+use crate::log_input::LogInput;
 use crate::rows::{Irregular, Rows};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The rows of a bag: columns `t`, then `NAME.position` of each joint, then `NAME.velocity` and
 /// `NAME.effort` where the messages have them.
@@ -25,7 +26,7 @@ pub(crate) struct BagRows {
 }
 
 impl BagRows {
-    pub(crate) fn open(file: &Path, survey: Survey) -> Result<Self> {
+    pub(crate) fn open(file: &LogInput, survey: Survey) -> Result<Self> {
         let of_joints = |signal: &'static str| {
             survey.joints.iter().map(move |joint| format!("{joint}.{signal}"))
         };

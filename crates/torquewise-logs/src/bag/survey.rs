@@ -1,5 +1,6 @@
 //! What the joint states of a bag hold, found in one pass before the rows are read.
 
+#[cfg(feature = "sqlite")]
 use crate::bag::db3_messages::{self, Db3Messages};
 use crate::bag::joint_state::JointState;
 use crate::bag::mcap_messages::{self, McapMessages};
@@ -7,6 +8,7 @@ use crate::bag::{JOINT_STATE, Messages, Topic};
 use crate::error::{LogError, Place, Result, shown};
 use crate::format::Format;
 use crate::joints;
+use crate::log_input::LogInput;
 use std::path::Path;
 
 /// Stamps beyond this \[ns\] are dates; seconds since 1970 cannot tell microseconds in 64 bits.
@@ -31,12 +33,13 @@ pub(crate) struct Survey {
 impl Survey {
     /// Goes through the messages of the topic that is wanted, or of the only one there is.
     pub(crate) fn new(
-        file: &Path,
+        file: &LogInput,
         format: Format,
         topic: Option<&str>,
         joints: &[String],
     ) -> Result<Self> {
         let topics = match format {
+            #[cfg(feature = "sqlite")]
             Format::Db3 => db3_messages::topics(file)?,
             _ => mcap_messages::topics(file)?,
         };
@@ -55,8 +58,9 @@ impl Survey {
         Ok(survey)
     }
 
-    pub(super) fn messages(&self, file: &Path) -> Result<Box<dyn Messages>> {
+    pub(super) fn messages(&self, file: &LogInput) -> Result<Box<dyn Messages>> {
         Ok(match self.format {
+            #[cfg(feature = "sqlite")]
             Format::Db3 => Box::new(Db3Messages::open(file, &self.topic)?),
             _ => Box::new(McapMessages::open(file, Some(&self.topic))?),
         })
@@ -71,7 +75,7 @@ impl Survey {
         (if self.is_stamped { state.stamp } else { received }).saturating_sub(self.zero)
     }
 
-    fn complete(&mut self, file: &Path) -> Result<()> {
+    fn complete(&mut self, file: &LogInput) -> Result<()> {
         let mut messages = self.messages(file)?;
         let mut aligned = self.passes_over.then(|| Aligned::new(&self.joints, true));
         let (mut first_stamp, mut first_received) = (i64::MAX, i64::MAX);

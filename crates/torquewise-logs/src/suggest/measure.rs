@@ -2,11 +2,11 @@
 
 use crate::error::Result;
 use crate::gaps::median_step;
+use crate::log_input::LogInput;
 use crate::signal::Signal;
 use crate::source::named_rows;
 use crate::suggest::guess::Found;
 use std::f64::consts::PI;
-use std::path::Path;
 
 /// Rows that are looked at closely.
 const SAMPLE: usize = 20_000;
@@ -20,7 +20,7 @@ pub(super) struct Measured {
     pub(super) ratio: Option<f64>,
 }
 
-pub(super) fn measure(file: &Path, names: &[String], found: &Found) -> Result<Measured> {
+pub(super) fn measure(file: &LogInput, names: &[String], found: &Found) -> Result<Measured> {
     let place = |name: &String| names.iter().position(|known| known == name);
     let of = |signal| -> Vec<usize> {
         let columns = found.get(signal).map(|family| family.columns.iter());

@@ -31,8 +31,7 @@ fn whole(n: usize) -> Array2<u16> {
 }
 
 fn read(file: &Path, options: &Options) -> Result<Motion, LogError> {
-    let logs = Logs::open_with(&[file.to_owned()], options)?;
-    Ok(logs.read_all()?.remove(0))
+    Ok(crate::read_both(file, options)?.remove(0))
 }
 
 fn assert_is_read(motion: &Motion, factor: f64) {

@@ -40,7 +40,7 @@ fn open(file: &Path, options: &Options) -> Result<Logs, LogError> {
 }
 
 fn read(file: &Path) -> Vec<Motion> {
-    open(file, &Options::default()).unwrap().read_all().unwrap()
+    crate::read_both(file, &Options::default()).unwrap()
 }
 
 #[test]

@@ -8,20 +8,20 @@ use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
 use proptest::prelude::*;
 use std::fs::File;
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::LazyLock;
-use torquewise_logs::{LogError, Logs, write_motion};
+use torquewise_logs::{LogError, Options, write_motion};
 use torquewise_motion::{Motion, Signals};
 
-fn read(file: PathBuf) -> Result<Vec<Motion>, LogError> {
-    Logs::open(&[file])?.read_all()
+fn read(file: &Path) -> Result<Vec<Motion>, LogError> {
+    crate::read_both(file, &Options::default())
 }
 
 fn read_bytes(bytes: &[u8]) -> Result<Vec<Motion>, LogError> {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("log.parquet");
     std::fs::write(&file, bytes).unwrap();
-    read(file)
+    read(&file)
 }
 
 /// A column of a foreign file: its type, and what writes its values, which may be missing.
@@ -72,7 +72,7 @@ fn read_written(
     }
     group.close().unwrap();
     writer.close().unwrap();
-    read(file)
+    read(&file)
 }
 
 fn numbers(name: &str, values: &[f64]) -> Foreign {

@@ -12,8 +12,10 @@ mod real_robots;
 mod recording;
 mod round_trip;
 
-use std::path::PathBuf;
-use torquewise_logs::{Options, Profile};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use torquewise_logs::{LogError, LogInput, Logs, Options, Profile};
+use torquewise_motion::Motion;
 
 /// A folder with text files.
 struct Files(tempfile::TempDir);
@@ -28,6 +30,18 @@ impl Files {
         std::fs::write(&file, text).unwrap();
         file
     }
+}
+
+/// All rows of a file, which are the same, or refused with the same words, from its bytes in memory;
+/// a bag in SQLite is read from a disk alone.
+fn read_both(file: &Path, options: &Options) -> Result<Vec<Motion>, LogError> {
+    let from_disk = Logs::open_with(&[file.to_owned()], options).and_then(|logs| logs.read_all());
+    if file.extension().is_none_or(|ending| ending != "db3") {
+        let held = LogInput::held(file, Arc::new(std::fs::read(file).unwrap()));
+        let held = Logs::of_inputs(&[held], options).and_then(|logs| logs.read_all());
+        assert_eq!(format!("{held:?}"), format!("{from_disk:?}"));
+    }
+    from_disk
 }
 
 /// To read logs by a profile.

@@ -1,17 +1,10 @@
 //! Colours by role: the name in the page, the value in SVG figures.
 
-use plotters::style::RGBColor;
 use torquewise_motion::Pattern;
 
 /// Colours of M. Okabe and K. Ito, told apart by colour-blind eyes too.
-const SERIES: [RGBColor; 6] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-];
+const SERIES: [[u8; 3]; 6] =
+    [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233]];
 
 /// What a colour stands for; the page gives it a light and a dark value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,10 +29,11 @@ impl Colour {
         }
     }
 
-    pub(crate) fn on_paper(self) -> RGBColor {
+    #[cfg(not(target_family = "wasm"))]
+    pub(crate) fn on_paper(self) -> [u8; 3] {
         match self {
-            Self::Measured => RGBColor(178, 186, 197),
-            Self::Faded => RGBColor(107, 114, 128),
+            Self::Measured => [178, 186, 197],
+            Self::Faded => [107, 114, 128],
             Self::Series(place) => SERIES[place % SERIES.len()],
             Self::Pattern(pattern) => of_pattern(pattern).on_paper(),
         }
@@ -73,7 +67,7 @@ mod tests {
         let others = [Colour::Measured, Colour::Faded, Colour::Series(0), Colour::Series(99)];
 
         for colour in Pattern::ALL.map(Colour::Pattern).into_iter().chain(others) {
-            let RGBColor(red, green, blue) = colour.on_paper();
+            let [red, green, blue] = colour.on_paper();
             let declared = format!("--{}: #{red:02x}{green:02x}{blue:02x};", colour.variable());
             assert!(LIGHT.contains(&declared), "{declared}");
         }

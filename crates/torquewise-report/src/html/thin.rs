@@ -24,7 +24,7 @@ pub(crate) fn sorted(series: &Series, log: bool) -> Sorted {
 }
 
 impl Sorted {
-    fn of(points: &[[f64; 2]], spread: &[[f64; 2]], rows: &[usize]) -> Self {
+    pub(crate) fn of(points: &[[f64; 2]], spread: &[[f64; 2]], rows: &[usize]) -> Self {
         let spread = rows.iter().filter_map(|&row| spread.get(row).copied()).collect();
         Self { points: rows.iter().map(|&row| points[row]).collect(), spread }
     }
@@ -73,11 +73,6 @@ pub(crate) fn rows_of(mark: Mark, all: &[&Sorted]) -> Vec<usize> {
     let heights = |sorted: &&Sorted| sorted.points.iter().map(|point| point[1]).collect();
     let heights: Vec<Vec<f64>> = all.iter().map(heights).collect();
     rows_of_curves(&heights.iter().map(Vec::as_slice).collect::<Vec<_>>(), m, MOST_POINTS)
-}
-
-pub(crate) fn thinned(series: &Series, log: bool) -> Sorted {
-    let all = sorted(series, log);
-    Sorted::of(&all.points, &all.spread, &rows_of(series.mark, &[&all]))
 }
 
 /// A curve that is thinned while it grows, so that one of any length takes little memory.

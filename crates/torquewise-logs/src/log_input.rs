@@ -1,0 +1,188 @@
+//! A file of a log: on a disk, or bytes that another program holds.
+
+#[cfg(feature = "formats")]
+use crate::error::{LogError, Result};
+#[cfg(feature = "formats")]
+use parquet::file::reader::{ChunkReader, Length};
+use std::fmt::Debug;
+use std::fs::File;
+use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
+use std::ops::Deref;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Bytes of a file that are held by whoever implements this, such as those of a file dropped on a page.
+///
+/// They are read some at a time, and several times over.
+pub trait HeldBytes: Debug + Send + Sync {
+    /// How many there are.
+    fn count(&self) -> u64;
+
+    /// Puts those from `first` on into `into`; how many were put there, 0 at the end alone.
+    ///
+    /// # Errors
+    /// Why they cannot be had.
+    fn read(&self, first: u64, into: &mut [u8]) -> io::Result<usize>;
+}
+
+impl HeldBytes for Vec<u8> {
+    fn count(&self) -> u64 {
+        self.len() as u64
+    }
+
+    fn read(&self, first: u64, into: &mut [u8]) -> io::Result<usize> {
+        let rest = usize::try_from(first).ok().and_then(|first| self.get(first..));
+        rest.unwrap_or_default().read(into)
+    }
+}
+
+/// A file by its path, whose ending says its format, and its bytes where they are not on a disk.
+#[derive(Clone, Debug)]
+pub struct LogInput {
+    path: PathBuf,
+    held: Option<Arc<dyn HeldBytes>>,
+}
+
+impl LogInput {
+    /// Bytes that are called `name` in messages.
+    pub fn held(name: impl Into<PathBuf>, bytes: Arc<dyn HeldBytes>) -> Self {
+        Self { path: name.into(), held: Some(bytes) }
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    pub(crate) fn is_held(&self) -> bool {
+        self.held.is_some()
+    }
+
+    pub(crate) fn open(&self) -> io::Result<Opened> {
+        Ok(match &self.held {
+            Some(bytes) => Opened::Held { bytes: bytes.clone(), at: 0 },
+            None => Opened::File(File::open(&self.path)?),
+        })
+    }
+
+    #[cfg(feature = "formats")]
+    pub(crate) fn open_whole(&self) -> Result<Opened> {
+        let input = self.open().map_err(LogError::read(self))?;
+        match input.count().map_err(LogError::read(self))? {
+            0 => Err(LogError::Empty { file: self.into() }),
+            _ => Ok(input),
+        }
+    }
+}
+
+impl<P: AsRef<Path>> From<P> for LogInput {
+    fn from(path: P) -> Self {
+        Self { path: path.as_ref().into(), held: None }
+    }
+}
+
+impl From<&Self> for LogInput {
+    fn from(file: &Self) -> Self {
+        file.clone()
+    }
+}
+
+impl From<&LogInput> for PathBuf {
+    fn from(file: &LogInput) -> Self {
+        file.path.clone()
+    }
+}
+
+impl Deref for LogInput {
+    type Target = Path;
+
+    fn deref(&self) -> &Path {
+        &self.path
+    }
+}
+
+/// A log file that is being read.
+#[derive(Debug)]
+pub(crate) enum Opened {
+    File(File),
+    Held {
+        bytes: Arc<dyn HeldBytes>,
+        /// Where the next byte stands.
+        at: u64,
+    },
+}
+
+impl Opened {
+    pub(crate) fn count(&self) -> io::Result<u64> {
+        match self {
+            Self::File(file) => Ok(file.metadata()?.len()),
+            Self::Held { bytes, .. } => Ok(bytes.count()),
+        }
+    }
+
+    #[cfg(feature = "formats")]
+    pub(crate) fn try_clone(&self) -> io::Result<Self> {
+        Ok(match self {
+            Self::File(file) => Self::File(file.try_clone()?),
+            Self::Held { bytes, at } => Self::Held { bytes: bytes.clone(), at: *at },
+        })
+    }
+}
+
+impl Read for Opened {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Self::File(file) => file.read(into),
+            Self::Held { bytes, at } => {
+                let n_read = bytes.read(*at, into)?;
+                *at += n_read as u64;
+                Ok(n_read)
+            }
+        }
+    }
+}
+
+impl Seek for Opened {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        match self {
+            Self::File(file) => file.seek(to),
+            Self::Held { bytes, at } => {
+                let place = match to {
+                    SeekFrom::Start(place) => Some(place),
+                    SeekFrom::End(offset) => bytes.count().checked_add_signed(offset),
+                    SeekFrom::Current(offset) => at.checked_add_signed(offset),
+                };
+                *at = place.ok_or(ErrorKind::InvalidInput)?;
+                Ok(*at)
+            }
+        }
+    }
+}
+
+#[cfg(feature = "formats")]
+impl Length for Opened {
+    fn len(&self) -> u64 {
+        self.count().unwrap_or_default()
+    }
+}
+
+#[cfg(feature = "formats")]
+impl ChunkReader for Opened {
+    type T = io::BufReader<Self>;
+
+    fn get_read(&self, start: u64) -> parquet::errors::Result<Self::T> {
+        let mut input = self.try_clone()?;
+        input.seek(SeekFrom::Start(start))?;
+        Ok(io::BufReader::new(input))
+    }
+
+    fn get_bytes(&self, start: u64, length: usize) -> parquet::errors::Result<bytes::Bytes> {
+        let mut input = self.try_clone()?;
+        input.seek(SeekFrom::Start(start))?;
+        let mut chunk = Vec::new();
+        input.take(length as u64).read_to_end(&mut chunk)?;
+        if chunk.len() < length {
+            return Err(io::Error::from(ErrorKind::UnexpectedEof).into());
+        }
+        Ok(chunk.into())
+    }
+}
