@@ -5,8 +5,10 @@
 //! ```
 //!
 //! A model is timed beside the URDF behind its `=`, else beside as many revolute joints. For
-//! Pinocchio, `PINOCCHIO_FLAGS` holds what the C++ compiler needs to find it; see
-//! `docs/export.md`. Processor time, medians of 201 rounds, the least in brackets.
+//! Pinocchio, `PINOCCHIO_FLAGS` holds what the C++ compiler needs to find it, with `P` the folder
+//! `site-packages/cmeel.prefix` of `pip install pin cmeel-eigen cmeel-urdfdom-headers`:
+//! `-I$P/include -I$P/include/urdfdom -I$P/include/eigen3 -I$P/include/urdfdom_headers -L$P/lib
+//! -lpinocchio_parsers -lpinocchio_default -Wl,-rpath,$P/lib`. Processor time, medians of 201 rounds, the least in brackets.
 
 #![expect(clippy::unwrap_used, reason = "a bench may panic")]
 
