@@ -240,19 +240,25 @@ impl Model {
     }
 
     /// How far simulated windows of a log drift from it after times [s], ascending: JSON.
-    #[pyo3(signature = (log, horizons, progress=None))]
+    #[pyo3(signature = (log, horizons, samples=None, progress=None))]
     fn _rollout(
         &self,
         py: Python<'_>,
         log: &Log,
         horizons: Vec<f64>,
+        samples: Option<(usize, u64)>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
         if horizons.is_empty() || !horizons.iter().all(|own| *own > 0.0 && own.is_finite()) {
             return wrong("horizons: expected seconds above 0");
         }
+        if samples.is_some_and(|(count, _)| !(2..=10_000).contains(&count)) {
+            return wrong("samples: expected 2 to 10000");
+        }
         let (model, log) = (Arc::clone(&self.model), log.log.clone());
-        json(&work(py, progress, move |_| rollouts(&model, &prepare(&model, &log)?, &horizons))?)
+        json(&work(py, progress, move |_| {
+            rollouts(&model, &prepare(&model, &log)?, &horizons, samples)
+        })?)
     }
 
     /// The model after an earlier step of the reconstruction, 1 for gravity alone.

@@ -33,11 +33,17 @@ pub(crate) fn text(evaluation: &Evaluation, kinds: &JointKinds) -> String {
 pub(crate) fn rollouts(evaluation: &Evaluation, kinds: &JointKinds) -> String {
     let Some(first) = evaluation.rollouts.first() else { return String::new() };
     let horizons = evaluation.rollouts.iter();
-    let names = horizons.flat_map(|drift| [format!("after {} s", drift.horizon_s), "held".into()]);
+    let names = horizons.flat_map(|drift| {
+        let band = drift.covered.as_ref().map(|_| "in band [%]".to_owned());
+        [format!("after {} s", drift.horizon_s), "held".into()].into_iter().chain(band)
+    });
     let mut table = Table::new(["joint".into()].into_iter().chain(names));
     for (joint, of) in evaluation.joints.iter().enumerate() {
-        let both = |drift: &Drift| [drift.rms_drift_rad[joint], drift.hold_rms_rad[joint]];
-        let cells: Vec<String> = evaluation.rollouts.iter().flat_map(both).map(number).collect();
+        let all = |drift: &Drift| {
+            let band = drift.covered.as_ref().map(|covered| 100.0 * covered[joint]);
+            [drift.rms_drift_rad[joint], drift.hold_rms_rad[joint]].into_iter().chain(band)
+        };
+        let cells: Vec<String> = evaluation.rollouts.iter().flat_map(all).map(number).collect();
         table.row(&of.name, cells);
     }
     let windows = first.windows;

@@ -21,6 +21,8 @@ const GAP: f64 = 1.5;
 /// \[rad/s\] below which they do.
 const ROUNDS: usize = 50;
 const AGREED: f64 = 1e-9;
+/// Part of the arms that a model may as well be on either side of their band.
+const OUTSIDE: f64 = 0.05;
 /// Speed \[rad/s\] below which a shaft is held by its friction as by a viscous one.
 const HELD: f64 = 1e-7;
 
@@ -36,6 +38,10 @@ pub struct Drift {
     pub hold_rms_rad: Vec<f64>,
     /// Windows.
     pub windows: usize,
+    /// Share of windows whose measured end lies in the band of 90 % of the arms that the model may as
+    /// well be, n; where such arms were given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub covered: Option<Vec<f64>>,
 }
 
 /// An arm simulated by its model.
@@ -315,24 +321,40 @@ pub fn windows(
 /// Simulates windows all over a recording from their first measured state with the measured torque,
 /// and compares where they end with where the arm was.
 ///
+/// - `others`: arms that the model may as well be, whose band is held against the measured ends
 /// - `horizons`: times from the start of a window \[s\], ascending
 ///
 /// # Errors
 /// As of [`windows`], and [`ModelError`] if the model cannot be simulated.
 pub fn drifts(
     model: &Model,
+    others: &[Model],
     recording: &(impl Recording + ?Sized),
     horizons: &[f64],
 ) -> Result<Vec<Drift>, ReadError> {
     let Some(&longest) = horizons.last() else { return Ok(Vec::new()) };
     let simulator = Simulator::new(model);
+    let others: Vec<Simulator<'_>> = others.iter().map(Simulator::new).collect();
     let n = model.n_joints();
+    let mut inside = vec![vec![0_usize; n]; horizons.len()];
     let mut squares = vec![[vec![0.0; n], vec![0.0; n]]; horizons.len()];
     let mut count = 0;
     windows(model, recording, longest, &mut |windows| {
-        let ends = |window: &Window<'_>| window.simulated(&simulator, horizons, &mut |_, _| ());
+        let ends = |window: &Window<'_>| {
+            let of = |simulator| window.simulated(simulator, horizons, &mut |_, _| ());
+            let others = others.iter().map(of).collect::<Result<Vec<_>, ModelError>>()?;
+            Ok((of(&simulator)?, others))
+        };
         let ends = windows.par_iter().map(ends).collect::<Result<Vec<_>, ModelError>>()?;
-        for (window, ends) in windows.iter().zip(ends) {
+        for (window, (ends, others)) in windows.iter().zip(ends) {
+            for (k, (horizon, inside)) in horizons.iter().zip(&mut inside).enumerate() {
+                for (joint, (truth, inside)) in
+                    window.measured(*horizon).iter().zip(inside).enumerate()
+                {
+                    let among = others.iter().map(|ends| ends[k][joint]).collect();
+                    *inside += usize::from(is_in_band(among, *truth));
+                }
+            }
             for ((horizon, end), sums) in horizons.iter().zip(ends).zip(&mut squares) {
                 let (truth, held) = (window.measured(*horizon), window.held(*horizon));
                 for (sums, ends) in sums.iter_mut().zip([end, held]) {
@@ -350,11 +372,24 @@ pub fn drifts(
     let rms = |squares: Vec<f64>| -> Vec<f64> {
         squares.iter().map(|square| (square / count as f64).sqrt()).collect()
     };
-    let drift = |(&horizon_s, [drift, held]): (&f64, [Vec<f64>; 2])| Drift {
+    let share = |inside: Vec<usize>| -> Vec<f64> {
+        inside.iter().map(|inside| *inside as f64 / count as f64).collect()
+    };
+    let drift = |((&horizon_s, [drift, held]), inside): ((&f64, [Vec<f64>; 2]), _)| Drift {
         horizon_s,
         rms_drift_rad: rms(drift),
         hold_rms_rad: rms(held),
         windows: count,
+        covered: (!others.is_empty()).then(|| share(inside)),
     };
-    Ok(if count == 0 { Vec::new() } else { horizons.iter().zip(squares).map(drift).collect() })
+    let all = horizons.iter().zip(squares).zip(inside);
+    Ok(if count == 0 { Vec::new() } else { all.map(drift).collect() })
+}
+
+/// Whether a value lies in the middle 90 % of some.
+fn is_in_band(mut among: Vec<f64>, value: f64) -> bool {
+    among.sort_by(f64::total_cmp);
+    let Some(last) = among.len().checked_sub(1) else { return false };
+    let at = |part: f64| among[(part * last as f64).round() as usize];
+    (at(OUTSIDE)..=at(1.0 - OUTSIDE)).contains(&value)
 }

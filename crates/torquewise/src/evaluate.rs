@@ -114,10 +114,20 @@ pub fn evaluate_prepared(
 /// from the measured motion they are after some times \[s\], ascending, beside an arm that keeps its
 /// velocity (E23).
 ///
+/// - `samples`: number and seed of arms that are drawn from what the log of the model does not tell,
+///   in whose band measured ends should lie
+///
 /// # Errors
-/// As [`evaluate_prepared`]; a setting that cannot be, a model whose inertia is not positive.
-pub fn rollouts(model: &Model, log: &Prepared, horizons: &[f64]) -> Result<Vec<Drift>> {
-    Ok(rollout::drifts(model, log.rows(), horizons)?)
+/// As [`evaluate_prepared`]; a setting that cannot be, a model whose inertia is not positive, samples
+/// of a model without a covariance.
+pub fn rollouts(
+    model: &Model,
+    log: &Prepared,
+    horizons: &[f64],
+    samples: Option<(usize, u64)>,
+) -> Result<Vec<Drift>> {
+    let drawn = samples.map(|(count, seed)| torquewise_identify::samples(model, count, seed));
+    Ok(rollout::drifts(model, &drawn.transpose()?.unwrap_or_default(), log.rows(), horizons)?)
 }
 
 /// What is said where a model is judged by its own log.

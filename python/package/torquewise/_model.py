@@ -149,16 +149,21 @@ class Model(_core.Model):
         log: Any = None,
         *,
         horizons: Sequence[float] = (0.2, 0.5, 1.0),
+        samples: int | None = None,
+        seed: int = 0,
         progress: Progress = None,
         **options: Unpack[LogOptions],
     ) -> Rollout:
         """How far windows of a log drift that are simulated from their measured state.
 
         The arm moves by the measured torque; `horizons` are times since the measured state [s].
+        With `samples`, so many arms of :meth:`samples` are simulated too, and `covered` says how often
+        the measured arm ends in their band.
         """
         log = read_log(log, **options)
         with shown(progress) as told:
-            found = json.loads(self._rollout(log, sorted(map(float, horizons)), told))
+            drawn = None if samples is None else (samples, seed)
+            found = json.loads(self._rollout(log, sorted(map(float, horizons)), drawn, told))
 
         if not found:
             raise _core.LogError(
@@ -176,6 +181,7 @@ class Model(_core.Model):
             drift=of("rms_drift_rad"),
             hold=of("hold_rms_rad"),
             windows=np.array([own["windows"] for own in found]),
+            covered=None if samples is None else of("covered"),
         )
 
     @explicit(LogOptions)
@@ -382,6 +388,8 @@ class Rollout:
     """The same of an arm that keeps its velocity."""
     windows: NDArray[np.int64]
     """Windows, k."""
+    covered: NDArray[np.float64] | None = None
+    """Share of windows that end in the band of 90 % of the samples, k×n."""
 
     def to_frame(self) -> Any:
         """A frame of pandas with a row for each time and joint."""

@@ -26,6 +26,13 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "S", value_delimiter = ',', default_missing_value = "0.2,0.5,1",
         num_args = 0..=1, value_parser = horizon)]
     rollout: Option<Vec<f64>>,
+    /// Draw so many arms from the covariance of the model, simulate them too, and print how many of
+    /// the windows end in the band of 90 % of them
+    #[arg(long, value_name = "N", requires = "rollout", value_parser = samples)]
+    samples: Option<usize>,
+    /// Seed of the samples
+    #[arg(long, default_value_t = 0, requires = "samples")]
+    seed: u64,
     #[command(flatten)]
     signals: SignalArguments,
 }
@@ -38,7 +45,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if let Some(horizons) = &arguments.rollout {
         let mut horizons = horizons.clone();
         horizons.sort_by(f64::total_cmp);
-        scores.rollouts = rollouts(&model, &log, &horizons)?;
+        scores.rollouts = rollouts(
+            &model,
+            &log,
+            &horizons,
+            arguments.samples.map(|count| (count, arguments.seed)),
+        )?;
     }
     let repairs = log.repairs();
     let mut json = object(&scores);
@@ -57,6 +69,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         notes: scores.notes,
         ..Outcome::default()
     })
+}
+
+fn samples(text: &str) -> Result<usize, String> {
+    parsed(text, |count: &usize| (2..=10_000).contains(count), "give 2 to 10000")
 }
 
 fn horizon(text: &str) -> Result<f64, String> {
