@@ -45,11 +45,12 @@ impl Verdict {
             because.push("too few rows to hold any out".to_owned());
             return Self { grade, because };
         };
-        // A refit may have left more than what was judged on held-out rows.
-        for ((error, left), std) in
-            errors.iter_mut().zip(&training.residual_rms).zip(&training.torque_std)
-        {
-            *error = error.max(if *std > 0.0 { left / std } else { 0.0 });
+        if found.warnings.iter().any(|warning| matches!(warning, Warning::Refit { .. })) {
+            // What was judged on held-out rows is not what the refit left.
+            let left = training.residual_rms.iter().zip(&training.torque_std);
+            for (error, (left, std)) in errors.iter_mut().zip(left) {
+                *error = error.max(if *std > 0.0 { left / std } else { 0.0 });
+            }
         }
         let joints = |is: &dyn Fn(f64) -> bool| -> Vec<String> {
             let named = found.model.joints.iter().zip(&errors);
