@@ -15,8 +15,11 @@ pub struct Torques {
     joints: Vec<String>,
     /// Largest torque \[N·m\], n; infinite where there is no limit.
     most: Vec<f64>,
-    of: Box<dyn Fn(&State) -> Vec<f64> + Send + Sync>,
+    of: TorqueOf,
 }
+
+/// The torque \[N·m\] of a state, n.
+type TorqueOf = Box<dyn Fn(&State) -> Vec<f64> + Send + Sync>;
 
 /// Points are looked at so many to a segment or harmonic; what lies between them is kept off by
 /// planning with so much of the torque.
