@@ -12,7 +12,7 @@ use torquewise::dynamics::{
     Arm, Friction, MotionKind, MotionPlan, Noise, SimulatedLog, add_noise, arms as builtin_arms,
 };
 use torquewise::excite::{
-    Limits, PerJoint, Plan, Wishes, excite as plan_motions, joint_trajectory, limits,
+    Limits, PerJoint, Plan, Torques, Wishes, excite as plan_motions, joint_trajectory, limits,
 };
 use torquewise::motion::bounded_file;
 use torquewise::twin::{self, TwinLog};
@@ -106,7 +106,7 @@ type Wish<T> = Vec<(Option<String>, T)>;
 /// q, dq and ddq, and the name of the pattern and the `JointTrajectory` of ROS 2 as text.
 #[pyfunction]
 #[pyo3(signature = (arm, *, seconds=None, dwell=None, slow_sweeps=false, range=vec![], margin=None,
-                    max_velocity=vec![], max_acceleration=vec![], speed_scale=None, home=None,
+                    max_velocity=vec![], max_acceleration=vec![], torque_limit=vec![], speed_scale=None, home=None,
                     lock=vec![], interaction=None, tries=None, rate=None, ros_rate=20.0, seed=0,
                     progress=None))]
 #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
@@ -120,6 +120,7 @@ pub(crate) fn excite<'py>(
     margin: Option<f64>,
     max_velocity: Wish<f64>,
     max_acceleration: Wish<f64>,
+    torque_limit: Wish<f64>,
     speed_scale: Option<f64>,
     home: Option<Vec<f64>>,
     lock: Vec<String>,
@@ -130,7 +131,7 @@ pub(crate) fn excite<'py>(
     seed: u64,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyList>> {
-    let (arm, _) = arm_of(&arm, &lock)?;
+    let (arm, model) = arm_of(&arm, &lock)?;
     let (usual, wishes) = (Plan::default(), Wishes::default());
     let wishes = Wishes {
         range: PerJoint(range),
@@ -140,6 +141,11 @@ pub(crate) fn excite<'py>(
         margin: margin.unwrap_or(wishes.margin),
     };
     let limits: Vec<Limits> = limits(&arm, &wishes).map_err(value_error)?;
+    let most = PerJoint(torque_limit);
+    let torques = match model {
+        Some(model) => twin::torques(&model, &most).map_err(raised)?,
+        None => Torques::of_arm(&arm, &most).map_err(value_error)?,
+    };
     let plan = Plan {
         seconds: seconds.unwrap_or(usual.seconds),
         dwell: dwell.unwrap_or(usual.dwell),
@@ -150,7 +156,9 @@ pub(crate) fn excite<'py>(
         tries: tries.unwrap_or(usual.tries),
         seed,
     };
-    let found = work(py, progress, move |_| Ok(plan_motions(&limits, &plan, &mut |_, _| {})))?;
+    let found = work(py, progress, move |_| {
+        Ok(plan_motions(&limits, torques.as_ref(), &plan, &mut |_, _| {}))
+    })?;
     let found = found.map_err(value_error)?;
     let dicts = PyList::empty(py);
     for (recording, name) in found.recordings.iter().zip(["standstill", "uniform", "variable"]) {

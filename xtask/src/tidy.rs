@@ -1,5 +1,5 @@
 //! Rules that no compiler checks: the paths that ARCHITECTURE.md names exist, files and repository
-//! are no longer than they may be, and the learner does not know the arms it is tried on.
+//! are no longer than they may be, errors of libraries name no flags, and the learner does not know the arms it is tried on.
 
 use anyhow::{Context, Result, bail};
 use std::fs;
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// Lines of a file of Rust, and of all of them.
 const MOST_LINES_OF_FILE: usize = 400;
-const MOST_LINES: usize = 81_800;
+const MOST_LINES: usize = 82_700;
 
 /// Prints every broken rule.
 ///
@@ -29,7 +29,11 @@ fn check(root: &Path) -> Result<Vec<String>> {
     }
     let mut total = 0;
     for file in files {
-        let lines = read(&file)?.lines().count();
+        let text = read(&file)?;
+        let lines = text.lines().count();
+        if file.ends_with("error.rs") && !is_of_command_line(&file) && text.contains(" --") {
+            broken.push(format!("{} names a flag of the command line", file.display()));
+        }
         total += lines;
         if lines > MOST_LINES_OF_FILE {
             broken.push(format!("{} has {lines} lines", file.display()));
@@ -45,6 +49,11 @@ fn check(root: &Path) -> Result<Vec<String>> {
         broken.push("torquewise-identify must not know true arms: its tests alone may".into());
     }
     Ok(broken)
+}
+
+/// Whether a file may speak of flags.
+fn is_of_command_line(file: &Path) -> bool {
+    file.components().any(|part| part.as_os_str() == "torquewise-cli")
 }
 
 /// The files of Rust in a folder and those in it, but for what tools leave there.

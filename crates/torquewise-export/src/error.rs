@@ -23,7 +23,7 @@ pub enum ExportError {
     #[diagnostic(help("begin with a letter, then letters, digits and _"))]
     Name { name: String },
     #[error("the model has no links, of which a robot file is made")]
-    #[diagnostic(help("fit the log with --library chain, or with --urdf"))]
+    #[diagnostic(help("fit the log along a chain, learned or that of a URDF"))]
     NoChain,
     #[error("several coordinates turn one joint of the model, for which robot files have no word")]
     #[diagnostic(help("log the joint angles themselves"))]
@@ -37,7 +37,7 @@ pub enum ExportError {
     #[diagnostic(forward(0))]
     Urdf(#[from] torquewise_sim::SimError),
     #[error("the axis of {joint} lies elsewhere in the URDF than in the model")]
-    #[diagnostic(help("fit the log with --urdf and this file"))]
+    #[diagnostic(help("fit the log along the chain of this file"))]
     OtherGeometry { joint: String },
     #[error("the archive cannot be made")]
     Archive(#[from] zip::result::ZipError),

@@ -44,6 +44,7 @@ pub mod vectors;
 pub mod fmu;
 pub mod ros;
 mod robot;
+mod near;
 pub mod urdf;
 
 pub use c::to_c;

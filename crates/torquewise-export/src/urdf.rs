@@ -1,6 +1,7 @@
 //! A model as URDF or MJCF, alone or put into the URDF of the arm.
 
 use crate::error::{ExportError, Result};
+use crate::near::near;
 use crate::robot::{Losses, Robot};
 use crate::template::filled_xml;
 use torquewise_model::Model;
@@ -48,7 +49,8 @@ pub fn to_mjcf(model: &Model, version: &str) -> Result<RobotFile> {
 /// A URDF of the arm with the inertia and friction of a model: `<inertial>` of the links that move
 /// and `<dynamics>` of the joints of the model; every other byte stays.
 ///
-/// A link that is welded to another keeps its inertia where what is left is a body; else the first
+/// What the log does not tell of a link stays near what the file has, and bodies stay possible. A
+/// link that is welded to another keeps its inertia where what is left is a body; else the first
 /// link carries all.
 ///
 /// - `text`: the file; the model was fitted with its geometry
@@ -58,7 +60,7 @@ pub fn to_mjcf(model: &Model, version: &str) -> Result<RobotFile> {
 /// As [`to_urdf`]; [`ExportError::Urdf`] if it is no URDF of these joints,
 /// [`ExportError::OtherGeometry`] if its axes lie elsewhere.
 pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFile> {
-    let robot = Robot::of(model)?;
+    Robot::of(model)?;
     let geometry = model.chain.as_ref().ok_or(ExportError::NoChain)?.axes()?;
     let chain = model.chain.as_ref().and_then(|chain| chain.robot.as_ref());
     let names = chain.map_or(&model.joints, |names| &names.joints);
@@ -75,6 +77,8 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
         let joint = names[k / torquewise_rigid::geometry::PER_JOINT + 1].clone();
         return Err(ExportError::OtherGeometry { joint });
     }
+    let nominal: Vec<_> = chain.joints.iter().map(|joint| joint.inertial_of_file).collect();
+    let robot = Robot::of(&near(model, &nominal)?)?;
     let (mut bodies, mut dynamics) = (Vec::new(), Vec::new());
     let mut left_out = left_out_of_urdf(&robot);
     for (joint, own) in chain.joints.iter().zip(&robot.joints) {

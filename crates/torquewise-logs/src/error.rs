@@ -106,7 +106,7 @@ pub enum LogError {
     #[error("{place}, column {column} has no value (null)")]
     #[diagnostic(help("fill it or drop the row"))]
     Null { place: Place, column: String },
-    #[error("{place}: t = {t} s does not follow {before} s")]
+    #[error("{place}: t = {t:?} s does not follow {before:?} s")]
     #[diagnostic(help(
         "sort the rows and drop repeated ones, or put each trajectory in a file of its own"
     ))]

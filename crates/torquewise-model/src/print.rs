@@ -84,7 +84,9 @@ pub fn text(model: &Model, selection: &Selection) -> String {
     let terms: usize = torques.iter().map(|(_, equation)| equation.len()).sum();
     let is_asked_for = *selection != Selection::default();
     if terms > MANY_TERMS && !energies.is_empty() && !is_asked_for {
-        lines.push(format!("{terms} terms: --joint J, --part NAME, --top N or --all show them"));
+        lines.push(format!(
+            "{terms} terms: ask for a joint, a part, the largest or all to see them"
+        ));
     } else {
         left_out += also;
         let shafts = ShaftFriction::all(model);
@@ -107,7 +109,7 @@ pub fn text(model: &Model, selection: &Selection) -> String {
         lines.push(String::new());
         let (terms, are) = if left_out == 1 { ("term", "is") } else { ("terms", "are") };
         let why = if selection.top.is_some() { "" } else { ", below 2 standard errors" };
-        lines.push(format!("{left_out} {terms} {are} not shown{why}; --all shows every term"));
+        lines.push(format!("{left_out} {terms} {are} not shown{why}; ask for all to see them"));
     }
     lines.join("\n") + "\n"
 }

@@ -42,21 +42,21 @@ pub enum MotionError {
     #[diagnostic(help("sort the rows and drop repeated ones"))]
     TimeOrder { row: usize },
     #[error(
-        "t has a gap of {gap} s at row {row}, with a usual step of {step} s the even grid would \
-         have {rows} rows"
+        "t has a gap of {gap:?} s at row {row}, with a usual step of {step:?} s the even grid would \
+         have {rows:?} rows"
     )]
     #[diagnostic(help("cut the trajectory there"))]
     Gap { row: usize, gap: f64, step: f64, rows: f64 },
     #[error("the first part of the log is evenly stamped, but not the part around row {row}")]
     #[diagnostic(help("plan from a part that shows it, or cut the trajectory at gaps"))]
     Uneven { row: usize },
-    #[error("no low-pass filter with a cut-off of {cutoff:?} Hz at {rate} Hz")]
+    #[error("no low-pass filter with a cut-off of {cutoff:?} Hz at {rate:?} Hz")]
     #[diagnostic(help("the cut-off must be above 0 and below half the rate"))]
     Cutoff { cutoff: f64, rate: f64 },
     #[error("no filter of order {order}")]
     #[diagnostic(help("take one from 1 to {limit}, 4 is usual"))]
     FilterOrder { order: usize, limit: usize },
-    #[error("{what} is {value}")]
+    #[error("{what} is {value:?}")]
     #[diagnostic(help("it must be {expected}"))]
     Setting { what: &'static str, value: f64, expected: &'static str },
     #[error("nothing is left of {rows} rows after trimming")]

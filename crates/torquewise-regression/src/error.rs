@@ -10,7 +10,7 @@ pub enum SparseError {
     #[error("{what} is not finite at entry {entry}")]
     #[diagnostic(help("filter the log or drop the sample"))]
     NotFinite { what: &'static str, entry: usize },
-    #[error("{setting} is {found}, expected {expected}")]
+    #[error("{setting} is {found:?}, expected {expected}")]
     Setting { setting: &'static str, found: f64, expected: &'static str },
     #[error("column {column} of a problem with {columns}")]
     #[diagnostic(help("count columns from 0"))]

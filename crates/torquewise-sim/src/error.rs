@@ -74,13 +74,13 @@ pub enum SimError {
     #[error("{what} of `{place}` is not finite")]
     #[diagnostic(help("give a number"))]
     NotFinite { what: &'static str, place: String },
-    #[error("mass of `{place}` is {mass} kg")]
+    #[error("mass of `{place}` is {mass:?} kg")]
     #[diagnostic(help("a mass is a number that is not negative"))]
     Mass { place: String, mass: f64 },
     #[error("inertia of `{place}` has a negative principal moment")]
     #[diagnostic(help("check the signs and the order ixx, iyy, izz, ixy, ixz, iyz"))]
     Inertia { place: String },
-    #[error("range of joint `{joint}` is [{lower}, {upper}]")]
+    #[error("range of joint `{joint}` is [{lower:?}, {upper:?}]")]
     #[diagnostic(help(
         "give lower < upper, within the limits of the arm; a joint that slides must have limits"
     ))]
@@ -106,13 +106,13 @@ pub enum SimError {
     Setting { what: &'static str, found: f64, expected: &'static str },
     #[error("{what} of joint `{joint}` is {found:?}, expected {expected}")]
     Limit { what: &'static str, joint: String, found: f64, expected: &'static str },
-    #[error("home of joint `{joint}` is {home} rad, it may move from {lower} to {upper}")]
+    #[error("home of joint `{joint}` is {home:?} rad, it may move from {lower:?} to {upper:?}")]
     #[diagnostic(help("move it into the range"))]
     Home { joint: String, home: f64, lower: f64, upper: f64 },
     #[error("noise case {0} is unknown")]
     #[diagnostic(help("choose 1, 2 or 3"))]
     NoiseCase(u8),
-    #[error("signal-to-noise ratio of {signal} is {db} dB")]
+    #[error("signal-to-noise ratio of {signal} is {db:?} dB")]
     #[diagnostic(help("give a number, or +inf for no noise"))]
     NoiseLevel { signal: &'static str, db: f64 },
 
@@ -138,16 +138,22 @@ pub enum SimError {
 
     // Planning a motion
     #[error(
-        "the recording `{recording}` of {seconds} s has no room for a single {piece} there and back"
+        "the recording `{recording}` of {seconds:?} s has no room for a single {piece} there and back"
     )]
     #[diagnostic(help("give it more seconds or the joints more speed"))]
     TooShort { recording: &'static str, seconds: f64, piece: &'static str },
     #[error("a plan for {columns} columns would take too long, expected at most {limit}")]
     #[diagnostic(help("lower the interaction order or lock joints"))]
     TooManyColumns { columns: usize, limit: usize },
-    #[error("the planned {what} of joint `{joint}` reaches {found}, allowed are {limit}")]
+    #[error("the planned {what} of joint `{joint}` reaches {found:?}, allowed are {limit:?}")]
     #[diagnostic(help("this is a mistake of the planner, please report it"))]
     Exceeds { what: &'static str, joint: String, found: f64, limit: f64 },
+    #[error(
+        "the torque of joint `{joint}` cannot be kept within {limit:?} N·m, the motions tried ask \
+         for {needed:.1e} N·m or more"
+    )]
+    #[diagnostic(help("raise its limit, narrow the ranges or take another home"))]
+    Weak { joint: String, limit: f64, needed: f64 },
     #[error("the library cannot be listed")]
     #[diagnostic(forward(0))]
     Library(#[from] IdentifyError),

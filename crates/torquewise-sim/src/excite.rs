@@ -10,7 +10,7 @@
 //!
 //! let limits = limits(&Arm::builtin("planar-2")?, &Wishes::default())?;
 //! let plan = Plan { seconds: [10.0, 40.0, 30.0], tries: 2, ..Plan::default() };
-//! let found = excite(&limits, &plan, &mut |_, _| {})?;
+//! let found = excite(&limits, None, &plan, &mut |_, _| {})?;
 //! assert!(found.recordings.iter().zip(plan.seconds).all(|(found, most)| found.seconds <= most));
 //! assert!(found.peaks[2][0].velocity <= limits[0].planned.velocity);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -22,8 +22,9 @@ mod segment;
 mod part;
 mod library;
 pub mod information;
-mod design;
 pub mod recording;
+pub mod torques;
+mod design;
 pub mod planner;
 pub mod ros;
 
@@ -33,3 +34,4 @@ pub use limits::{Bounds, Limits, PerJoint, Wishes, limits};
 pub use planner::{Excitation, Plan, excite};
 pub use recording::{Peaks, Planned};
 pub use ros::{Waypoint, joint_trajectory, waypoints};
+pub use torques::Torques;

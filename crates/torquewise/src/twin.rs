@@ -5,6 +5,7 @@ use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::{Drive, Model, ModelError, Torque};
 use torquewise_motion::{Motion, ReadResult, Recording, Signals, Visit};
 use torquewise_sim::arm::ArmParts;
+use torquewise_sim::excite::{PerJoint, State, Torques};
 use torquewise_sim::friction::{Friction, Stribeck};
 use torquewise_sim::{Arm, MotionPlan, SimulatedLog};
 
@@ -38,6 +39,18 @@ pub fn arm(model: &Model) -> Result<Arm> {
         rotors,
         limits: limits.collect(),
     })?)
+}
+
+/// Limits of the torque of a model, friction included, for a plan; `None` if none is given.
+///
+/// # Errors
+/// `Error::Arm` if a limit is of no joint or out of bounds.
+pub fn torques(model: &Model, most: &PerJoint<f64>) -> Result<Option<Torques>> {
+    let (torque, none) = (Torque::new(model), vec![f64::NAN; model.n_joints()]);
+    let of = move |state: &State| {
+        torque.at(&state.q, &state.dq, &state.ddq).unwrap_or_else(|_| none.clone())
+    };
+    Ok(Torques::new(&model.joints, most, of)?)
 }
 
 /// The friction of single joints of a model, dry and viscous, nearest to the learned curves: for

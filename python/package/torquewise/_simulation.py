@@ -78,6 +78,7 @@ def excite(
     margin: float | None = None,
     max_velocity: Mapping[str, float] | float | None = None,
     max_acceleration: Mapping[str, float] | float | None = None,
+    torque_limit: Mapping[str, float] | float | None = None,
     speed_scale: float | None = None,
     home: Sequence[float] | None = None,
     lock: Sequence[str] = (),
@@ -100,6 +101,9 @@ def excite(
         a share of the way between them.
     max_velocity, max_acceleration, speed_scale
         A dict from joint to number, or one for all [rad/s], [rad/s²]; factor of all speeds.
+    torque_limit
+        The same of the torques [N·m]: all is slowed until they are kept, those of a model with its
+        friction.
     home, lock
         Pose at both ends [rad]; joints of a URDF that are held at 0.
     interaction, tries, seed
@@ -117,6 +121,7 @@ def excite(
             margin=margin,
             max_velocity=_wishes(max_velocity),
             max_acceleration=_wishes(max_acceleration),
+            torque_limit=_wishes(torque_limit),
             speed_scale=speed_scale,
             home=None if home is None else list(home),
             lock=list(lock),

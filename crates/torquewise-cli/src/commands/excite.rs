@@ -4,17 +4,18 @@ mod figure;
 mod summary;
 
 use crate::error::Result;
-use crate::files::{check_files, create_folder, read_arm, staged, write_whole};
+use crate::files::{check_files, create_folder, read_arm, read_twin, staged, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::share_bar;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use torquewise::excite::{
-    Excitation, Limits, PerJoint, Plan, Planned, Wishes, excite, joint_trajectory, limits,
+    Excitation, Limits, PerJoint, Plan, Planned, Torques, Wishes, excite, joint_trajectory, limits,
 };
 use torquewise::logs::LogWriter;
 use torquewise::motion::Recording;
 use torquewise::motion::stats::whole;
+use torquewise::twin;
 
 /// Plan the recordings from which a model can be reconstructed
 ///
@@ -24,7 +25,8 @@ use torquewise::motion::stats::whole;
 /// The arm's own shape and its surroundings are not known: try the motion in a simulator first.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
-    /// Built-in arm (see `torquewise simulate --list`), .urdf file, or .toml file with a DH table
+    /// Built-in arm (see `torquewise simulate --list`), .urdf file, .toml file with a DH table, or
+    /// model as .json file
     arm: String,
     /// Folder for the recordings and their figure
     #[arg(short, long, value_name = "DIR")]
@@ -57,6 +59,11 @@ pub(crate) struct Arguments {
     /// Accelerations in rad/s² to keep to, as [JOINT=]A,... [default: planned speed in 0.5 s]
     #[arg(help_heading = "Limits", long, value_name = "A", value_delimiter = ',', value_parser = number_of_joint)]
     max_acceleration: Vec<(Option<String>, f64)>,
+    /// Largest torques of the drives in N·m, as [JOINT=]TAU,...: all is slowed until they are kept
+    ///
+    /// The torque is that of the masses of the arm, or of a model with its friction.
+    #[arg(help_heading = "Limits", long, value_name = "TAU", value_delimiter = ',', value_parser = number_of_joint)]
+    torque_limit: Vec<(Option<String>, f64)>,
     /// Speeds of the plan as a share of their limits
     #[arg(help_heading = "Limits", long, value_name = "SHARE", default_value_t = Wishes::default().speed_scale)]
     speed_scale: f64,
@@ -93,19 +100,29 @@ struct Files {
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let arm = read_arm(&arguments.arm, &arguments.lock)?;
     let limits = limits(&arm, &arguments.wishes())?;
+    let most = PerJoint(arguments.torque_limit.clone());
+    let torques = match read_twin(&arguments.arm, None)? {
+        Some(model) => twin::torques(&model, &most)?,
+        None => Torques::of_arm(&arm, &most)?,
+    };
     let files = Files::within(&arguments.output);
     create_folder(&arguments.output)?;
     let inputs = [PathBuf::from(&arguments.arm)];
     check_files(&inputs, files.all().map(|file| (file.as_path(), &[][..])))?;
-    let planned = plan_and_write(arguments, &limits, &files)?;
-    Ok(summary::outcome(arguments, &limits, &planned, &files))
+    let planned = plan_and_write(arguments, &limits, torques.as_ref(), &files)?;
+    Ok(summary::outcome(arguments, (&limits, torques.as_ref()), &planned, &files))
 }
 
-fn plan_and_write(arguments: &Arguments, limits: &[Limits], files: &Files) -> Result<Excitation> {
+fn plan_and_write(
+    arguments: &Arguments,
+    limits: &[Limits],
+    torques: Option<&Torques>,
+    files: &Files,
+) -> Result<Excitation> {
     let planned = {
         let bar = share_bar();
         bar.set_length(1000);
-        excite(limits, &arguments.plan(), &mut |share, doing| {
+        excite(limits, torques, &arguments.plan(), &mut |share, doing| {
             bar.set_position(whole(1000.0 * share) as u64);
             bar.set_message(doing);
         })?

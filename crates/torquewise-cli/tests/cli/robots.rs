@@ -41,6 +41,34 @@ fn fitted() -> Terminal {
 }
 
 #[test]
+fn what_the_log_does_not_tell_of_a_link_stays_that_of_the_urdf() {
+    let terminal = fitted();
+    // A file whose links are of the right size, though not of the right inertia about their axes.
+    let file = terminal.read("arm.urdf").replace("iyy=\"0.05\"", "iyy=\"0.06\"");
+    terminal.write("other.urdf", &file);
+
+    terminal.done("export arm.json --to urdf --onto other.urdf -o new.urdf");
+
+    // The first link turns about its y alone: its mass and the other moments are of no torque.
+    let text = terminal.read("new.urdf");
+    let upper = &text[text.find("<link name=\"upper\">").unwrap()..];
+    let number = |name: &str| -> f64 {
+        let start = upper.find(&format!("{name}=\"")).unwrap() + name.len() + 2;
+        upper[start..].split('"').next().unwrap().parse().unwrap()
+    };
+    let mass = upper[upper.find("<mass value=\"").unwrap() + 13..].split('"').next().unwrap();
+    let mass: f64 = mass.parse().unwrap();
+    assert!((mass - 4.0).abs() < 0.8, "{text}");
+    for (name, expected) in [("ixx", 0.05), ("izz", 0.02)] {
+        assert!((number(name) - expected).abs() < 0.2 * expected, "{name}: {text}");
+    }
+    // What the log tells is the log's: the torque is that of the arm, not of the file.
+    terminal.done("simulate new.urdf -o new.csv --seconds 10 --rate 50 --seed 5 --motion sines");
+    let scores = terminal.json("evaluate arm.json new.csv");
+    assert!(each(&scores["joints"], "nrmse_percent").iter().all(|x| *x < 2.0), "{scores}");
+}
+
+#[test]
 fn a_urdf_comes_back_with_what_was_learned_and_all_else_as_it_was() {
     let terminal = fitted();
 
@@ -150,7 +178,7 @@ fn a_urdf_that_is_not_of_the_arm_is_refused_with_what_to_do() {
         terminal.misused(line, &[word]);
     }
     terminal.done("fit three.csv -o library.json");
-    terminal.refused("export library.json --to urdf -o x.urdf", &["--library chain"]);
+    terminal.refused("export library.json --to urdf -o x.urdf", &["along a chain"]);
     terminal.refused("payload library.json three.csv", &["fit the log along a chain"]);
     terminal.refused("evaluate three.csv library.json", &["is a log", "the model comes first"]);
     terminal.write("names.csv", "time,angle_a,effort_a\n0,1,2\n0.1,1,2\n");

@@ -41,7 +41,7 @@ fn the_model_of_a_planned_log_predicts_sines_it_has_not_seen() {
     let limits = limits(&arm, &Wishes::default()).unwrap();
     for slow_sweeps in [false, true] {
         let plan = Plan { tries: 6, seed: 1, slow_sweeps, ..Plan::default() };
-        let planned = excite(&limits, &plan, &mut |_, _| {}).unwrap();
+        let planned = excite(&limits, None, &plan, &mut |_, _| {}).unwrap();
         let log = planned.recordings.each_ref().map(|recording| executed(&arm, recording));
 
         let found =

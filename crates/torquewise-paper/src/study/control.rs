@@ -102,7 +102,8 @@ fn learn(plant: &Plant, settings: &Settings) -> Result<Model> {
         tries: 8,
         ..excite::Plan::default()
     };
-    let planned = excite::excite(&excite::limits(&plant.arm, &wishes)?, &plan, &mut |_, _| {})?;
+    let planned =
+        excite::excite(&excite::limits(&plant.arm, &wishes)?, None, &plan, &mut |_, _| {})?;
     let recorded = |planned: &Planned| -> Result<Motion> {
         let raw = record(plant, &planned.motion()?, VELOCITY_BANDWIDTH)?;
         Ok(condition(&raw, &Conditioning::default())?.motion)

@@ -25,6 +25,7 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
             items.push(Item::Details { summary, items: vec![fitted] });
         }
     }
+    items.extend(parts(findings));
     Section { heading: "Torque".into(), items }
 }
 
@@ -37,6 +38,33 @@ fn charts(findings: &Findings<'_>, diagnosis: &Diagnosis, link: &str) -> Item {
     let of = |joint: usize| (joint, kinds.of(joint), &friction[joint][..]);
     let charts = joints.map(|joint| chart(diagnosis, &clock, of(joint), link));
     Item::Charts(charts.collect())
+}
+
+/// What the predicted torque is made of, a chart per joint, folded.
+fn parts(findings: &Findings<'_>) -> Option<Item> {
+    let (model, trace) = (&findings.found.model, &findings.judged().trace);
+    let parts = Torque::new(model).parts(&trace.motion).ok()?;
+    let clock = Clock::new(trace.motion.t());
+    let named = [
+        ("inertia", &parts.inertia),
+        ("Coriolis", &parts.coriolis),
+        ("gravity", &parts.gravity),
+        ("friction", &parts.friction),
+    ];
+    let chart = |joint: usize| {
+        let rubs = model.friction.iter().any(|law| law.term.acts_on(joint));
+        let own = named.iter().take(if rubs { named.len() } else { named.len() - 1 });
+        let series = own.enumerate().map(|(k, (name, part))| {
+            let points = clock.curve(|row| part[(row, joint)]);
+            Series::new(*name, Mark::Line, Colour::Series(k), points)
+        });
+        let label = units::unit(model.kinds().of(joint), "torque [N·m]");
+        let chart = Chart::over(&model.joints[joint], [clock::LABEL, &label], series.collect());
+        Chart { linked: Some("time of the parts".into()), ..chart }
+    };
+    let summary = "Its parts: inertia, Coriolis, gravity, friction".into();
+    let charts = (0..model.n_joints()).map(chart).collect();
+    Some(Item::Details { summary, items: vec![Item::Charts(charts)] })
 }
 
 /// Friction \[N·m\] of each joint at the rows of a diagnosis; empty for a joint without.

@@ -20,8 +20,9 @@ fn friction_is_drawn_written_and_weighed() {
     let (without, with) = (report(&[]), report(&[dry]));
 
     let [before, after] = [&without, &with].map(|html| html.matches("\"friction\"").count());
-    // One curve for the joint that rubs, in the log and in the other motion; none for the first.
-    assert_eq!(after, before + 2);
+    // One curve for the joint that rubs, in the log, in the other motion and among the parts of its
+    // torque; none for the first.
+    assert_eq!(after, before + 3);
     assert!(!without.contains("<div class=\"part\">friction</div>"));
     assert_eq!(with.matches("<div class=\"part\">friction</div>").count(), 1);
     assert!(with.contains("One term is friction.") && with.contains("∂q + friction"));

@@ -5,7 +5,9 @@ use crate::excite::information::Information;
 use crate::excite::library::Library;
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, Sweep};
+use crate::excite::recording::REST;
 use crate::excite::segment::glide_seconds;
+use crate::excite::torques::{Torques, route};
 use crate::random::between;
 use faer::Mat;
 use rand_chacha::ChaCha8Rng;
@@ -34,6 +36,7 @@ pub(crate) struct Task<'a> {
     pub(crate) library: &'a Library,
     pub(crate) limits: &'a [Bounds],
     pub(crate) home: &'a [f64],
+    pub(crate) torques: Option<&'a Torques>,
     /// Time \[s\] of the whole recording at most.
     pub(crate) seconds: f64,
     pub(crate) effort: Effort,
@@ -108,7 +111,7 @@ impl Task<'_> {
             }
             let Some(part) = self.draw(kind, rng) else { continue };
             let seconds = self.seconds_with(chosen, Some((chosen.len(), &part)));
-            if seconds <= self.seconds {
+            if seconds <= self.seconds && self.keeps(chosen, chosen.len(), &part) {
                 drawn.push((part, (seconds - before).max(f64::MIN_POSITIVE)));
             }
         }
@@ -129,7 +132,10 @@ impl Task<'_> {
         for k in 0..self.tries() {
             let varied =
                 if k % 4 == 3 { self.draw(kind, rng) } else { old.part.vary(self.limits, rng) };
-            let fits = |part: &Part| self.seconds_with(chosen, Some((place, part))) <= self.seconds;
+            let fits = |part: &Part| {
+                self.seconds_with(chosen, Some((place, part))) <= self.seconds
+                    && self.keeps(chosen, place, part)
+            };
             drawn.extend(varied.filter(fits).map(|part| (part, 1.0)));
         }
         let mut without = information.clone();
@@ -175,6 +181,18 @@ impl Task<'_> {
             None => {}
         }
         seconds_of(self.home, parts, self.limits)
+    }
+
+    /// Whether a part in a place, with the ways to it and on, keeps to the torques.
+    fn keeps(&self, chosen: &[Chosen], place: usize, part: &Part) -> bool {
+        let anchor = |place: Option<usize>| {
+            let there = place.and_then(|place| chosen.get(place));
+            there.map_or_else(|| self.home.to_vec(), |chosen| chosen.part.anchor())
+        };
+        self.torques.is_none_or(|torques| {
+            let [from, to] = [place.checked_sub(1), place.checked_add(1)].map(anchor);
+            torques.keep(&route(&from, part, &to, self.limits))
+        })
     }
 
     fn tries(&self) -> usize {
@@ -230,9 +248,6 @@ impl Task<'_> {
         middle.clamp(PERIOD[0], PERIOD[1]).min(room)
     }
 }
-
-/// Time at rest at the beginning and at the end \[s\].
-pub(crate) const REST: f64 = 0.5;
 
 /// Time \[s\] that parts take with the glides between them.
 fn seconds_of(home: &[f64], parts: Vec<&Part>, limits: &[Bounds]) -> f64 {

@@ -59,7 +59,8 @@ impl Information {
 pub struct Criterion {
     /// Columns judged: energies, offsets, friction.
     pub columns: usize,
-    /// Condition number of the columns, each of unit length; infinite if some depend on others.
+    /// Condition number of the columns, each of size one over the limits; infinite if some depend on
+    /// others.
     pub condition: f64,
     /// Geometric mean of the eigenvalues of the information per second, columns being of size one
     /// over the limits; zero if some depend on others. D-optimality is to make this large.
@@ -78,13 +79,6 @@ impl Criterion {
         } else {
             0.0
         };
-        let lengths: Vec<f64> = (0..p).map(|j| gram[(j, j)].sqrt()).collect();
-        for j in 0..p {
-            for i in j..p {
-                gram[(i, j)] /= lengths[i] * lengths[j];
-            }
-        }
-        let eigenvalues = self::eigenvalues(&gram);
         let condition = match (eigenvalues.first(), eigenvalues.last()) {
             (Some(least), Some(most)) if is_regular(&eigenvalues) => (most / least).sqrt(),
             _ => f64::INFINITY,
@@ -149,13 +143,15 @@ mod tests {
     }
 
     #[test]
-    fn the_condition_is_that_of_the_columns_whatever_their_lengths() {
-        // Columns at 60 degrees: eigenvalues 1 ± 1/2.
+    fn the_condition_counts_columns_that_hardly_move() {
+        // Columns of lengths 1 and 10 at 60 degrees: eigenvalues (101 ± √(99² + 10²))/2 of YᵀY.
         let rows = faer::mat![[1.0, 5.0], [0.0, 5.0 * 3.0_f64.sqrt()]];
 
         let found = Criterion::of(rows.as_ref(), 2.0);
 
-        assert_relative_eq!(found.condition, 3.0_f64.sqrt(), max_relative = 1e-12);
+        let root = 9_901.0_f64.sqrt();
+        let expected = ((101.0 + root) / (101.0 - root)).sqrt();
+        assert_relative_eq!(found.condition, expected, max_relative = 1e-12);
         // det(YᵀY) = 1·100·(1 − 1/4), per second a quarter of it.
         let geometric_mean = (75.0_f64 / 4.0).sqrt();
         assert_relative_eq!(found.information, geometric_mean, max_relative = 1e-12);

@@ -15,6 +15,14 @@ pub struct Bounds {
     pub acceleration: f64,
 }
 
+impl Bounds {
+    /// The same at a share of the speed.
+    pub(crate) fn slowed(&self, speed: f64) -> Self {
+        let acceleration = speed * speed * self.acceleration;
+        Self { velocity: speed * self.velocity, acceleration, ..*self }
+    }
+}
+
 /// The limits of one joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limits {
@@ -69,7 +77,7 @@ pub const SECONDS_TO_SPEED: f64 = 0.5;
 const SENSIBLE: [f64; 2] = [1e-4, 1e4];
 
 impl<T: Copy> PerJoint<T> {
-    fn resolve(&self, what: &'static str, joints: &[String]) -> Result<Vec<Option<T>>> {
+    pub(crate) fn resolve(&self, what: &'static str, joints: &[String]) -> Result<Vec<Option<T>>> {
         let named = self.0.iter().filter(|(name, _)| name.is_some()).count();
         let (n, found) = (joints.len(), self.0.len());
         if named == 0 {
@@ -175,7 +183,7 @@ fn inset([lower, upper]: [f64; 2], margin: f64) -> [f64; 2] {
     [lower + distance, upper - distance]
 }
 
-fn check_rate(what: &'static str, joint: &str, found: f64) -> Result<()> {
+pub(crate) fn check_rate(what: &'static str, joint: &str, found: f64) -> Result<()> {
     if (SENSIBLE[0]..=SENSIBLE[1]).contains(&found) {
         return Ok(());
     }

@@ -1,7 +1,6 @@
 //! A planned recording: parts with glides between them, its rows at a rate, and their peaks.
 
 use crate::error::{Result, SimError};
-use crate::excite::design::REST;
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, States};
 use crate::excite::segment::{Segment, glide};
@@ -29,6 +28,8 @@ pub struct Planned {
 /// How far a joint goes in a recording: least and greatest position, largest speed and acceleration.
 pub type Peaks = Bounds;
 
+/// Time at rest at the beginning and at the end \[s\].
+pub(crate) const REST: f64 = 0.5;
 /// Instants between two rows at which limits are checked.
 const BETWEEN_ROWS: usize = 5;
 /// Roundings of states beside limits.

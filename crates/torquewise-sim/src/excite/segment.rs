@@ -71,6 +71,11 @@ impl Segment {
         }
     }
 
+    /// Pieces that a few points tell the course of: of sines as many as harmonics.
+    pub(crate) fn pieces(&self) -> usize {
+        if let Self::Sines(sines) = self { sines.harmonics() } else { 1 }
+    }
+
     pub(crate) fn state_at(&self, t: f64, state: &mut State) {
         match self {
             Self::Hold { at, .. } => state.set_on_line(at, at, [0.0; 3]),

@@ -10,7 +10,7 @@ use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Geometry, JointKind};
 
-/// Where the axes of an arm lie, as its URDF says it; its masses are not read.
+/// Where the axes of an arm lie, as its URDF says it, with its masses where they can be.
 ///
 /// It gives a fit the geometry that would else be searched, and takes back what was found of the
 /// links in the frames of the file.
@@ -33,6 +33,9 @@ pub struct UrdfJoint {
     pub name: String,
     /// The link that it turns, then those that are welded to it.
     pub links: Vec<String>,
+    /// Inertial parameters of these links together, as the file has them, in the frame of the
+    /// geometry; `None` where it has none that can be.
+    pub inertial_of_file: Option<[f64; PER_BODY]>,
     /// The frame of the geometry in that of the first link.
     X_LG: Pose,
     /// Bodies of the file that are welded to the first link, in its frame; those whose joint could
@@ -137,9 +140,11 @@ impl UrdfChain {
             let X_ZZ = X_LZ.inverse() * X_PL * own;
             placements.push(Placement { rotation: X_ZZ.R_AB, origin: X_ZZ.p_AB });
             let (name, links) = (joint.name.clone(), links(&after));
+            let inertial_of_file = tree.body(&after).ok().map(|body| body.inertial_parameters());
             let welded = tree.others(&after);
             let welded = welded.map(|(name, body, is_fixed)| WeldedLink { name, body, is_fixed });
-            joints.push(UrdfJoint { name, links, X_LG: own, welded: welded.collect() });
+            let welded = welded.collect();
+            joints.push(UrdfJoint { name, links, inertial_of_file, X_LG: own, welded });
             X_LZ = own;
         }
         if joints.is_empty() {
@@ -153,6 +158,10 @@ impl UrdfChain {
         let (geometry, frames) = Geometry::of_joints(&placements, &kinds.into(), gravity);
         for (joint, frame) in joints.iter_mut().zip(frames) {
             joint.X_LG = joint.X_LG * Pose { R_AB: frame.rotation, p_AB: frame.origin };
+            let X_GL = joint.X_LG.inverse();
+            let seen = |own: &[f64; PER_BODY]| Body::of_parameters(own).seen_from(&X_GL);
+            let seen = joint.inertial_of_file.as_ref().map(|own| seen(own).inertial_parameters());
+            joint.inertial_of_file = seen.filter(|own| torquewise_rigid::inertia::is_feasible(own));
         }
         Ok(Self { name: robot.name.clone(), base: links(&base), joints, geometry })
     }

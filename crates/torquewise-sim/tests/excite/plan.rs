@@ -6,7 +6,8 @@ use std::collections::BTreeSet;
 use std::sync::LazyLock;
 use torquewise_motion::Recording;
 use torquewise_sim::excite::{
-    Excitation, Limits, PerJoint, Plan, State, Wishes, excite, joint_trajectory, limits, waypoints,
+    Excitation, Limits, PerJoint, Plan, State, Torques, Wishes, excite, joint_trajectory, limits,
+    waypoints,
 };
 use torquewise_sim::{Arm, SimError};
 
@@ -27,7 +28,7 @@ fn quick() -> Plan {
 }
 
 fn planned(plan: &Plan) -> Excitation {
-    excite(&three_joints(), plan, &mut |_, _| {}).unwrap()
+    excite(&three_joints(), None, plan, &mut |_, _| {}).unwrap()
 }
 
 static POSES: LazyLock<Excitation> = LazyLock::new(|| planned(&quick()));
@@ -158,6 +159,57 @@ fn a_plan_tells_more_than_a_random_one() {
     assert_eq!([shares(&POSES), shares(&CREEPS)], [[21, 79, 85], [24, 79, 85]]);
 }
 
+/// A plan of two links in a vertical plane, with limits of the torque \[N·m\].
+fn limited(most: [f64; 2]) -> Result<Excitation, SimError> {
+    let arm = Arm::builtin("planar-2").unwrap();
+    let most = PerJoint(most.map(|most| (None, most)).to_vec());
+    let torques = Torques::of_arm(&arm, &most)?;
+    let plan = Plan { home: Some(vec![-1.5, 0.0]), ..quick() };
+    excite(&limits(&arm, &Wishes::default())?, torques.as_ref(), &plan, &mut |_, _| {})
+}
+
+#[test]
+fn torques_of_a_plan_stay_within_those_of_the_drives() {
+    let arm = Arm::builtin("planar-2").unwrap();
+    let free = limited([1e3; 2]).unwrap();
+    let most = free.torques.as_ref().unwrap().iter().map(|peak| 0.9 * peak).collect::<Vec<_>>();
+
+    let weak = limited([most[0], most[1]]).unwrap();
+
+    let mut peaks = [0.0_f64; 2];
+    for (_, State { q, dq, ddq }) in weak.recordings.iter().flat_map(rows) {
+        let tau = arm.inverse_dynamics(&q, &dq, &ddq);
+        peaks.iter_mut().zip(tau).for_each(|(peak, tau)| *peak = peak.max(tau.abs()));
+    }
+    assert!(peaks[0] <= most[0] && peaks[1] <= most[1], "{peaks:?} {most:?}");
+    assert!(peaks[0] > 0.5 * most[0], "{peaks:?} {most:?}: what there is, is used");
+    assert!(weak.speed <= free.speed, "{}", weak.speed);
+    assert!(weak.criteria[2].condition.is_finite());
+}
+
+#[test]
+fn torques_that_do_not_hold_the_arm_are_refused_with_the_joint() {
+    let error = limited([1e3, 0.01]).unwrap_err();
+    assert!(matches!(&error, SimError::Weak { joint, .. } if joint == "joint2"), "{error}");
+    let error = limited([1.0, -1.0]).unwrap_err();
+    assert!(error.to_string().contains("torque limit of joint `joint2`"), "{error}");
+}
+
+#[test]
+fn no_plan_is_worse_conditioned_than_a_random_one() {
+    for (name, seed, tries) in [("planar-2", 1, 24), ("planar-2", 3, 24), ("generic-4", 2, 24)] {
+        let arm = Arm::builtin(name).unwrap();
+        let plan = Plan { seed, tries, ..Plan::default() };
+        let limits = limits(&arm, &Wishes::default()).unwrap();
+
+        let found = excite(&limits, None, &plan, &mut |_, _| {}).unwrap();
+
+        for (planned, random) in found.criteria.iter().zip(&found.random) {
+            assert!(planned.condition <= random.condition, "{name} {seed}: {planned:?} {random:?}");
+        }
+    }
+}
+
 #[test]
 fn a_seed_gives_the_same_bits_and_another_seed_another_plan() {
     let plan = Plan { tries: 3, seconds: [10.0, 40.0, 20.0], ..quick() };
@@ -223,7 +275,7 @@ fn a_trajectory_names_the_joints_and_starts_at_home() {
 
 #[test]
 fn settings_that_make_no_plan_are_refused() {
-    let refused = |plan: Plan| excite(&three_joints(), &plan, &mut |_, _| {}).unwrap_err();
+    let refused = |plan: Plan| excite(&three_joints(), None, &plan, &mut |_, _| {}).unwrap_err();
     let cases = [
         (Plan { seconds: [0.0, 60.0, 60.0], ..quick() }, "standstill"),
         (Plan { seconds: [30.0, f64::NAN, 60.0], ..quick() }, "uniform"),
@@ -234,6 +286,7 @@ fn settings_that_make_no_plan_are_refused() {
         (Plan { tries: 0, ..quick() }, "tries"),
         (Plan { interaction: Some(0), ..quick() }, "interaction"),
         (Plan { home: Some(vec![0.0; 3]), ..quick() }, "joint2"),
+        (Plan { home: Some(vec![0.0, 1.0, -1e300]), ..quick() }, "is -1e300 rad, it may"),
         (Plan { home: Some(vec![0.0; 2]), ..quick() }, "3 joints"),
         (Plan { home: Some(vec![f64::NAN; 3]), ..quick() }, "joint1"),
         (Plan { seconds: [1.2, 60.0, 60.0], ..quick() }, "no room for a single pose"),

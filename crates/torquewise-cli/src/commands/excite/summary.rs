@@ -4,7 +4,7 @@ use super::{Arguments, Files};
 use crate::outcome::Outcome;
 use crate::table::Table;
 use serde_json::{Value, json};
-use torquewise::excite::{Excitation, Limits, Peaks};
+use torquewise::excite::{Excitation, Limits, Peaks, Torques};
 use torquewise::model::number;
 
 const UNKNOWN: &str = "Collisions are not checked: neither the shape of the arm nor its \
@@ -15,12 +15,21 @@ const ABOUT: [(&str, &str); 3] =
 
 pub(super) fn outcome(
     arguments: &Arguments,
-    limits: &[Limits],
+    (limits, torques): (&[Limits], Option<&Torques>),
     planned: &Excitation,
     files: &Files,
 ) -> Outcome {
-    let text = text(arguments, limits, planned, files);
-    let json = json(arguments, limits, planned, files);
+    let mut text = text(arguments, limits, planned, files);
+    let mut json = json(arguments, limits, planned, files);
+    if let (Some(torques), Some(peaks)) = (torques, &planned.torques) {
+        text = format!("{}\n{text}", torques_text(limits, torques, peaks, planned.speed));
+        json["speed"] = json!(planned.speed);
+        for ((joint, peak), most) in
+            json["joints"].as_array_mut().into_iter().flatten().zip(peaks).zip(torques.most())
+        {
+            joint["torque"] = json!({ "peak": peak, "limit": most });
+        }
+    }
     Outcome { text, json, warnings: warnings(planned), ..Outcome::default() }
 }
 
@@ -48,8 +57,9 @@ fn text(arguments: &Arguments, limits: &[Limits], planned: &Excitation, files: &
     let home: Vec<String> = planned.recordings[0].home.iter().map(|q| number(*q)).collect();
     format!(
         "{}: planned within {} of the speed limits, home at {} rad\n\n{}{}\n\
-         Condition number of the columns, and information per second (D-optimality), beside\n\
-         those of a random plan within the same limits; – where some cannot be told apart;\n\
+         Information per second, which the plan makes large (D-optimality), and condition number\n\
+         of the columns, each of size one over the limits, beside those of a random plan within\n\
+         the same limits; – where some cannot be told apart;\n\
          interaction order {}:\n\n{}\n{}figure: {}\n\n{}\n",
         arguments.arm,
         arguments.speed_scale,
@@ -88,6 +98,17 @@ fn limits_text(limits: &[Limits], planned: &Excitation) -> String {
     table.text()
 }
 
+/// What the drives are asked for, and how much slower the plan is for it.
+fn torques_text(limits: &[Limits], torques: &Torques, peaks: &[f64], speed: f64) -> String {
+    let mut table = Table::new(["joint", "peak tau [N·m]", "limit"]);
+    for ((own, peak), most) in limits.iter().zip(peaks).zip(torques.most()) {
+        table.row(&own.joint, [*peak, *most].map(number));
+    }
+    let slowed =
+        format!("Speeds are {} of those planned without limits of the torque", number(speed));
+    format!("{slowed}:\n\n{}", table.text())
+}
+
 fn assumed_text(limits: &[Limits]) -> String {
     let flags = [
         ("position", "--range", "one turn"),
@@ -104,11 +125,11 @@ fn assumed_text(limits: &[Limits]) -> String {
 }
 
 fn criteria_text(planned: &Excitation) -> String {
-    let condition = ["condition", "random", "information [1/s]", "random"];
+    let condition = ["information [1/s]", "random", "condition", "random"];
     let mut table = Table::new(["recording", "about", "columns"].into_iter().chain(condition));
     let pairs = planned.criteria.iter().zip(&planned.random);
     for ((name, about), (own, random)) in ABOUT.into_iter().zip(pairs) {
-        let condition = [own.condition, random.condition, own.information, random.information];
+        let condition = [own.information, random.information, own.condition, random.condition];
         let cells = [about.to_owned(), own.columns.to_string()];
         table.row(name, cells.into_iter().chain(condition.map(number)));
     }

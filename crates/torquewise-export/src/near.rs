@@ -1,0 +1,96 @@
+//! Links as near to those of a URDF as the log allows.
+
+use faer::{Mat, Side};
+use torquewise_model::{Drive, Model, ModelError, RigidChain};
+use torquewise_rigid::base_parameters::base_parameters;
+use torquewise_rigid::feasible::{Positive, Prior, Quadratic, minimise};
+use torquewise_rigid::inertia::{Inertial, is_feasible};
+use torquewise_rigid::recursion::PER_BODY;
+
+/// Weight of a link of the file against the log: as if it were known to a third of its size.
+const WEIGHT: f64 = 10.0;
+/// What a combination of parameters is known to at best, squared, in errors of each alone: beyond
+/// it the covariance is rounding.
+const LEAST: f64 = 1e-6;
+
+/// The model with links and rotors of the least log-det divergence \[E14\] from those of a file,
+/// weighed against the covariance of what torque determines. So base parameters that the log tells
+/// stay, and what it does not tell of a link is that of the file. As it is without a covariance.
+///
+/// - `nominal`: inertial parameters of each link in its frame; `None` where the file has no body
+///
+/// # Errors
+/// [`ModelError::Chain`] if its geometry is none.
+pub(crate) fn near(model: &Model, nominal: &[Option<Inertial>]) -> Result<Model, ModelError> {
+    let mut model = model.clone();
+    if let Some(chain) = &mut model.chain
+        && !chain.covariance.is_empty()
+    {
+        let learned = chain.parameters(&[]);
+        let n_known = PER_BODY * chain.links.len() + chain.drives.len();
+        let learned = &learned[..n_known];
+        let hessian = information(chain, learned)?;
+        let right: Vec<f64> = (0..n_known)
+            .map(|i| (0..n_known).map(|j| hessian[(i, j)] * learned[j]).sum())
+            .collect();
+        let cost = Quadratic { hessian: &hessian, right: &right };
+        if let Ok(found) = minimise(cost, &prior(chain, nominal), WEIGHT, learned) {
+            *chain = chain.at(&found, 0);
+        }
+    }
+    Ok(model)
+}
+
+/// Bodies of the file, or as learned; rotors as learned.
+fn prior(chain: &RigidChain, nominal: &[Option<Inertial>]) -> Prior {
+    let bodies = chain.links.iter().zip(nominal);
+    let body = |(own, file): (&Inertial, &Option<Inertial>)| {
+        file.filter(|file| is_feasible(file)).unwrap_or(*own)
+    };
+    let rotor = |(k, drive): (usize, &Drive)| match drive {
+        Drive::Rotor { inertia, .. } if *inertia > 0.0 => Some(Positive {
+            least: 0.0,
+            terms: vec![(PER_BODY * chain.links.len() + k, 1.0)],
+            nominal: *inertia,
+            weight: 1.0,
+        }),
+        _ => None,
+    };
+    Prior {
+        bodies: bodies.map(body).collect(),
+        positive: chain.drives.iter().enumerate().filter_map(rotor).collect(),
+        small: Vec::new(),
+    }
+}
+
+/// Inverse covariance of base parameters and drives as a quadratic form of all links and drives:
+/// zero along what torque does not notice.
+fn information(chain: &RigidChain, at: &[f64]) -> Result<Mat<f64>, ModelError> {
+    let (p, links) = (at.len(), PER_BODY * chain.links.len());
+    let axes = chain.axes()?;
+    let columns: Vec<Vec<f64>> = (0..p)
+        .map(|k| {
+            let mut unit = vec![0.0; p];
+            unit[k] = 1.0;
+            let mut column = base_parameters(&axes, &unit[..links]);
+            column.extend_from_slice(&unit[links..]);
+            column
+        })
+        .collect();
+    let is_noticed = |row: &usize| columns.iter().any(|column| column[*row].abs() > 1e-9);
+    let noticed: Vec<usize> = (0..p).filter(is_noticed).collect();
+    let r = noticed.len();
+    let map = Mat::from_fn(r, p, |i, k| columns[k][noticed[i]]);
+    let covariance = Mat::from_fn(p, p, |i, j| chain.covariance[i.max(j)][i.min(j)]);
+    let spread = &map * covariance * map.transpose();
+    // What is exact in the model is so to rounding.
+    let sizes: Vec<f64> = (0..r).map(|i| spread[(i, i)].max(1e-18).sqrt()).collect();
+    let scaled = Mat::from_fn(r, r, |i, j| spread[(i, j)] / (sizes[i] * sizes[j]));
+    let fail = || ModelError::Chain { reason: "its covariance is not finite".to_owned() };
+    let eigen = scaled.self_adjoint_eigen(Side::Lower).map_err(|_| fail())?;
+    let (vectors, values) = (eigen.U(), eigen.S().column_vector());
+    let root =
+        Mat::from_fn(r, r, |i, j| vectors[(j, i)] / (sizes[j] * values[i].max(LEAST).sqrt()));
+    let root = root * map;
+    Ok(root.transpose() * &root)
+}
