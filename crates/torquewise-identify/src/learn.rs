@@ -109,8 +109,7 @@ pub(crate) fn learn(
     let kinds = chain.geometry.kinds().clone();
     let mut offers = learner.springs(&balanced, &kinds);
     if matches!(friction, FrictionKind::Stribeck | FrictionKind::Auto) {
-        let bare = ChainSpec { drive: known(&kinds), ..spec.clone() };
-        learner.reverse(&bare, &chain, &mut choices)?;
+        learner.reverse(&spec, known(&kinds), &chain, &mut choices)?;
     }
     if has_friction {
         offers.extend(learner.shafts(&kinds));
@@ -118,7 +117,9 @@ pub(crate) fn learn(
     let mut offered = Vec::new();
     match friction {
         FrictionKind::None | FrictionKind::Linear => {}
-        FrictionKind::Stribeck => spec.drive.extend(DriveTerm::friction(learner.laws.stribeck())),
+        FrictionKind::Stribeck => {
+            spec = learner.with_stribeck(ChainSpec { drive: known(&kinds), ..spec });
+        }
         FrictionKind::Auto => {
             let laws = learner.friction(&kinds);
             offered = laws.iter().flat_map(Offer::terms).collect();
@@ -128,10 +129,7 @@ pub(crate) fn learn(
     }
     Progress::Choices.tell(watch)?;
     learner.choose(&mut spec, &chain, &offers, &mut choices)?;
-    for &joint in &balanced {
-        let (what, chosen) = (offers::balance_of(motion, joint), "spring".to_owned());
-        choices.push(Choice { what, chosen, rule: "as given".to_owned(), from: Vec::new() });
-    }
+    choices.extend(balanced.iter().map(|&joint| offers::given_balance(motion, joint)));
     if learner.is_linear(&spec) {
         // Where no joint wants more than dry and viscous friction, what was offered is left out.
         offered.clear();

@@ -21,8 +21,8 @@ const GAP: f64 = 1.5;
 /// \[rad/s\] below which they do.
 const ROUNDS: usize = 50;
 const AGREED: f64 = 1e-9;
-/// Part of the arms that a model may as well be on either side of their band.
-const OUTSIDE: f64 = 0.05;
+/// On either side of their band lies one of so many arms that a model may as well be.
+const OUTSIDE: usize = 20;
 /// Speed \[rad/s\] below which a shaft is held by its friction as by a viscous one.
 const HELD: f64 = 1e-7;
 
@@ -390,6 +390,6 @@ pub fn drifts(
 fn is_in_band(mut among: Vec<f64>, value: f64) -> bool {
     among.sort_by(f64::total_cmp);
     let Some(last) = among.len().checked_sub(1) else { return false };
-    let at = |part: f64| among[(part * last as f64).round() as usize];
-    (at(OUTSIDE)..=at(1.0 - OUTSIDE)).contains(&value)
+    let outside = (last + OUTSIDE / 2) / OUTSIDE;
+    (among[outside]..=among[last - outside]).contains(&value)
 }

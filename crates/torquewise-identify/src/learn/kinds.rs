@@ -10,6 +10,7 @@ use torquewise_motion::Motion;
 use torquewise_rigid::search::{all_parameters, glance, refine};
 use torquewise_rigid::{Chain, Rows, Search};
 use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::friction::FrictionKind;
 
 /// Travel \[m\] of a slide at most: a joint that goes farther is taken to turn. Arms with longer ones
 /// are told of them.
@@ -123,6 +124,12 @@ impl ChainLearner<'_> {
             }
         }
         Ok(chain)
+    }
+
+    /// A specification with the whole dictionary of friction.
+    pub(super) fn with_stribeck(&self, mut spec: ChainSpec) -> ChainSpec {
+        spec.drive.extend(DriveTerm::friction(self.laws.of(FrictionKind::Stribeck)));
+        upright(spec)
     }
 
     /// Joints that moved so little that they may slide.

@@ -62,8 +62,14 @@ impl Offer {
     }
 }
 
+/// A spring that is known.
+pub(super) fn given_balance(motion: &Motion, joint: usize) -> Choice {
+    let (what, chosen) = (balance_of(motion, joint), "spring".to_owned());
+    Choice { what, chosen, rule: "as given".to_owned(), from: Vec::new() }
+}
+
 /// The choice of a spring, as the model file has it.
-pub(super) fn balance_of(motion: &Motion, joint: usize) -> String {
+fn balance_of(motion: &Motion, joint: usize) -> String {
     format!("counterbalance of {}", motion.joints()[joint])
 }
 
@@ -148,6 +154,7 @@ impl ChainLearner<'_> {
     pub(super) fn reverse(
         &mut self,
         spec: &ChainSpec,
+        known: Vec<DriveTerm>,
         chain: &Chain,
         choices: &mut Vec<Choice>,
     ) -> Result<(), IdentifyError> {
@@ -164,7 +171,8 @@ impl ChainLearner<'_> {
             worth: WORTH,
             trifle: 0.0,
         };
-        if let Some((way, choice)) = self.best(spec, chain, &[offer])?.into_iter().next() {
+        let bare = ChainSpec { drive: known, ..spec.clone() };
+        if let Some((way, choice)) = self.best(&bare, chain, &[offer])?.into_iter().next() {
             self.laws = laws[way].clone();
             choices.extend(choice);
         }

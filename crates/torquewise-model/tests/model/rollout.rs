@@ -44,7 +44,7 @@ fn dry_friction_stops_a_joint_and_holds_it() {
 }
 
 /// A motion of two joints that obeys a model.
-fn obeying(model: &Model) -> Motion {
+fn obeying(model: &Model) -> Result<Motion, Box<dyn std::error::Error>> {
     let (rows, of) = (2_000, |row: usize| 1e-3 * row as f64);
     let signal = |f: &dyn Fn(f64) -> f64| Mat::from_fn(rows, 2, |row, _| f(of(row)));
     let signals = Signals {
@@ -55,29 +55,29 @@ fn obeying(model: &Model) -> Motion {
         ddq: signal(&|t| -9.0 * (3.0 * t).sin()),
         tau: None,
     };
-    let motion = Motion::new(signals.clone()).unwrap();
-    let tau = Some(Torque::new(model).over(&motion).unwrap());
-    Motion::new(Signals { tau, ..signals }).unwrap()
+    let motion = Motion::new(signals.clone())?;
+    let tau = Some(Torque::new(model).over(&motion)?);
+    Ok(Motion::new(Signals { tau, ..signals })?)
 }
 
 #[test]
 fn measured_ends_lie_in_the_band_of_arms_around_the_true_one_alone() {
     let arm = |viscous| knee(FrictionLaw::Viscous, viscous);
-    let motion = obeying(&arm(0.4));
+    let motion = obeying(&arm(0.4)).unwrap();
     let share = |around: [f64; 5]| {
         let found = drifts(&arm(0.4), &around.map(arm), &motion, &[0.5]).unwrap();
         found[0].covered.clone().unwrap()
     };
 
     // Friction of the second joint alone.
-    assert_eq!(share([0.2, 0.3, 0.4, 0.5, 0.6])[1], 1.0);
-    assert_eq!(share([0.6, 0.7, 0.8, 0.9, 1.0])[1], 0.0);
+    assert!(share([0.2, 0.3, 0.4, 0.5, 0.6])[1] > 0.99);
+    assert!(share([0.6, 0.7, 0.8, 0.9, 1.0])[1] < 0.01);
 }
 
 #[test]
 fn windows_of_a_motion_that_obeys_the_model_stay_with_it() {
     let model = knee(FrictionLaw::Viscous, 0.4);
-    let motion = obeying(&model);
+    let motion = obeying(&model).unwrap();
 
     let found = drifts(&model, &[], &motion, &[0.2, 0.5]).unwrap();
 
