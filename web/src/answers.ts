@@ -61,7 +61,7 @@ export interface Fitted {
 export interface Scores {
   scores: {
     rows: number;
-    joints: { name: string; rmse: number; nrmse_percent: number; r2: number; raw_nrmse_percent?: number }[];
+    joints: { name: string; rmse: number; nrmse_percent: number; r2: number | null; raw_nrmse_percent?: number }[];
   };
   warnings: string[];
   notes: string[];

@@ -90,7 +90,7 @@ export class ColumnsForm {
     const of = (meaning: Meaning) => this.families.filter((family) => family.meaning === meaning);
     const clock = of("t")[0];
     if (clock) profile.t = { column: clock.columns[0]!.name, unit: clock.unit };
-    if (this.rate.trim() !== "") profile.rate = Number(this.rate);
+    else if (this.rate.trim() !== "") profile.rate = Number(this.rate);
     for (const signal of SIGNALS) {
       const own = of(signal);
       if (own.length === 0) continue;
@@ -152,7 +152,7 @@ export class ColumnsForm {
 function families(columns: Column[]): Family[] {
   const found = new Map<string, Column[]>();
   for (const column of columns) {
-    const stem = column.name.replace(/(\d+|(?<=[_.\- ])[A-Za-z])(?=\D*$)/, "#");
+    const stem = column.name.replace(/(\d+|(?<=[_.\- ])[A-Za-z](?![A-Za-z]))(?=\D*$)/, "#");
     found.set(stem, [...(found.get(stem) ?? []), column]);
   }
   return [...found.values()].map((own) => ({ columns: own, meaning: "", unit: "" }));

@@ -28,7 +28,10 @@ function compile(): Promise<WebAssembly.Module> {
     ENGINE = undefined;
     const plain = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
     return WebAssembly.compile(await new Response(plain).arrayBuffer());
-  })();
+  })().catch((failure: unknown) => {
+    compiled = undefined;
+    throw failure;
+  });
   return compiled;
 }
 

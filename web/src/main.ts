@@ -109,6 +109,7 @@ function fit(form: HTMLFormElement): Promise<void> {
       export: (to, own) => void work(async () => {
         const { json: made, content } = await ask<{ name: string; left_out: string[] }>({ ask: "export", model: json.model, to, name: own, force: false }, [], doing);
         download(made.name, content, "application/octet-stream");
+        if (made.left_out.length > 0) refuse(`${made.name} is saved. It cannot hold: ${made.left_out.join("; ")}.`, null);
       }),
       compare: (other) => void work(() => compare(other)),
       simulate: OTHER_MOTIONS[name] === undefined ? undefined

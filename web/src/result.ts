@@ -28,7 +28,7 @@ export function showResult(answered: Answered<Fitted>, name: string, wishes: Wis
   const report = element("iframe", { title: "Report of the fit", sandbox: "allow-scripts", srcdoc: fitted.report });
   const held = summary.joints.map((_, joint) => {
     const [time, region] = [summary.held_out_percent[joint], summary.held_out_by_region_percent[joint]];
-    return time === undefined ? undefined : Math.max(time, region ?? 0);
+    return time == null ? undefined : Math.max(time, region ?? time);
   });
   const formats = FORMATS.filter(([to]) => fitted.is_chain || (to !== "urdf" && to !== "mjcf"));
   const other = element("input", { type: "file", multiple: true, id: "other", accept: ".csv,.parquet,.mcap,.npz,.mat,.db3", onchange: () => {
@@ -74,7 +74,7 @@ function details(title: string, texts: string[]): HTMLElement | null {
 export function showScores({ scores, warnings, notes }: Scores, name: string): void {
   fill(byId("scores"),
     table(`Prediction of ${name}, ${scores.rows} rows`, ["joint", "RMSE [N·m]", "NRMSE [%]", "R²"],
-      scores.joints.map((joint) => [joint.name, number(joint.rmse), number(joint.nrmse_percent), joint.r2.toFixed(6)])),
+      scores.joints.map((joint) => [joint.name, number(joint.rmse), number(joint.nrmse_percent), joint.r2 == null ? "–" : joint.r2.toFixed(6)])),
     list([...warnings, ...notes]));
   byId("scores").focus();
 }

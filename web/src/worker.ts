@@ -32,7 +32,8 @@ const PAUSE = 100;
 
 scope.onmessage = ({ data }) => {
   let engine: Engine;
-  const bytes = (start: number, length: number) => new Uint8Array(engine.memory.buffer, start, length);
+  // Beyond 2 GB a place in the memory comes as a negative number.
+  const bytes = (start: number, length: number) => new Uint8Array(engine.memory.buffer, start >>> 0, length >>> 0);
   const text = (start: number, length: number) => new TextDecoder().decode(bytes(start, length));
   const blocks = new Map<string, Uint8Array>();
   const reader = new FileReaderSync();

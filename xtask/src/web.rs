@@ -104,6 +104,7 @@ fn engine(root: &Path) -> Result<PathBuf> {
     cargo.current_dir(root).args(["rustc", "--package", "torquewise-web", "--lib", "--locked"]);
     cargo.args(["--crate-type", "cdylib", "--profile", "web", "--target", TARGET, "--target-dir"]);
     cargo.arg(&folder).env_remove("RUSTC").env_remove("CARGO_TARGET_DIR");
+    cargo.env_remove("CARGO_ENCODED_RUSTFLAGS");
     // A stack as large as that of a thread elsewhere.
     cargo.env("RUSTFLAGS", "-Ctarget-feature=+simd128 -Clink-arg=-zstack-size=4194304");
     cargo.env("CC_wasm32_unknown_unknown", clang());

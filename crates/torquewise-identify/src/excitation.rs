@@ -294,7 +294,7 @@ impl fmt::Display for Finding {
                     f,
                     "the torques are not in one unit, as currents of different motors are not: the \
                      links that joints share ask for gains of {}; give these as the scale of tau in \
-                     a profile, and find their common factor by `payload --known-mass`",
+                     a profile, and find their common factor by a payload of known mass",
                     list(&each)
                 )
             }

@@ -107,21 +107,21 @@ pub(crate) fn learn(
         None => learner.moving_geometry(given, &at_kinds, &mut choices)?,
     };
     let kinds = chain.geometry.kinds().clone();
-    let mut offers = learner.springs(&balanced, &kinds);
+    let searched = if is_given { JointKinds::default() } else { kinds.clone() };
+    let (mut offers, mut offered) = (learner.springs(&balanced, &kinds), Vec::new());
     if matches!(friction, FrictionKind::Stribeck | FrictionKind::Auto) {
         learner.reverse(&spec, known(&kinds), &chain, &mut choices)?;
     }
     if has_friction {
         offers.extend(learner.shafts(&kinds));
     }
-    let mut offered = Vec::new();
     match friction {
         FrictionKind::None | FrictionKind::Linear => {}
         FrictionKind::Stribeck => {
-            spec = learner.with_stribeck(ChainSpec { drive: known(&kinds), ..spec });
+            spec = learner.with_stribeck(ChainSpec { drive: known(&kinds), ..spec }, &searched);
         }
         FrictionKind::Auto => {
-            let laws = learner.friction(&kinds);
+            let laws = learner.friction(&searched);
             offered = laws.iter().flat_map(Offer::terms).collect();
             offers.extend(laws);
             spec.drive = known(&kinds);

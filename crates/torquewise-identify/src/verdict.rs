@@ -49,7 +49,9 @@ impl Verdict {
             // What was judged on held-out rows is not what the refit left.
             let left = training.residual_rms.iter().zip(&training.torque_std);
             for (error, (left, std)) in errors.iter_mut().zip(left) {
-                *error = error.max(if *std > 0.0 { left / std } else { 0.0 });
+                if *std > 0.0 && !error.is_nan() {
+                    *error = error.max(left / std);
+                }
             }
         }
         let joints = |is: &dyn Fn(f64) -> bool| -> Vec<String> {

@@ -57,7 +57,8 @@ impl<'a> Fit<'a> {
         Self { observer, ..self }
     }
 
-    /// Conditions the log, fits it, and judges the model on blocks of time that were held out.
+    /// Conditions the log, fits it, and judges the model on blocks of time that were held out. Where the
+    /// library is open and its terms give a model that is of no use, or joints slide, it learns a chain.
     ///
     /// # Errors
     /// `Error::UnusedOption` if an option does not go with what is fitted, `Error::Interrupted`
@@ -73,17 +74,20 @@ impl<'a> Fit<'a> {
         };
         let is_useful = |fit: &FitResult| Verdict::of(&fit.found).grade != Grade::Unusable;
         let suffices = is_useful(&fit);
-        if seems.is_none() && suffices {
+        if fit.model.chain.is_some() || seems.is_none() && suffices {
             return Ok(fit);
         }
         let chain = FitOptions { library: Some(Library::Chain), ..self.options.clone() };
         if self.options.library.is_none() && chain.check().is_ok() {
-            return match self.run_as(&chain) {
-                Err(Error::Interrupted) => Err(Error::Interrupted),
-                Ok(chain) if !chain.model.kinds().all_turn() => Ok(chain),
-                Ok(chain) if !suffices && is_useful(&chain) => Ok(chain),
-                _ => Ok(fit),
-            };
+            match self.run_as(&chain) {
+                Err(Error::Interrupted) => return Err(Error::Interrupted),
+                Ok(chain) if !chain.model.kinds().all_turn() || !suffices && is_useful(&chain) => {
+                    return Ok(chain);
+                }
+                Ok(_) => return Ok(fit),
+                // What seems to slide is said of the terms below.
+                Err(_) => {}
+            }
         }
         if let Some(kinds) = seems {
             let kinds = kinds.letters(fit.model.n_joints());

@@ -57,7 +57,7 @@ impl ChainLearner<'_> {
         choices: &mut Vec<Choice>,
     ) -> Result<(ChainSpec, Chain), IdentifyError> {
         if let Some(kinds) = given {
-            let (mut spec, mut own) = (upright(at(kinds)), Vec::new());
+            let (mut spec, mut own) = (upright(at(kinds.clone()), &kinds), Vec::new());
             let chain = self.geometry(&mut spec, None, &mut own)?;
             return self.coupled_geometry(&spec, (chain, own), choices);
         }
@@ -80,7 +80,7 @@ impl ChainLearner<'_> {
         let (kinds, untold) = self.promising_kinds(at, &short)?;
         if !kinds.all_turn() {
             let (found, mut sliding, mut made) =
-                (self.found.clone(), upright(at(kinds.clone())), Vec::new());
+                (self.found.clone(), upright(at(kinds.clone()), &kinds), Vec::new());
             let slid = self.geometry(&mut sliding, None, &mut made)?;
             let watch = searching(self.watch);
             let n = self.motion.n_joints();
@@ -127,9 +127,9 @@ impl ChainLearner<'_> {
     }
 
     /// A specification with the whole dictionary of friction.
-    pub(super) fn with_stribeck(&self, mut spec: ChainSpec) -> ChainSpec {
+    pub(super) fn with_stribeck(&self, mut spec: ChainSpec, searched: &JointKinds) -> ChainSpec {
         spec.drive.extend(DriveTerm::friction(self.laws.of(FrictionKind::Stribeck)));
-        upright(spec)
+        upright(spec, searched)
     }
 
     /// Joints that moved so little that they may slide.
@@ -196,11 +196,11 @@ impl ChainLearner<'_> {
     }
 }
 
-/// Without offsets of slides: gravity is as constant there, and tells which way is up.
-fn upright(spec: ChainSpec) -> ChainSpec {
-    let slides = |shaft: &[f64]| {
-        (0..shaft.len()).any(|joint| shaft[joint] != 0.0 && spec.search.kinds.slides(joint))
-    };
+/// Without offsets of slides whose direction is searched: gravity explains them as well, and tells
+/// which way is up.
+fn upright(spec: ChainSpec, searched: &JointKinds) -> ChainSpec {
+    let slides =
+        |shaft: &[f64]| (0..shaft.len()).any(|joint| shaft[joint] != 0.0 && searched.slides(joint));
     let is_told = |term: &DriveTerm| match term {
         DriveTerm::Friction(term) => term.law != FrictionLaw::Offset || !slides(&term.shaft),
         _ => true,

@@ -45,8 +45,13 @@ impl Offer {
         let place = trials.iter().position(near)?;
         let (what, chosen) = (self.what.clone(), trials[place].label.clone());
         let (part, count) = (100.0 * self.worth, trials[place].errors.len());
+        let or = if self.trifle > 0.0 {
+            format!(" or {:.1} % of the torque", 100.0 * self.trifle)
+        } else {
+            String::new()
+        };
         let rule =
-            format!("simplest within {part:.1} % of the least error, {count} regions held out");
+            format!("simplest within {part:.1} % of the least error{or}, {count} regions held out");
         Some((place, Choice { what, chosen, rule, from: listed(trials) }))
     }
 
@@ -115,8 +120,9 @@ impl ChainLearner<'_> {
         (0..n).filter(|joint| !known.contains(joint)).map(of).collect()
     }
 
-    /// The friction of each joint; the offset of a slide is left to gravity, which is as constant.
-    pub(super) fn friction(&self, kinds: &JointKinds) -> Vec<Offer> {
+    /// The friction of each joint; the offset of a slide whose direction was searched is left to
+    /// gravity, which explains it as well.
+    pub(super) fn friction(&self, searched: &JointKinds) -> Vec<Offer> {
         let own = |joint: usize, terms: Vec<FrictionTerm>| {
             terms
                 .into_iter()
@@ -124,7 +130,7 @@ impl ChainLearner<'_> {
         };
         let of = |joint: usize| {
             let is_told =
-                |term: &FrictionTerm| term.law != FrictionLaw::Offset || kinds.of(joint).turns();
+                |term: &FrictionTerm| term.law != FrictionLaw::Offset || searched.of(joint).turns();
             let linear: Vec<FrictionTerm> =
                 own(joint, self.laws.linear()).filter(is_told).collect();
             let moving = linear.len() - 1;

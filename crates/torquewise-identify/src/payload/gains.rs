@@ -183,7 +183,7 @@ impl Gains {
         if !self.is_given {
             hints.push(
                 "the axes of the model were learned: lengths of a wrist, and with them its gains, \
-                 may be off by more than the errors say; fit with --urdf"
+                 may be off by more than the errors say; fit with a URDF"
                     .to_owned(),
             );
         }

@@ -52,6 +52,8 @@ struct Chosen {
 const RIDGE: f64 = 1e-9;
 /// Parts that may be drawn in vain, for each that is tried.
 const VAIN: usize = 20;
+/// And so many times as often where the torque is limited.
+const HARDER: usize = 10;
 /// Poses are cheap to judge.
 const POSES_PER_TRY: usize = 8;
 /// Share of the time after which joints no longer sweep alone, if each did so once.
@@ -105,7 +107,9 @@ impl Task<'_> {
         let before = self.seconds_with(chosen, None);
         let kind = self.kind(chosen.len(), before);
         let mut drawn = Vec::new();
-        for _ in 0..VAIN * self.tries() {
+        // Limits of the torque refuse most parts that are drawn.
+        let vain = if self.torques.is_some() { HARDER * VAIN } else { VAIN };
+        for _ in 0..vain * self.tries() {
             if drawn.len() == self.tries() {
                 break;
             }

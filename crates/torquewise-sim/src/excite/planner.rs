@@ -135,7 +135,7 @@ pub fn excite(
         }
         // The most information need not be the best conditioned: other sines may be.
         let before = [&recordings[0], &recordings[1]];
-        let other = setting.recording(&before, effort, again, progress)?;
+        let other = setting.recording(&before, effort, again, &mut |_, _| {})?;
         let other = [recordings[0].clone(), recordings[1].clone(), other];
         let judged = setting.criteria(&other)?;
         if judged[2].condition < criteria[2].condition {

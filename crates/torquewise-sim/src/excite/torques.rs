@@ -143,7 +143,8 @@ impl Torques {
 
     fn raise(&self, peaks: &mut [f64], state: &State) {
         for (peak, torque) in peaks.iter_mut().zip((self.of)(state)) {
-            *peak = peak.max(torque.abs());
+            // What cannot be computed keeps to no limit.
+            *peak = if torque.is_nan() { f64::INFINITY } else { peak.max(torque.abs()) };
         }
     }
 
