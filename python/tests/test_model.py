@@ -253,7 +253,7 @@ def test_a_call_costs_microseconds(model):
 
 def test_pinocchio_moves_the_arm_as_the_model_does(chain):
     pin = pytest.importorskip("pinocchio")
-    with pytest.warns(UserWarning, match="not in the Pinocchio model: .*energy term V"):
+    with pytest.warns(UserWarning, match="not in the Pinocchio model: .*offset torque"):
         own = chain.to_pinocchio()
     data, rng = own.createData(), np.random.default_rng(3)
 

@@ -95,7 +95,7 @@ def test_a_load_is_weighed(chain):
     assert drives.apparent_mass == pytest.approx(1.0, rel=0.02)
     told = drives.gain_errors < 0.02 * drives.gains
     assert told.sum() >= 2 and np.allclose(drives.gains[told], 2.0, rtol=0.05)
-    assert any("--urdf" in hint for hint in drives.hints)
+    assert any("URDF" in hint for hint in drives.hints)
     with pytest.raises(ValueError, match="mass"):
         torquewise.gains(chain, log, known_mass=0.0)
 
