@@ -273,6 +273,11 @@ def test_a_rollout_says_how_far_simulated_windows_drift(chain):
     assert found.horizons.tolist() == [0.2, 0.5] and (found.windows > 5).all()
     assert found.drift.shape == found.hold.shape == (2, 3)
     assert (found.drift < 0.1 * found.hold).all()
+    assert found.covered is None
+    covered = chain.rollout(log, horizons=(0.5,), samples=10, seed=1).covered
+    assert covered.shape == (1, 3) and ((covered >= 0) & (covered <= 1)).all()
+    with pytest.raises(ValueError, match="samples"):
+        chain.rollout(log, samples=1)
     assert len(found.to_frame()) == 6
     with pytest.raises(ValueError, match="horizons: expected seconds above 0"):
         chain.rollout(log, horizons=(0.0,))
