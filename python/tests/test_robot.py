@@ -58,6 +58,19 @@ def test_motions_are_planned_within_limits():
         assert "joint_names" in own["joint_trajectory"]
 
 
+def test_a_plan_keeps_to_limits_of_the_torque():
+    limit = {"joint1": 26.0, "joint2": 5.0}
+    found = torquewise.excite("planar-2", seconds=(10, 30, 40), tries=1, torque_limit=limit)
+
+    arm = torquewise.simulate("planar-2", seconds=20, rate=100, seed=1)
+    model = torquewise.fit(arm, filter="none").model
+    for own in found:
+        tau = model.torque(own["q"], own["dq"], own["ddq"])
+        assert (np.abs(tau).max(axis=0) <= [26.2, 5.05]).all()
+    with pytest.raises(ValueError, match="joint1"):
+        torquewise.excite("planar-2", seconds=(10, 30, 40), tries=1, torque_limit=0.1)
+
+
 def test_a_load_is_weighed(chain):
     """A log of the arm that carries 1 kg, made by adding it to the twin."""
     free = torquewise.simulate(chain, seconds=20, rate=100, seed=7)
