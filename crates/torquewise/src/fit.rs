@@ -66,6 +66,9 @@ impl<'a> Fit<'a> {
     pub fn run(self) -> Result<FitResult> {
         self.options.check()?;
         let mut fit = self.run_as(&self.options)?;
+        if fit.model.chain.is_some() {
+            return Ok(fit);
+        }
         let look = |progress: Watch<'_>| fit.found.sliding(self.options.seed, progress);
         // A log that no chain can be learned from is one of terms.
         let seems = match timed(self.observer, look) {
@@ -74,7 +77,7 @@ impl<'a> Fit<'a> {
         };
         let is_useful = |fit: &FitResult| Verdict::of(&fit.found).grade != Grade::Unusable;
         let suffices = is_useful(&fit);
-        if fit.model.chain.is_some() || seems.is_none() && suffices {
+        if seems.is_none() && suffices {
             return Ok(fit);
         }
         let chain = FitOptions { library: Some(Library::Chain), ..self.options.clone() };

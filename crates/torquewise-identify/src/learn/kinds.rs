@@ -5,7 +5,7 @@ use crate::chain_spec::{ChainSpec, record_worth, trial};
 use rayon::prelude::*;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Choice;
-use torquewise_model::{JointKind, JointKinds};
+use torquewise_model::{FrictionTerm, JointKind, JointKinds};
 use torquewise_motion::Motion;
 use torquewise_rigid::search::{all_parameters, glance, refine};
 use torquewise_rigid::{Chain, Rows, Search};
@@ -196,15 +196,18 @@ impl ChainLearner<'_> {
     }
 }
 
-/// Without offsets of slides whose direction is searched: gravity explains them as well, and tells
-/// which way is up.
+/// Whether friction is no offset of a slide whose direction is searched: gravity explains that as
+/// well, and tells which way is up.
+pub(super) fn is_told_from_gravity(term: &FrictionTerm, searched: &JointKinds) -> bool {
+    let shaft = term.shaft.iter().enumerate();
+    let on_slide = shaft.filter(|(_, part)| **part != 0.0).any(|(joint, _)| searched.slides(joint));
+    term.law != FrictionLaw::Offset || !on_slide
+}
+
+/// A specification with friction that can be told from gravity alone.
 fn upright(spec: ChainSpec, searched: &JointKinds) -> ChainSpec {
-    let slides =
-        |shaft: &[f64]| (0..shaft.len()).any(|joint| shaft[joint] != 0.0 && searched.slides(joint));
-    let is_told = |term: &DriveTerm| match term {
-        DriveTerm::Friction(term) => term.law != FrictionLaw::Offset || !slides(&term.shaft),
-        _ => true,
-    };
+    let is_told =
+        |term: &DriveTerm| term.law().is_none_or(|term| is_told_from_gravity(term, searched));
     ChainSpec { drive: spec.drive.iter().filter(|term| is_told(term)).cloned().collect(), ..spec }
 }
 

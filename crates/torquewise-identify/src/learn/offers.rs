@@ -1,5 +1,6 @@
 //! Offers of drive terms: shared shafts, springs, friction, by held-out rows (E13) (E21).
 
+use super::kinds::is_told_from_gravity;
 use super::{ChainLearner, LAST_ROWS};
 use crate::chain_spec::ChainSpec;
 use crate::drive_terms::DriveTerm;
@@ -129,10 +130,9 @@ impl ChainLearner<'_> {
                 .filter(move |term| term.joint() == Some(joint) && term.direction.is_both())
         };
         let of = |joint: usize| {
-            let is_told =
-                |term: &FrictionTerm| term.law != FrictionLaw::Offset || searched.of(joint).turns();
+            let linear = own(joint, self.laws.linear());
             let linear: Vec<FrictionTerm> =
-                own(joint, self.laws.linear()).filter(is_told).collect();
+                linear.filter(|term| is_told_from_gravity(term, searched)).collect();
             let moving = linear.len() - 1;
             let dry = linear.iter().filter(|term| matches!(term.law, FrictionLaw::Coulomb { .. }));
             let loaded: Vec<FrictionTerm> = dry.cloned().map(FrictionTerm::under_load).collect();
