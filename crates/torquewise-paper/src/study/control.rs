@@ -12,7 +12,7 @@ use torquewise_identify::plan::{FrictionKind, LibraryOptions};
 use torquewise_identify::reconstruct;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::Motion;
-use torquewise_motion::signals::{Conditioning, condition};
+use torquewise_motion::signals::{Conditioned, Conditioning, Cutoff, Raw, condition};
 use torquewise_report::html::number::significant;
 use torquewise_report::html::{Axis, Chart, Colour, Guide, Mark, Series};
 use torquewise_report::torque_charts;
@@ -104,11 +104,18 @@ fn learn(plant: &Plant, settings: &Settings) -> Result<Model> {
     };
     let planned =
         excite::excite(&excite::limits(&plant.arm, &wishes)?, None, &plan, &mut |_, _| {})?;
-    let recorded = |planned: &Planned| -> Result<Motion> {
-        let raw = record(plant, &planned.motion()?, VELOCITY_BANDWIDTH)?;
-        Ok(condition(&raw, &Conditioning::default())?.motion)
+    let recorded = |planned: &Planned| -> Result<Raw> {
+        Ok(record(plant, &planned.motion()?, VELOCITY_BANDWIDTH)?)
     };
-    let logs = planned.recordings.par_iter().map(recorded).collect::<Result<Vec<_>>>()?;
+    let raw = planned.recordings.par_iter().map(recorded).collect::<Result<Vec<_>>>()?;
+    // All at the cut-off of the liveliest: at that of slow motion its reversals are blurred.
+    let conditioned = |settings: &Conditioning| -> Result<Vec<Conditioned>> {
+        raw.par_iter().map(|raw| Ok(condition(raw, settings)?)).collect()
+    };
+    let apart = conditioned(&Conditioning::default())?;
+    let widest = apart.iter().filter_map(|log| log.report.cutoff).fold(0.0, f64::max);
+    let alike = Conditioning { cutoff: Cutoff::Hz(widest), ..Conditioning::default() };
+    let logs: Vec<Motion> = conditioned(&alike)?.into_iter().map(|log| log.motion).collect();
     let options = LibraryOptions { friction: FrictionKind::Stribeck, ..LibraryOptions::default() };
     let experiment = "on the recordings of an arm with friction";
     let found = reconstruct(&logs[..], &options.into(), torquewise_identify::UNWATCHED)
