@@ -2,16 +2,22 @@
 //! physical. What a simulator randomises a robot by, and what errors are propagated with.
 
 use crate::basis::Wanted;
-use faer::{ColRef, Mat};
+use faer::{ColRef, Mat, MatRef};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_model::{Form, Model, RigidChain};
+use std::f64::consts::TAU;
+use torquewise_model::{Form, Model, RigidChain, Torque};
+use torquewise_motion::{Motion, Signals};
 use torquewise_regression::SparseError;
 use torquewise_stepwise::error::IdentifyError;
 
-/// Moves of the chain of draws between two models that are kept: they forget where they began.
-const MOVES: usize = 40;
+/// Sweeps of the chain of draws between two models that are kept: they forget where they began.
+const SWEEPS: usize = 10;
+/// What changes the torque by less, in parts of what changes it most, changes nothing but rounding.
+const UNTOLD: f64 = 1e-8;
+/// Rows of states, in parts of the parameters.
+const STATES: usize = 4;
 
 /// How the parameters of a chain scatter: a square root of their covariance.
 pub(crate) struct Scatter {
@@ -23,11 +29,9 @@ impl Scatter {
     /// # Errors
     /// [`IdentifyError::Sparse`] if the covariance has no eigenvalues.
     pub(crate) fn of(chain: &RigidChain) -> Result<Self, IdentifyError> {
-        let eigen = chain.covariance_matrix().self_adjoint_eigen(faer::Side::Lower);
-        let eigen = eigen.map_err(|_| SparseError::NotSolvable)?;
-        let values = eigen.S().column_vector().iter();
-        let deviations = values.map(|value| value.max(0.0).sqrt()).collect();
-        Ok(Self { vectors: eigen.U().to_owned(), deviations })
+        let (values, vectors) = eigen(&chain.covariance_matrix())?;
+        let deviations = values.iter().map(|value| value.max(0.0).sqrt()).collect();
+        Ok(Self { vectors, deviations })
     }
 
     /// Changes of all parameters, `size` standard deviations large, p.
@@ -41,9 +45,73 @@ impl Scatter {
     }
 }
 
+/// Independent directions, a standard deviation long, in which the parameters of a chain scatter
+/// and its torque changes where it was trained, p×r.
+///
+/// What changes no torque is left as it is: masses may move from link to link by kilograms, and a
+/// place that the log tells would have to follow them along a curve.
+fn directions(model: &Model, chain: &RigidChain) -> Result<Mat<f64>, IdentifyError> {
+    let p = chain.n_parameters(model.friction.len());
+    let states = trained_states(model, p)?;
+    let laws = Torque::new(model).laws(&states)?;
+    let mut gram = Mat::<f64>::zeros(p, p);
+    for row in 0..states.n_rows() {
+        let of = |x: MatRef<'_, f64>| x.row(row).iter().copied().collect::<Vec<f64>>();
+        let state = [states.q(), states.dq(), states.ddq()].map(of);
+        let friction = (&model.friction[..], &of(laws.as_ref())[..]);
+        let rows = chain.sensitivities(friction, state.each_ref().map(|signal| &signal[..]))?;
+        for (row, std) in rows.row_iter().zip(&model.training.torque_std) {
+            if *std > 0.0 {
+                gram += row.transpose() * row * faer::Scale(std.powi(-2));
+            }
+        }
+    }
+    let size: Vec<f64> = (0..p).map(|k| gram[(k, k)].sqrt()).collect();
+    let least = UNTOLD * size.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let size: Vec<f64> = size.iter().map(|size| size.max(least)).collect();
+    let units = Mat::from_fn(p, p, |i, j| gram[(i, j)] / (size[i] * size[j]));
+    let (values, vectors) = eigen(&units)?;
+    let told: Vec<usize> = (0..p).filter(|&k| values[k] > UNTOLD * values[p - 1]).collect();
+    let told = Mat::from_fn(p, told.len(), |i, k| vectors[(i, told[k])]);
+    let scaled = Mat::from_fn(p, told.ncols(), |i, k| size[i] * told[(i, k)]);
+    let (values, vectors) = eigen(&(scaled.transpose() * chain.covariance_matrix() * &scaled))?;
+    let along = told * vectors;
+    let long = |(i, k): (usize, usize)| along[(i, k)] * values[k].max(0.0).sqrt() / size[i];
+    Ok(Mat::from_fn(p, along.ncols(), |i, k| long((i, k))))
+}
+
+/// Eigenvalues, the smallest first, and vectors.
+fn eigen(of: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), IdentifyError> {
+    let eigen = of.self_adjoint_eigen(faer::Side::Lower).map_err(|_| SparseError::NotSolvable)?;
+    Ok((eigen.S().column_vector().iter().copied().collect(), eigen.U().to_owned()))
+}
+
+/// States within the range that a model was trained in, enough for p parameters.
+fn trained_states(model: &Model, p: usize) -> Result<Motion, IdentifyError> {
+    let (training, n) = (&model.training, model.n_joints());
+    let rows = STATES * p.div_ceil(n.max(1));
+    let mut random = ChaCha8Rng::seed_from_u64(0);
+    let mut between = |ranges: Vec<[f64; 2]>| {
+        Mat::from_fn(rows, n, |_, joint| {
+            let [low, high] = ranges[joint];
+            low + (high - low) * random.random_range(0.0..1.0)
+        })
+    };
+    let peaks = |peaks: &[f64]| peaks.iter().map(|peak| [-peak, *peak]).collect();
+    Ok(Motion::new(Signals {
+        joints: model.joints.clone(),
+        t: (0..rows).map(|row| row as f64).collect(),
+        q: between(training.q_range.clone()),
+        dq: between(peaks(&training.dq_peak)),
+        ddq: between(peaks(&training.ddq_peak)),
+        tau: None,
+    })?)
+}
+
 /// Draws models whose parameters scatter around those of a learned chain by their covariance,
 /// of those that an arm can have: links are bodies, no rotor is negative, friction brakes where it
-/// did. They are draws of a Markov chain, by slices through an ellipse.
+/// did. They are draws of a Markov chain, by slices through ellipses, one direction at a time:
+/// what ends soon at arms that cannot be does not hold the others.
 ///
 /// - `returns`: models without a covariance of their own
 ///
@@ -54,7 +122,7 @@ impl Scatter {
 pub fn samples(model: &Model, count: usize, seed: u64) -> Result<Vec<Model>, IdentifyError> {
     let chain = model.chain.as_ref().filter(|chain| !chain.covariance.is_empty());
     let chain = chain.filter(|chain| chain.is_feasible()).ok_or(IdentifyError::NoScatter)?;
-    let (scatter, friction) = (Scatter::of(chain)?, model.friction.len());
+    let (along, friction) = (directions(model, chain)?, model.friction.len());
     let centre = chain.parameters(&model.friction);
     let first = centre.len() - friction - chain.fitted.len();
     let at =
@@ -69,39 +137,46 @@ pub fn samples(model: &Model, count: usize, seed: u64) -> Result<Vec<Model>, Ide
         Form::Torque(_) => None,
     };
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut here = vec![0.0; centre.len()];
+    let (mut place, mut point) = (vec![0.0; along.ncols()], vec![0.0; centre.len()]);
     (0..count)
         .map(|_| {
-            for _ in 0..MOVES {
-                let other = scatter.draw(1.0, &mut random);
-                here = moved(&here, &other, is_arm, &mut random);
+            for _ in 0..SWEEPS {
+                sweep(&along, &mut place, &mut point, is_arm, &mut random);
             }
-            model_at(model, chain, (&at(&here), first), wanted.as_ref())
+            model_at(model, chain, (&at(&point), first), wanted.as_ref())
         })
         .collect()
 }
 
-/// A point on the ellipse through two that is allowed, as the first is.
-fn moved(
-    here: &[f64],
-    other: &[f64],
+/// Draws anew how far a point is along each direction, of what is allowed there.
+fn sweep(
+    along: &Mat<f64>,
+    place: &mut [f64],
+    point: &mut [f64],
     is_allowed: impl Fn(&[f64]) -> bool,
     random: &mut impl RngExt,
-) -> Vec<f64> {
-    let mut angle = random.random_range(0.0..std::f64::consts::TAU);
-    let (mut low, mut high) = (angle - std::f64::consts::TAU, angle);
-    loop {
-        let (sin, cos) = angle.sin_cos();
-        let found: Vec<f64> = here.iter().zip(other).map(|(a, b)| a * cos + b * sin).collect();
-        if is_allowed(&found) {
-            return found;
+) {
+    for (k, here) in place.iter_mut().enumerate() {
+        let other: f64 = StandardNormal.sample(random);
+        let mut angle = random.random_range(0.0..TAU);
+        let (mut low, mut high) = (angle - TAU, angle);
+        loop {
+            let there = *here * angle.cos() + other * angle.sin();
+            let step = there - *here;
+            let moved = point.iter().zip(along.col_as_slice(k)).map(|(x, a)| x + step * a);
+            let moved: Vec<f64> = moved.collect();
+            if is_allowed(&moved) {
+                *here = there;
+                point.copy_from_slice(&moved);
+                break;
+            }
+            if angle < 0.0 {
+                low = angle;
+            } else {
+                high = angle;
+            }
+            angle = random.random_range(low..high);
         }
-        if angle < 0.0 {
-            low = angle;
-        } else {
-            high = angle;
-        }
-        angle = random.random_range(low..high);
     }
 }
 

@@ -362,9 +362,10 @@ impl RigidChain {
     }
 }
 
-/// To eight digits: a covariance is an estimate, and files are read by people.
+/// To twelve digits: files are read by people, but the torque's variance is what remains of much
+/// larger ones, of masses that it does not tell.
 fn rounded(x: f64) -> f64 {
-    format!("{x:.7e}").parse().unwrap_or(x)
+    format!("{x:.11e}").parse().unwrap_or(x)
 }
 
 /// Rows of numbers, each as one line of text: a matrix of a hundred rows stays readable.
