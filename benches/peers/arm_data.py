@@ -1,0 +1,86 @@
+"""Rows of a real arm that peers are trained and judged on, in a folder that one process writes.
+
+    python arm_data.py FOLDER SHARED ARM CUT
+
+writes FOLDER/arm.pickle and FOLDER/arm.urdf. What `torquewise` adds are the rows as it filtered them.
+"""
+
+import json
+import pickle
+import sys
+import xml.etree.ElementTree as xml
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "benches"))
+
+from public_logs import ARMS, cut, cut_by_region, geometric, joined, rms, urdf_of_dh  # noqa: E402
+
+CUTS = {"time": lambda arm, log: cut(arm, log, 0), "region": cut_by_region}
+# Links of which only the kinematics are known: what `mujoco.sysid` starts from.
+LINK = '<inertial><origin xyz="0.05 0.05 0.05"/><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
+
+
+@dataclass
+class Data:
+    """What all peers are given."""
+
+    name: str
+    joints: list
+    train: list  # trajectories as they were measured
+    test: list
+    seen: list | None = None  # the same filtered
+    judged: list | None = None
+
+    @property
+    def arm(self):
+        return next(arm for (name, _), arm in ARMS.items() if name == self.name)
+
+    def errors(self, expected):
+        """NRMSE of each joint, of the expected torque of each test trajectory."""
+        tau = joined(self.judged)["tau"]
+        return (rms(tau - np.concatenate(expected)) / tau.std(axis=0)).tolist()
+
+    def save(self, folder):
+        (folder / "arm.pickle").write_bytes(pickle.dumps(self.__dict__))
+
+    @classmethod
+    def load(cls, folder):
+        return cls(**pickle.loads((folder / "arm.pickle").read_bytes()))
+
+
+def bare_robot(arm, data, joints):
+    """URDF of the joints that move, others fixed, of links without shapes."""
+    robot = xml.fromstring(urdf_of_dh(arm, joints) if arm.dh else (data / arm.urdf).read_text())
+    for element in list(robot):
+        if element.tag not in ("link", "joint"):
+            robot.remove(element)
+        for part in list(element):
+            if part.tag in ("visual", "collision", "mimic", "safety_controller", "dynamics"):
+                element.remove(part)
+        if element.tag == "link" and arm.dh and element.get("name") != "link0":
+            element.append(xml.fromstring(LINK))
+        if element.tag == "joint" and not (arm.dh or element.get("name").startswith(arm.moving)):
+            element.set("type", "fixed")
+    return xml.tostring(robot, encoding="unicode")
+
+
+def main():
+    import torquewise
+
+    folder, shared, name, way = Path(sys.argv[1]), Path(sys.argv[2]), *sys.argv[3:]
+    profile, arm = next((profile, arm) for (own, profile), arm in ARMS.items() if own == name)
+    profile = ROOT / "profiles" / f"{profile}.toml"
+    log = torquewise.read_log(shared / "data" / arm.log, profile=profile, repair=True)
+    train, test = CUTS[way](arm, log)
+    Data(name, log.joints, train, test).save(folder)
+    (folder / "arm.urdf").write_text(bare_robot(arm, shared / "data", log.joints))
+    rows = [sum(len(own["t"]) for own in part) for part in (train, test)]
+    print(json.dumps({"raw": rows, "stretches": [len(train), len(test)]}))
+
+
+if __name__ == "__main__":
+    main()
