@@ -147,6 +147,13 @@ def kinematics(arm, data, file, joints):
     return held, pinocchio.buildReducedModel(robot, places, pinocchio.neutral(robot))
 
 
+def springs(joints, q):
+    """Columns of springs that balance some joints, m×n×4 each."""
+    for joint in joints:
+        waves = [wave(k * q[:, joint]) for k in (1, 2) for wave in (np.sin, np.cos)]
+        yield (np.arange(q.shape[1]) == joint)[:, None] * np.stack(waves, -1)[:, None]
+
+
 class PlainFriction:
     """Columns of offset, viscous and dry friction, rotors, and springs that are known of."""
 
@@ -164,10 +171,7 @@ class PlainFriction:
             v = dq @ shaft
             laws = np.stack([np.ones_like(v), v, np.tanh(v / width), ddq @ shaft], axis=-1)
             columns.append(shaft[:, None] * laws[:, None])
-        for joint in self.balanced:
-            waves = [wave(k * q[:, joint]) for k in (1, 2) for wave in (np.sin, np.cos)]
-            columns.append((np.arange(q.shape[1]) == joint)[:, None] * np.stack(waves, -1)[:, None])
-        return np.concatenate(columns, axis=-1)
+        return np.concatenate([*columns, *springs(self.balanced, q)], axis=-1)
 
 
 class Regressor:

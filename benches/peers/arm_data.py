@@ -9,7 +9,7 @@ import json
 import pickle
 import sys
 import xml.etree.ElementTree as xml
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,11 +17,15 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "benches"))
 
-from public_logs import ARMS, cut, cut_by_region, geometric, joined, rms, urdf_of_dh  # noqa: E402
+from public_logs import ARMS, cut, cut_by_region, joined, rms, urdf_of_dh  # noqa: E402
 
-CUTS = {"time": lambda arm, log: cut(arm, log, 0), "region": cut_by_region}
-# Links of which only the kinematics are known: what `mujoco.sysid` starts from.
-LINK = '<inertial><origin xyz="0.05 0.05 0.05"/><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
+
+def cut_by_time(arm, log):
+    """The last part, or every third block, each as long as what is simulated and more."""
+    return cut(replace(arm, block=arm.block and max(arm.block, 1.0)), log, 0)
+
+
+CUTS = {"time": cut_by_time, "region": cut_by_region}
 
 
 @dataclass
@@ -38,6 +42,11 @@ class Data:
     @property
     def arm(self):
         return next(arm for (name, _), arm in ARMS.items() if name == self.name)
+
+    def require_masses(self):
+        """For peers that start from the inertias of the URDF."""
+        if self.arm.dh:
+            raise SystemExit("no URDF with masses")
 
     def errors(self, expected):
         """NRMSE of each joint, of the expected torque of each test trajectory."""
@@ -61,8 +70,6 @@ def bare_robot(arm, data, joints):
         for part in list(element):
             if part.tag in ("visual", "collision", "mimic", "safety_controller", "dynamics"):
                 element.remove(part)
-        if element.tag == "link" and arm.dh and element.get("name") != "link0":
-            element.append(xml.fromstring(LINK))
         if element.tag == "joint" and not (arm.dh or element.get("name").startswith(arm.moving)):
             element.set("type", "fixed")
     return xml.tostring(robot, encoding="unicode")

@@ -50,6 +50,8 @@ class Identification(BaseIdentification):
 
 
 def run(data, folder, timed, physical):
+    if physical:
+        data.require_masses()
     robot = load_robot(str(folder / "arm.urdf"), loader="figaroh")
     file = folder / "figaroh.yaml"
     file.write_text(yaml.safe_dump(configuration(list(robot.model.names)[1:], physical)))

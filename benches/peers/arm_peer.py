@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from arm_data import Data
 from forward import HORIZON, RegressorArm, drift
-from public_logs import PlainFriction, Regressor, band, joined
+from public_logs import PlainFriction, Regressor, band, joined, springs
 
 warnings.filterwarnings("ignore")
 logging.disable(logging.WARNING)
@@ -70,11 +70,12 @@ def refined(data, folder):
 
 
 class OurFriction:
-    """Columns of each law that torquewise chose, as its own model gives them, and rotors."""
+    """Columns of each law that torquewise chose, as its own model gives them, rotors and springs."""
 
-    def __init__(self, folder):
+    def __init__(self, data, folder):
         import torquewise
 
+        self.balanced = [data.joints.index(name) for name in data.arm.balanced]
         text = (folder / "torquewise-urdf.json").read_text()
         found = json.loads(text)
         self.models = []
@@ -89,7 +90,7 @@ class OurFriction:
         q, dq, ddq = (motion[key] for key in ("q", "dq", "ddq"))
         columns = [model.friction(q, dq) for model in self.models]
         columns += [(ddq @ shaft)[:, None] * shaft for shaft in self.rotors]
-        return np.stack(columns, axis=-1)
+        return np.concatenate([np.stack(columns, axis=-1), *springs(self.balanced, q)], axis=-1)
 
 
 def robot(folder):
@@ -114,7 +115,7 @@ def regressor(data, folder):
 
 
 def regressor_same_friction(data, folder):
-    laws = OurFriction(folder)
+    laws = OurFriction(data, folder)
     # What friction remembers begins anew with each trajectory.
     drives = lambda motion: np.concatenate([laws(own) for own in motion["parts"]])
     whole = lambda parts: joined(parts) | {"parts": parts}
@@ -145,9 +146,16 @@ def mujoco_sysid(data, folder):
     return arm_mujoco.run(data, folder, timed)
 
 
+def exported(data, folder):
+    import arm_mujoco
+
+    return arm_mujoco.exported(data, folder)
+
+
 PEERS = {
     "torquewise": torquewise_alone,
     "torquewise, URDF": with_urdf,
+    "the MJCF of it, in MuJoCo": exported,
     "torquewise, URDF, refined": refined,
     "regressor, plain friction": regressor,
     "regressor, our friction": regressor_same_friction,

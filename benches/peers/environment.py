@@ -28,5 +28,6 @@ def run_apart(python, script, arguments, seconds):
         )
     except subprocess.TimeoutExpired:
         return {"failed": f"took more than {seconds} s"}
-    lines = done.stdout.strip().splitlines()
-    return json.loads(lines[-1]) if done.returncode == 0 and lines else {"failed": done.stderr[-300:]}
+    if done.returncode != 0 or not done.stdout.strip():
+        return {"failed": done.stderr.strip().splitlines()[-1][:300] if done.stderr.strip() else "failed"}
+    return json.loads(done.stdout.strip().splitlines()[-1])
