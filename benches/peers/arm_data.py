@@ -19,6 +19,9 @@ sys.path.insert(0, str(ROOT / "benches"))
 
 from public_logs import ARMS, cut, cut_by_region, joined, rms, urdf_of_dh  # noqa: E402
 
+KEPT = ("inertial", "origin", "parent", "child", "axis", "limit")
+LEAST = 1e-5  # [kg], below which an inertia may be anything
+
 
 def cut_by_time(arm, log):
     """The last part, or every third block, each as long as what is simulated and more."""
@@ -68,7 +71,9 @@ def bare_robot(arm, data, joints):
         if element.tag not in ("link", "joint"):
             robot.remove(element)
         for part in list(element):
-            if part.tag in ("visual", "collision", "mimic", "safety_controller", "dynamics"):
+            mass = part.find("mass")
+            is_nothing = mass is not None and float(mass.get("value")) < LEAST
+            if is_nothing or part.tag not in KEPT:
                 element.remove(part)
         if element.tag == "joint" and not (arm.dh or element.get("name").startswith(arm.moving)):
             element.set("type", "fixed")

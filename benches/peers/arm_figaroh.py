@@ -58,7 +58,9 @@ def run(data, folder, timed, physical):
 
     def work():
         own = Identification(robot, str(file))
-        own.identif_config["act_idxq"] = own.identif_config["act_idxv"] = list(range(robot.model.nv))
+        own.identif_config["act_idxq"] = own.identif_config["act_idxv"] = list(
+            range(robot.model.nv)
+        )
         own.rows = joined(data.seen)
         own.initialize()
         own.solve(decimate=False, plotting=False, wls=True)

@@ -109,7 +109,9 @@ def regressor(data, folder):
     if len(plain.shafts) == n and not plain.balanced:
         bodies, laws = np.split(found.coefficients, [10 * n])
         offset, viscous, dry, rotor = laws.reshape(n, 4).T
-        arm = RegressorArm(found.bodies, bodies, list(zip(offset, viscous, dry, plain.widths, rotor)))
+        arm = RegressorArm(
+            found.bodies, bodies, list(zip(offset, viscous, dry, plain.widths, rotor))
+        )
         result["drift"] = drift(data.judged, arm.end)
     return result
 

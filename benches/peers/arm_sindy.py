@@ -64,7 +64,7 @@ def run(data, timed):
 
     best = None
     for threshold in THRESHOLDS:
-        spent, model = timed(lambda: fit(threshold))
+        spent, model = timed(lambda own=threshold: fit(own))
         expected = [model.predict(stacked(own)) * seen["tau"].std(axis=0) for own in data.judged]
         result = {
             "seconds": spent, "terms": int((model.coefficients() != 0).sum()),

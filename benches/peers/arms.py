@@ -26,7 +26,12 @@ PEERS = [
 ]  # fmt: skip
 CUTS = ["time", "region"]
 # Simulations are judged on the parts of the time alone.
-ONE_CUT = {"the MJCF of it, in MuJoCo", "torquewise, URDF, refined", "FIGAROH, physical", "mujoco.sysid"}
+ONE_CUT = {
+    "the MJCF of it, in MuJoCo",
+    "torquewise, URDF, refined",
+    "FIGAROH, physical",
+    "mujoco.sysid",
+}
 SECONDS = 600  # longer than this no peer is waited for
 
 
@@ -126,7 +131,9 @@ def main():
     given, wanted = arguments()
     shared = Path(os.environ.get("TORQUEWISE_SHARED", ROOT.parent / "shared")).resolve()
     if not (shared / "data").is_dir():
-        raise SystemExit(f"{shared}/data: no such folder, name the one above it in TORQUEWISE_SHARED")
+        raise SystemExit(
+            f"{shared}/data: no such folder, name the one above it in TORQUEWISE_SHARED"
+        )
     folder = given.folder.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     python = environment(folder, given.wheel or ROOT / "python")

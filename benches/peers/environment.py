@@ -1,6 +1,7 @@
 """The Python environment of the peers, and how each is run in a process of its own."""
 
 import json
+import re
 import subprocess
 import venv
 from pathlib import Path
@@ -28,6 +29,12 @@ def run_apart(python, script, arguments, seconds):
         )
     except subprocess.TimeoutExpired:
         return {"failed": f"took more than {seconds} s"}
-    if done.returncode != 0 or not done.stdout.strip():
-        return {"failed": done.stderr.strip().splitlines()[-1][:300] if done.stderr.strip() else "failed"}
-    return json.loads(done.stdout.strip().splitlines()[-1])
+    lines = done.stdout.strip().splitlines()
+    return json.loads(lines[-1]) if done.returncode == 0 and lines else {"failed": why(done.stderr)}
+
+
+def why(told):
+    """The message of an exception, or the last line."""
+    lines = told.strip().splitlines() or ["failed"]
+    start = [k for k, line in enumerate(lines) if re.match(r"[\w.]+Error: ", line)]
+    return " ".join(lines[start[-1] if start else -1 :])[:300]

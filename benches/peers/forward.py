@@ -39,7 +39,9 @@ def windows(trajectories, horizon=HORIZON, overlap=0.5):
         for rows in np.split(np.arange(len(t)), breaks):
             if t[rows[-1]] - t[rows[0]] < horizon:
                 continue
-            apart = max((1 - overlap) * horizon, (t[rows[-1]] - t[rows[0]] - horizon) / MOST_WINDOWS)
+            apart = max(
+                (1 - overlap) * horizon, (t[rows[-1]] - t[rows[0]] - horizon) / MOST_WINDOWS
+            )
             after = t[rows[0]]
             for row in rows:
                 if t[row] >= after and t[row] + horizon <= t[rows[-1]]:
