@@ -9,182 +9,21 @@ the page as it stands.
 """
 
 import argparse
-import json
-import math
-import re
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pinocchio
 import torquewise
+from public_logs import ARMS, PlainFriction, Regressor, band, cut, geometric, joined, kinematics, rms
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "real-arms.md"
-TESTED = 0.3  # part of the time that is tested on
-MOST_ROWS = 4_000  # that the regressor is fitted on
 RATE = 100.0  # of the torque of the further arms [Hz]
 EDGE = 50  # rows left out at each end, where a zero-phase filter rings
-RIGHT = math.pi / 2
-
-
-@dataclass
-class Arm:
-    """A public log of a real arm, and the kinematics that the regressor is given."""
-
-    log: str
-    urdf: str = ""  # a file
-    moving: tuple = ()  # what the names of its moving joints begin with
-    dh: tuple = ()  # or rows of (a, alpha, d, offset)
-    roll: float = 0.0  # of the base of those
-    block: float = 0.0  # every third block of so many seconds is tested on; 0 for whole parts
-    limit: float = 1.25  # how much worse than the regressor a joint may be
-    counted: int = 6  # joints that count; the torque of the others is mostly quantisation
-    shafts: tuple = ()  # joints that turn a shaft together, known to the regressor
-    balanced: tuple = ()  # joints that a spring is known to balance, told to both
-
-
-KR300 = (
-    (0.35, RIGHT, -0.675, 0.0),
-    (1.15, 0.0, -0.189, 0.0),
-    (0.041, -RIGHT, 0.189, RIGHT),
-    (0.0, RIGHT, -1.0, 0.0),
-    (0.0, -RIGHT, 0.0, 0.0),
-    (0.0, math.pi, -0.24, 0.0),
-)
-# Hanging down at q = 0: x of the links points down once the base is rolled by a quarter turn.
-PENDULUM = ((0.3, 0.0, 0.0, -RIGHT), (0.2, 0.0, 0.0, 0.0))
-ARMS = {  # name on the page, profile
-    ("UR10", "ur10"): Arm(
-        "ur10_panda_unisa/ur10_exciting_trajectory.db3",
-        "ur10_panda_unisa/ur10_from_example-robot-data.urdf", ("shoulder", "elbow", "wrist"),
-    ),
-    ("Panda", "panda"): Arm(
-        "ur10_panda_unisa/panda_exciting_trajectory.db3",
-        "../robots/panda.urdf", ("panda_joint",), block=2.0, limit=1.5, counted=7,
-    ),
-    ("DFKI double pendulum", "dfki_double_pendulum"): Arm(
-        "dfki_double_pendulum/A0_20220812/20220812-061157-PM_measured.csv",
-        dh=PENDULUM, roll=RIGHT, limit=1.0, counted=2,
-    ),
-    ("Stäubli TX40", "staubli_tx40"): Arm(
-        "staubli_tx40_figaroh/pos_read_data.csv",
-        "staubli_tx40_figaroh/tx40_mdh_modified.urdf", ("joint",), block=0.5, shafts=((4, 5),),
-    ),
-    ("KUKA KR300", "kuka_kr300"): Arm(  # the spring is hydraulic, as its maker says
-        "kuka_kr300_weigand/A/data.mat", dh=KR300, roll=math.pi, balanced=("axis_2",),
-    ),
-    ("TIAGo arm", "tiago_arm"): Arm(
-        "tiago_arm_figaroh/tiago_position.csv",
-        "tiago_arm_figaroh/tiago_48_schunk.urdf", ("arm_",), counted=4,
-    ),
-}  # fmt: skip
 FURTHER = ("xmate7p", "lwr_paths", "baxter", "krang", "youbot")
-
-
-def joined(trajectories):
-    return {key: np.concatenate([own[key] for own in trajectories]) for key in trajectories[0]}
-
-
-def rms(x):
-    return np.sqrt((x**2).mean(axis=0))
-
-
-def geometric(values):
-    return np.exp(np.log(values).mean())
-
-
-def band(model):
-    """The options by which a log is filtered as that of the model was."""
-    found = json.loads(model.to_json())["training"]["filter"]
-    return {"filter": found["cutoff_hz"], "delay": found["delay"]}
-
-
-def cut(arm, log, way):
-    """Trajectories to train and to test on, cut before anything is conditioned."""
-    derived = log.inspect().missing
-    rows = joined(log.trajectories())
-    seconds = rows["t"] - rows["t"][0]
-    if arm.block:
-        tested = (seconds / arm.block + way) % 3 >= 2
-    else:
-        part, first = seconds / seconds[-1], (1 - TESTED) * (1.0, 0.0, 0.5)[way]
-        tested = (first <= part) & (part <= first + TESTED)
-    found = {False: [], True: []}
-    for own in np.split(np.arange(len(tested)), np.flatnonzero(np.diff(tested)) + 1):
-        signals = {key: rows[key][own] for key in rows if key not in derived}
-        found[bool(tested[own[0]])].append(signals | {"joints": log.joints})
-    return found[False], found[True]
-
-
-def urdf_of_dh(arm, joints):
-    """URDF turns and moves before a joint, Denavit and Hartenberg after it."""
-    rpy, xyz = (arm.roll, 0.0, 0.0), (0.0, 0.0, 0.0)
-    bodies = ['<link name="link0"/>']
-    for k, (name, (a, alpha, d, offset)) in enumerate(zip(joints, arm.dh)):
-        origin = f'rpy="{rpy[0]} {rpy[1]} {rpy[2]}" xyz="{xyz[0]} {xyz[1]} {xyz[2]}"'
-        bodies.append(
-            f'<link name="link{k + 1}"/><joint name="{name}" type="revolute"><origin {origin}/>'
-            f'<parent link="link{k}"/><child link="link{k + 1}"/><axis xyz="0 0 1"/>'
-            '<limit lower="-9" upper="9" effort="1" velocity="1"/></joint>'
-        )
-        rpy, xyz = (alpha, 0.0, offset), (a * math.cos(offset), a * math.sin(offset), d)
-    return f'<robot name="arm">{"".join(bodies)}</robot>'
-
-
-def kinematics(arm, data, file, joints):
-    """Writes the arm as a URDF without masses; its joints that are held, and all for Pinocchio."""
-    text = urdf_of_dh(arm, joints) if arm.dh else (data / arm.urdf).read_text()
-    text = re.sub(r"<inertial.*?</inertial>", "", text, flags=re.DOTALL)
-    file.write_text(text)
-    robot = pinocchio.buildModelFromUrdf(str(file))
-    held = [own for own in list(robot.names)[1:] if arm.urdf and not own.startswith(arm.moving)]
-    places = [robot.getJointId(name) for name in held]
-    return held, pinocchio.buildReducedModel(robot, places, pinocchio.neutral(robot))
-
-
-class Regressor:
-    """Rigid bodies at known places, rotors, and offset, viscous and dry friction of each joint."""
-
-    def __init__(self, robot, arm, joints, motion):
-        self.robot, self.data = robot, robot.createData()
-        self.balanced = [joints.index(name) for name in arm.balanced]
-        n, m = len(joints), len(motion["t"])
-        self.shafts = np.vstack([np.eye(n), *(np.isin(range(n), pair) for pair in arm.shafts)])
-        peak = np.abs(motion["dq"]).max(axis=0)
-        self.widths = [0.01 * peak[shaft != 0].min() for shaft in self.shafts]
-        picked = np.arange(min(m, MOST_ROWS)) * m // min(m, MOST_ROWS)
-        motion = {key: motion[key][picked] for key in motion}
-        columns, tau = self.columns(motion), motion["tau"]
-        weights = 1 / tau.std(axis=0)
-        for _ in range(3):  # weighings of the joints by their residual
-            rows = (weights[:, None] * columns).reshape(-1, columns.shape[-1])
-            scales = np.linalg.norm(rows, axis=0)
-            scales[scales == 0] = 1
-            # Base parameters only: singular values below a part of the largest are zero.
-            found = np.linalg.lstsq(rows / scales, (weights * tau).ravel(), rcond=1e-8)[0]
-            self.coefficients = found / scales
-            weights = 1 / self.rmse(motion)
-
-    def columns(self, motion):
-        """Columns of all rows and joints, m×n×p."""
-        q, dq, ddq = (motion[key] for key in ("q", "dq", "ddq"))
-        of = lambda *state: pinocchio.computeJointTorqueRegressor(self.robot, self.data, *state)
-        columns = [np.array([of(*state).copy() for state in zip(q, dq, ddq)])]
-        for shaft, width in zip(self.shafts, self.widths):
-            v = dq @ shaft
-            laws = np.stack([np.ones_like(v), v, np.tanh(v / width), ddq @ shaft], axis=-1)
-            columns.append(shaft[:, None] * laws[:, None])
-        for joint in self.balanced:
-            waves = [wave(k * q[:, joint]) for k in (1, 2) for wave in (np.sin, np.cos)]
-            columns.append((np.arange(q.shape[1]) == joint)[:, None] * np.stack(waves, -1)[:, None])
-        return np.concatenate(columns, axis=-1)
-
-    def rmse(self, motion):
-        return rms(motion["tau"] - self.columns(motion) @ self.coefficients)
 
 
 @dataclass
@@ -212,7 +51,7 @@ class Run:
             joined(torquewise.read_log(part, **same).trajectories(conditioned=True))
             for part in (train, test)
         )
-        theirs = Regressor(robot, arm, joints, seen).rmse(judged)
+        theirs = Regressor(robot, PlainFriction(arm, joints, seen), seen).rmse(judged)
         ours = [own.evaluate(test) for own in (fit, told)]
         rmse = np.array([*(own.rmse for own in ours), theirs])
         nrmse = [np.array(own.nrmse_percent) / 100 for own in ours]

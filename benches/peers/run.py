@@ -12,12 +12,10 @@ again takes the place of what was found before.
 import argparse
 import json
 import subprocess
-import sys
-import venv
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
+from environment import HERE, ROOT, environment, run_apart
+
 SIZES = ["candidates196", "candidates700", "candidates1764"]
 ROWS = ["rows10000", "rows100000", "rows1000000"]  # ten times more do not fit a peer's memory
 TASKS = {
@@ -35,15 +33,6 @@ TITLES = {
 SECONDS = 3600  # longer than this no peer is waited for
 
 
-def environment(folder):
-    python = folder / "venv" / "bin" / "python"
-    if not python.exists():
-        venv.create(folder / "venv", with_pip=True)
-    wanted = ["-q", "-r", str(HERE / "requirements.txt")]
-    subprocess.run([python, "-m", "pip", "install", *wanted], check=True)
-    return python
-
-
 def ours(folder, tasks):
     command = ["cargo", "bench", "-p", "torquewise-identify", "--bench", "peers", "--", str(folder)]
     owner = {**dict.fromkeys(SIZES, "library"), **dict.fromkeys(ROWS, "rows")}
@@ -53,13 +42,7 @@ def ours(folder, tasks):
 
 
 def peer(python, folder, task, name):
-    command = [str(python), str(HERE / "peer.py"), str(folder), task, name]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS)
-    except subprocess.TimeoutExpired:
-        return {"failed": f"took more than {SECONDS} s"}
-    lines = done.stdout.strip().splitlines()
-    return json.loads(lines[-1]) if done.returncode == 0 and lines else {"failed": done.stderr[-300:]}
+    return run_apart(python, "peer.py", [folder, task, name], SECONDS)
 
 
 def own_seconds(own, task, name):
