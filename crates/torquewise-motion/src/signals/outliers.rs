@@ -153,11 +153,15 @@ fn distance(x: &[f64], row: usize, scale: f64, space: &mut Vec<f64>) -> Option<f
         median(space)
     };
     let (low, high) = (median_of(&x[row - width..row]), median_of(&x[row + 1..=row + width]));
+    let distance = (x[row] - 0.5 * (low + high)).abs();
+    // No deviation is smaller than the scale.
+    if distance <= THRESHOLD * scale {
+        return None;
+    }
     let slope = (high - low) / (width + 1) as f64;
     let line = |k: usize| 0.5 * (low + high) + slope * (k as f64 - width as f64);
     space.clear();
     space.extend((0..=2 * width).map(|k| (x[row - width + k] - line(k)).abs()));
-    let distance = space[width];
     let deviation = (1.4826 * median(space)).max(scale);
     (distance > THRESHOLD * deviation).then_some(distance)
 }
