@@ -316,7 +316,7 @@ impl Model {
         samples: Option<usize>,
         seed: u64,
     ) -> PyResult<(Vec<(String, Vec<u8>)>, Vec<String>)> {
-        let to = choice("to", to, &Target::NAMED)?;
+        let to = choice("to", to, &Target::NAMED.map(|(word, _, target)| (word, target)))?;
         let words = [("double", Precision::Double), ("float", Precision::Single)];
         let precision = choice("precision", precision, &words)?;
         reversal.map_or(Ok(()), |width| check_width("reversal", width))?;

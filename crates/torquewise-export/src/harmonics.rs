@@ -42,12 +42,7 @@ pub(crate) fn summed(
             return None;
         }
     }
-    let sums = sums.into_iter().map(|(term, coefficient)| Weighted {
-        term,
-        coefficient,
-        std_error: 0.0,
-        inclusion: None,
-    });
+    let sums = sums.into_iter().map(|(term, weight)| Weighted::new(term, weight));
     Some(without_rounding(sums.collect()))
 }
 
@@ -89,11 +84,9 @@ mod tests {
     #[test]
     fn products_of_parallel_axes_become_one_cosine() {
         let function = |trig| Term::one(3).times(trig, 1, 1, 1).times(trig, 2, 1, 1);
-        let terms = [(Trig::Cos, 0.3), (Trig::Sin, -0.3)].map(|(trig, coefficient)| Weighted {
-            term: EnergyTerm { place: Place::Inertia(0, 0), function: function(trig) },
-            coefficient,
-            std_error: 0.0,
-            inclusion: None,
+        let terms = [(Trig::Cos, 0.3), (Trig::Sin, -0.3)].map(|(trig, weight)| {
+            let place = Place::Inertia(0, 0);
+            Weighted::new(EnergyTerm { place, function: function(trig) }, weight)
         });
 
         let found = summed(&terms, &(1..3)).unwrap();
@@ -112,7 +105,7 @@ mod tests {
             2,
         );
         let term = EnergyTerm { place: Place::Potential, function };
-        let weighted = Weighted { term, coefficient: 2.0, std_error: 0.0, inclusion: None };
+        let weighted = Weighted::new(term, 2.0);
         let q = [0.4, -1.3, 2.2];
 
         let found = summed(std::slice::from_ref(&weighted), &(0..3)).unwrap();

@@ -9,7 +9,7 @@
 //! use torquewise_model::{Form, Model, Term, Trig, Weighted};
 //!
 //! let term = Term::one(1).times(Trig::Sin, 0, 1, 1);
-//! let weighted = Weighted { term, coefficient: 3.3, std_error: 0.0, inclusion: None };
+//! let weighted = Weighted::new(term, 3.3);
 //! let pendulum = Model {
 //!     joints: vec!["pivot".into()],
 //!     form: Form::Torque(vec![vec![weighted]]),

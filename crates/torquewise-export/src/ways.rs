@@ -126,9 +126,7 @@ fn joined(terms: Vec<(EnergyTerm, f64)>) -> Vec<Weighted<EnergyTerm>> {
     for (term, coefficient) in terms {
         *sums.entry(term).or_insert(0.0) += coefficient;
     }
-    let weighted =
-        |(term, coefficient)| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
-    sums.into_iter().map(weighted).collect()
+    sums.into_iter().map(|(term, weight)| Weighted::new(term, weight)).collect()
 }
 
 /// The parts that cost least where it matters most, of all ways to compute them.

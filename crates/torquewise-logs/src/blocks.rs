@@ -7,7 +7,7 @@ use crate::signal::Signal;
 use crate::signal_rows::{Origin, SignalRows};
 use faer::Mat;
 use torquewise_motion::signals::Raw;
-use torquewise_motion::{BLOCK_ROWS, LocalPolynomial, Motion, MotionError, Signals, derivative};
+use torquewise_motion::{BLOCK_ROWS, HALF_WINDOW, Motion, MotionError, Signals, derivative};
 
 /// The blocks of one log file.
 ///
@@ -21,8 +21,9 @@ use torquewise_motion::{BLOCK_ROWS, LocalPolynomial, Motion, MotionError, Signal
 pub(crate) struct Blocks {
     pub(crate) rows: SignalRows,
     joints: Vec<String>,
-    /// How missing q̇ or q̈ are found; `None` if the file has both or none is wanted.
-    polynomial: Option<LocalPolynomial>,
+    /// Rows that the windows reach by which missing q̇ or q̈ are found; 0 if the file has both or none
+    /// is wanted.
+    reach: usize,
     /// Whether rows with absurd values are left out, and how many rows of `columns` were looked at.
     screens: bool,
     screened: usize,
@@ -42,21 +43,17 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    pub(crate) fn new(
-        rows: SignalRows,
-        joints: &[String],
-        polynomial: Option<LocalPolynomial>,
-    ) -> Self {
+    pub(crate) fn new(rows: SignalRows, joints: &[String], is_completed: bool) -> Self {
         let mapping = &rows.mapping;
         let complete = [Signal::Dq, Signal::Ddq].iter().all(|s| mapping.slot(*s).is_some());
         let columns = vec![Vec::new(); mapping.n_slots()];
         Self {
             rows,
             joints: joints.to_vec(),
-            screens: polynomial.is_some(),
+            screens: is_completed,
             screened: 0,
             first_absurd: None,
-            polynomial: polynomial.filter(|_| !complete),
+            reach: if is_completed && !complete { HALF_WINDOW } else { 0 },
             columns,
             done: 0,
             known: 0,
@@ -97,17 +94,13 @@ impl Blocks {
         Err(self.rows.none_left())
     }
 
-    fn reach(&self) -> usize {
-        self.polynomial.map_or(0, LocalPolynomial::half_window)
-    }
-
     /// Makes sure that the next block, and what its windows reach, is known.
     fn look_ahead(&mut self) -> Result<()> {
         if self.ended {
             return Ok(());
         }
         let wanted =
-            self.done + BLOCK_ROWS + self.reach() + if self.screens { LONGEST + 1 } else { 0 };
+            self.done + BLOCK_ROWS + self.reach + if self.screens { LONGEST + 1 } else { 0 };
         let mut row = vec![0.0; self.columns.len()];
         while self.columns[0].len() < wanted && !self.at_end_of_file {
             match self.rows.next(&mut row)? {
@@ -194,7 +187,7 @@ impl Blocks {
     /// The window of a row near the end moves inwards, so it reaches up to twice as far back.
     fn hand_out(&mut self, rows: usize) {
         let done = self.done + rows;
-        self.done = done.min(self.reach().saturating_mul(2));
+        self.done = done.min(self.reach.saturating_mul(2));
         // The last time stamp stays, for the next one is compared with it.
         self.done = self.done.max(1);
         self.forget(done - self.done);
@@ -250,8 +243,7 @@ impl Blocks {
 
     /// Derivative of a signal on the next `rows`, from all rows that their windows reach.
     fn derived(&self, signal: Signal, order: usize, rows: usize) -> Result<Mat<f64>> {
-        let polynomial = self.polynomial.unwrap_or_default();
-        let end = self.known.min(self.done + rows + polynomial.half_window());
+        let end = self.known.min(self.done + rows + HALF_WINDOW);
         let refused = |source| match source {
             MotionError::TooFewRows { rows, needed } => {
                 LogError::TooShort { file: self.rows.place().file, row: self.row(0), rows, needed }
@@ -259,7 +251,7 @@ impl Blocks {
             source => self.refused(0, source),
         };
         let x = self.signal(signal, 0, end).ok_or(refused(MotionError::Missing(signal.name())))?;
-        let derived = derivative(&self.columns[0][..end], x.as_ref(), polynomial, order);
+        let derived = derivative(&self.columns[0][..end], x.as_ref(), order);
         Ok(derived.map_err(refused)?.subrows(self.done, rows).to_owned())
     }
 }

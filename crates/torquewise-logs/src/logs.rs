@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use torquewise_motion::signals::Raw;
-use torquewise_motion::{LocalPolynomial, Motion, ReadResult, Recording, Repairs, Visit};
+use torquewise_motion::{Motion, ReadResult, Recording, Repairs, Visit};
 
 /// Log files of one arm.
 ///
@@ -142,16 +142,11 @@ impl Logs {
     /// [`LogError`] if a file cannot be read or a row is wrong.
     pub fn read_all(&self) -> Result<Vec<Motion>> {
         let mut trajectories: Vec<Vec<Motion>> = Vec::new();
-        self.each(
-            None,
-            Some(LocalPolynomial::default()),
-            Blocks::block,
-            &mut |trajectory, block| {
-                trajectories.resize_with(trajectory + 1, Vec::new);
-                trajectories[trajectory].push(block);
-                Ok::<(), LogError>(())
-            },
-        )?;
+        self.each(None, true, Blocks::block, &mut |trajectory, block| {
+            trajectories.resize_with(trajectory + 1, Vec::new);
+            trajectories[trajectory].push(block);
+            Ok::<(), LogError>(())
+        })?;
         let whole = |blocks: &Vec<Motion>| {
             let file = self.paths.first().cloned().unwrap_or_default();
             let refused = |source| LogError::Motion { file, row: 1, source };
@@ -177,7 +172,7 @@ impl Logs {
     /// # Errors
     /// [`LogError`] if a file cannot be read or a row is wrong, or the first that `visit` returns.
     pub fn read_raw<E: From<LogError>>(&self, visit: Each<'_, Raw, E>) -> Result<(), E> {
-        self.each(None, None, Blocks::raw_block, visit)
+        self.each(None, false, Blocks::raw_block, visit)
     }
 
     /// The same for one file, counted from 0.
@@ -189,7 +184,7 @@ impl Logs {
         file: usize,
         visit: Each<'_, Raw, E>,
     ) -> Result<(), E> {
-        self.each(Some(file), None, Blocks::raw_block, visit)
+        self.each(Some(file), false, Blocks::raw_block, visit)
     }
 
     /// What the last complete reading of each file came to: rows, and what was dropped or sorted.
@@ -241,15 +236,14 @@ impl Logs {
     }
 
     fn each_motion(&self, only: Option<usize>, visit: Visit<'_>) -> ReadResult {
-        let polynomial = Some(LocalPolynomial::default());
-        self.each(only, polynomial, Blocks::block, &mut |own, block| visit(own, &block))
+        self.each(only, true, Blocks::block, &mut |own, block| visit(own, &block))
     }
 
-    /// Reads all files, or one of them, in blocks of some kind.
+    /// Reads all files, or one of them, in blocks of some kind, dq and ddq completed or not.
     fn each<B, E: From<LogError>>(
         &self,
         only: Option<usize>,
-        polynomial: Option<LocalPolynomial>,
+        is_completed: bool,
         block: impl Fn(&Blocks, usize) -> Result<B>,
         visit: Each<'_, B, E>,
     ) -> Result<(), E> {
@@ -258,7 +252,7 @@ impl Logs {
             if only.is_some_and(|only| only != file) {
                 continue;
             }
-            let mut blocks = Blocks::new(source.rows()?, &self.joints, polynomial);
+            let mut blocks = Blocks::new(source.rows()?, &self.joints, is_completed);
             let mut last = first;
             while let Some((trajectory, block)) = blocks.next(&block)? {
                 last = first + trajectory;

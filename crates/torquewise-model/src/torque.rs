@@ -41,12 +41,7 @@ impl Parts {
 /// let gravity = Term::one(1).times(Trig::Sin, 0, 1, 1);
 /// let pendulum = Model {
 ///     joints: vec!["pivot".into()],
-///     form: Form::Torque(vec![vec![Weighted {
-///         term: gravity,
-///         coefficient: 3.3,
-///         std_error: 0.0,
-///         inclusion: None,
-///     }]]),
+///     form: Form::Torque(vec![vec![Weighted::new(gravity, 3.3)]]),
 ///     ..Model::default()
 /// };
 /// let tau = Torque::new(&pendulum).at(&[0.5], &[0.0], &[0.0])?;
@@ -390,7 +385,6 @@ impl Torque {
 
 /// The energies of the drives of a chain.
 fn drives(chain: &RigidChain) -> Form {
-    let weighted =
-        |(term, coefficient)| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
-    Form::Energy(chain.drives.iter().flat_map(Drive::energy_terms).map(weighted).collect())
+    let terms = chain.drives.iter().flat_map(Drive::energy_terms);
+    Form::Energy(terms.map(|(term, weight)| Weighted::new(term, weight)).collect())
 }

@@ -16,3 +16,10 @@ pub struct Weighted<T> {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inclusion: Option<f64>,
 }
+
+impl<T> Weighted<T> {
+    /// A term with a coefficient that is simply given: without an error, and never resampled.
+    pub const fn new(term: T, coefficient: f64) -> Self {
+        Self { term, coefficient, std_error: 0.0, inclusion: None }
+    }
+}

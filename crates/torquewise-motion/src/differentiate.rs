@@ -4,49 +4,32 @@ use crate::error::{MotionError, Result};
 use faer::{Mat, MatRef};
 use std::ops::Range;
 
+/// Rows on each side of a row that the polynomial around it is fitted to by [`derivative`].
+pub const HALF_WINDOW: usize = 10;
+
 /// The polynomial fitted around each row, and the rows it is fitted to.
 ///
 /// The window of row i is i − `half_window` … i + `half_window`. Near an end it keeps its number of
 /// rows and moves inwards, so that the ends are fitted as well as the middle and never padded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LocalPolynomial {
-    half_window: usize,
-    degree: usize,
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LocalPolynomial {
+    pub(crate) half_window: usize,
+    pub(crate) degree: usize,
 }
 
 impl LocalPolynomial {
-    /// A polynomial of `degree` on windows of 2·`half_window` + 1 rows.
-    ///
-    /// # Errors
-    /// [`MotionError::Window`] unless 1 ≤ `degree` ≤ 2·`half_window`.
-    pub fn new(half_window: usize, degree: usize) -> Result<Self> {
-        if degree == 0 || degree.div_ceil(2) > half_window {
-            return Err(MotionError::Window { half_window, degree });
-        }
-        Ok(Self { half_window, degree })
-    }
-
-    /// Rows on each side of the middle one.
-    pub fn half_window(self) -> usize {
-        self.half_window
-    }
+    /// Degree 4 on 21 rows: at 100 Hz, q̈ of a 1 Hz sine is right to 1 %.
+    const USUAL: Self = Self { half_window: HALF_WINDOW, degree: 4 };
 
     fn window(self, row: usize, n_rows: usize) -> Range<usize> {
-        let width = self.half_window.saturating_mul(2).saturating_add(1).min(n_rows);
+        let width = (2 * self.half_window + 1).min(n_rows);
         let start = row.saturating_sub(self.half_window).min(n_rows - width);
         start..start + width
     }
 }
 
-impl Default for LocalPolynomial {
-    /// Degree 4 on 21 rows: at 100 Hz, q̈ of a 1 Hz sine is right to 1 %.
-    fn default() -> Self {
-        Self { half_window: 10, degree: 4 }
-    }
-}
-
-/// Derivative of each column of `x` with respect to `t`: the one of the polynomial of least squares
-/// around each row. On even time stamps this is the Savitzky–Golay filter.
+/// Derivative of each column of `x` with respect to `t`: the one of the polynomial of degree four and
+/// of least squares around each row. On even time stamps this is the Savitzky–Golay filter.
 ///
 /// A row depends on the rows of its window alone, and the window looks both ways, so there is no
 /// phase shift and a long signal may be worked through in overlapping parts.
@@ -61,14 +44,19 @@ impl Default for LocalPolynomial {
 ///
 /// # Errors
 /// [`MotionError::Shape`], [`MotionError::NotFinite`], [`MotionError::TimeOrder`],
-/// [`MotionError::TooFewRows`], or [`MotionError::Order`] if `order` is over the degree.
-pub fn derivative(
+/// [`MotionError::TooFewRows`].
+pub fn derivative(t: &[f64], x: MatRef<'_, f64>, order: usize) -> Result<Mat<f64>> {
+    derivative_by(LocalPolynomial::USUAL, t, x, order)
+}
+
+/// The same by another polynomial.
+pub(crate) fn derivative_by(
+    polynomial: LocalPolynomial,
     t: &[f64],
     x: MatRef<'_, f64>,
-    polynomial: LocalPolynomial,
     order: usize,
 ) -> Result<Mat<f64>> {
-    check(t, x, polynomial, order)?;
+    check(t, x, polynomial.degree)?;
     let mut stencil = Stencil::new(polynomial.degree, order);
     let mut derived = Mat::zeros(x.nrows(), x.ncols());
     for row in 0..t.len() {
@@ -85,12 +73,9 @@ pub fn derivative(
     Ok(derived)
 }
 
-fn check(t: &[f64], x: MatRef<'_, f64>, polynomial: LocalPolynomial, order: usize) -> Result<()> {
-    let (rows, columns, degree) = (x.nrows(), x.ncols(), polynomial.degree);
+fn check(t: &[f64], x: MatRef<'_, f64>, degree: usize) -> Result<()> {
+    let (rows, columns) = (x.nrows(), x.ncols());
     MotionError::check_shape("x", x, [t.len(), columns])?;
-    if order > degree {
-        return Err(MotionError::Order { order, degree });
-    }
     if rows <= degree {
         return Err(MotionError::TooFewRows { rows, needed: degree + 1 });
     }

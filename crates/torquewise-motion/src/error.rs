@@ -26,17 +26,8 @@ pub enum MotionError {
     NotFiniteAt { row: usize },
     #[error("{0} is missing, and this work needs it")]
     Missing(&'static str),
-    #[error("a polynomial of degree {degree} does not fit on {half_window} rows to each side")]
-    #[diagnostic(help("take a degree of at least 1 and at most twice that number"))]
-    Window { half_window: usize, degree: usize },
-    #[error("derivative {order} of a polynomial of degree {degree} is always zero")]
-    #[diagnostic(help("take a degree of at least {order}"))]
-    Order { order: usize, degree: usize },
     #[error("{rows} rows are too few, at least {needed} are needed")]
-    #[diagnostic(help(
-        "record longer or record the derivatives, or raise the cut-off or lower the order of the \
-         filter"
-    ))]
+    #[diagnostic(help("record longer or record the derivatives, or raise the cut-off"))]
     TooFewRows { rows: usize, needed: usize },
     #[error("t does not increase at row {row}")]
     #[diagnostic(help("sort the rows and drop repeated ones"))]
@@ -53,9 +44,6 @@ pub enum MotionError {
     #[error("no low-pass filter with a cut-off of {cutoff:?} Hz at {rate:?} Hz")]
     #[diagnostic(help("the cut-off must be above 0 and below half the rate"))]
     Cutoff { cutoff: f64, rate: f64 },
-    #[error("no filter of order {order}")]
-    #[diagnostic(help("take one from 1 to {limit}, 4 is usual"))]
-    FilterOrder { order: usize, limit: usize },
     #[error("{what} is {value:?}")]
     #[diagnostic(help("it must be {expected}"))]
     Setting { what: &'static str, value: f64, expected: &'static str },

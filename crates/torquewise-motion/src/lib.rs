@@ -34,7 +34,7 @@ pub mod stats;
 pub mod whole_file;
 pub mod signals;
 
-pub use differentiate::{LocalPolynomial, derivative};
+pub use differentiate::{HALF_WINDOW, derivative};
 pub use error::MotionError;
 pub use joint_names::unfit_joint_name;
 pub use motion::{Motion, Signals};

@@ -49,5 +49,5 @@ pub use plan::Plan;
 pub use raw::Raw;
 pub use report::{ConditionReport, CutoffFrom, SignalReport};
 pub use resample::Timing;
-pub use settings::{Conditioning, Cutoff, Trim};
+pub use settings::{Conditioning, Cutoff};
 pub use spline::lagrange;

@@ -41,37 +41,3 @@ pub fn base_parameters(geometry: &Geometry, inertial: &[f64]) -> Vec<f64> {
     }
     base
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::recursion::{Kinematics, Moved, State};
-
-    #[test]
-    fn the_torque_is_the_same_with_fewer_parameters() {
-        let geometry =
-            Geometry::new(&[0.3, -0.2, 1.2, 0.4, 0.3, -0.1, -0.5, 0.9, 0.1, 0.25]).unwrap();
-        let inertial: Vec<f64> = (0..30).map(|k| (1.7 * f64::from(k)).sin() + 1.5).collect();
-        let torque = |inertial: &[f64]| -> Vec<f64> {
-            let state =
-                State { q: &[0.4, -1.1, 2.0], dq: &[0.7, 1.9, -0.8], ddq: &[2.0, -3.0, 0.5] };
-            let mut torque = vec![0.0; 3];
-            Kinematics::new(&geometry).inverse_dynamics(
-                state,
-                inertial,
-                &mut Moved::default(),
-                &mut torque,
-            );
-            torque
-        };
-
-        let base = base_parameters(&geometry, &inertial);
-
-        for link in base.chunks(PER_BODY) {
-            assert!(link[0].abs() + link[3].abs() + link[5].abs() < 1e-12, "{link:?}");
-        }
-        for (whole, fewer) in torque(&inertial).into_iter().zip(torque(&base)) {
-            assert!((whole - fewer).abs() < 1e-11 * whole.abs().max(1.0), "{whole} {fewer}");
-        }
-    }
-}

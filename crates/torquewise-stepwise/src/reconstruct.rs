@@ -168,11 +168,5 @@ impl<'a> PartialModel<'a> {
 /// Terms that carry a weight; errors are not known yet.
 fn nonzero(weights: &[f64]) -> Vec<FittedTerm> {
     let found = weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
-    let term = |(term, &coefficient): (usize, &f64)| Weighted {
-        term,
-        coefficient,
-        std_error: 0.0,
-        inclusion: None,
-    };
-    found.map(term).collect()
+    found.map(|(term, &weight)| Weighted::new(term, weight)).collect()
 }

@@ -132,8 +132,8 @@ fn open(log: &LogAt, held: Held<'_>, observer: Observer<'_>) -> Result<Value, Er
 }
 
 fn exported(model: &str, to: &str, name: &str, force: bool) -> Result<Answer, Error> {
-    let target = Target::NAMED.into_iter().find(|(named, _)| *named == to);
-    let (_, target) = target.ok_or_else(|| unknown("export", to))?;
+    let target = Target::NAMED.into_iter().find(|(named, _, _)| *named == to);
+    let (_, _, target) = target.ok_or_else(|| unknown("export", to))?;
     let name = function_name(name);
     // There is no compiler in a page: a unit holds sources.
     let options = ExportOptions { binary: false, force, ..ExportOptions::named(&name) };

@@ -39,17 +39,17 @@ pub enum Target {
 }
 
 impl Target {
-    /// All of them, as the command line has them.
-    pub const NAMED: [(&'static str, Self); 9] = [
-        ("c", Self::C),
-        ("rust", Self::Rust),
-        ("python", Self::Python),
-        ("latex", Self::Latex),
-        ("fmu", Self::Fmu),
-        ("ros2", Self::Ros2),
-        ("urdf", Self::Urdf),
-        ("mjcf", Self::Mjcf),
-        ("json", Self::Json),
+    /// All of them by their names, with what each is.
+    pub const NAMED: [(&'static str, &'static str, Self); 9] = [
+        ("c", "One file of C99", Self::C),
+        ("rust", "One file of Rust without std", Self::Rust),
+        ("python", "One file of Python", Self::Python),
+        ("latex", "A LaTeX document", Self::Latex),
+        ("fmu", "An FMI 2.0 unit for model exchange and co-simulation", Self::Fmu),
+        ("ros2", "Sources of a ROS 2 package", Self::Ros2),
+        ("urdf", "A robot for ROS, Pinocchio, Drake, Gazebo", Self::Urdf),
+        ("mjcf", "A robot for MuJoCo", Self::Mjcf),
+        ("json", "A model file, as fit writes it", Self::Json),
     ];
 
     /// Whether it is code, not a robot or a model.

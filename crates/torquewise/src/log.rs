@@ -8,7 +8,7 @@ use torquewise_logs::conditioned::RawLogs;
 use torquewise_logs::{ConditionedLogs, Frame, LogInput, Logs, Options};
 use torquewise_model::model::Filter as FilterUsed;
 use torquewise_motion::Recording;
-use torquewise_motion::signals::{Conditioning, Cutoff, Trim};
+use torquewise_motion::signals::{Conditioning, Cutoff};
 
 pub use crate::prepared::Prepared;
 
@@ -140,11 +140,8 @@ impl Log {
         };
         match rows {
             Rows::Filtered => filtered(&settings, logs),
-            Rows::Every => {
-                let trim = Trim::Seconds(0.0);
-                filtered(&Conditioning { rate: Some(f64::MAX), trim, ..settings }, logs)
-            }
-            Rows::Settled => filtered(&Conditioning { rate: Some(f64::MAX), ..settings }, logs),
+            Rows::Every => filtered(&Conditioning { thins: false, trims: false, ..settings }, logs),
+            Rows::Settled => filtered(&Conditioning { thins: false, ..settings }, logs),
             Rows::WithRawTorque => {
                 Ok(Prepared::Raw(Box::new(RawLogs::new(logs, &settings, self.delay.is_none())?)))
             }

@@ -22,7 +22,7 @@ pub(crate) struct Arguments {
     /// Model file
     model: PathBuf,
     /// What to write
-    #[arg(long, value_parser = choice(&TARGETS))]
+    #[arg(long, value_parser = choice(&Target::NAMED))]
     to: Target,
     /// File to write, for ros2 and samples a new folder
     #[arg(short, long, value_name = "PATH")]
@@ -65,18 +65,6 @@ pub(crate) struct Arguments {
     #[arg(long)]
     force: bool,
 }
-
-const TARGETS: [Word<Target>; 9] = [
-    ("c", "One file of C99", Target::C),
-    ("rust", "One file of Rust without std", Target::Rust),
-    ("python", "One file of Python", Target::Python),
-    ("latex", "A LaTeX document", Target::Latex),
-    ("fmu", "An FMI 2.0 unit for model exchange and co-simulation", Target::Fmu),
-    ("ros2", "Sources of a ROS 2 package", Target::Ros2),
-    ("urdf", "A robot for ROS, Pinocchio, Drake, Gazebo", Target::Urdf),
-    ("mjcf", "A robot for MuJoCo", Target::Mjcf),
-    ("json", "A model file, as fit writes it", Target::Json),
-];
 
 const PRECISIONS: [Word<Precision>; 2] =
     [("double", "64 bits", Precision::Double), ("float", "32 bits", Precision::Single)];

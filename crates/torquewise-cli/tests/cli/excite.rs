@@ -86,15 +86,10 @@ fn limits_of_the_torque_are_kept_for_a_urdf_and_for_a_learned_model() {
 }
 
 #[test]
-fn a_plan_repeats_with_its_seed_and_is_read_back_as_a_log() {
+fn a_plan_is_read_back_as_a_log() {
     let terminal = Terminal::new();
-    for folder in ["a", "b"] {
-        terminal.run(&format!("excite planar-2 -o {folder} {QUICK} --seed 7"));
-    }
+    terminal.run(&format!("excite planar-2 -o a {QUICK} --seed 7"));
 
-    for name in ["uniform.csv", "variable.yaml", "excite.svg"] {
-        assert_eq!(terminal.read(&format!("a/{name}")), terminal.read(&format!("b/{name}")));
-    }
     let logs = "a/standstill.csv a/uniform.csv a/variable.csv";
     let found = terminal.json(&format!("inspect {logs}"));
     assert_eq!(found["missing"], serde_json::json!(["tau"]));

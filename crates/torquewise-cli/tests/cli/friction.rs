@@ -153,12 +153,3 @@ fn predict_writes_friction_as_a_part() {
     assert_eq!(bare["columns"], json["columns"]);
     assert!(Table::of(&terminal, "bare.csv").column("friction2").iter().all(|part| *part == 0.0));
 }
-
-#[test]
-fn friction_that_cannot_be_is_named() {
-    let terminal = with_friction();
-    let whole = terminal.read("rubbing.json");
-    terminal.write("bad.json", &whole.replace("\"width\":0.0", "\"width\":-1.0"));
-
-    terminal.refused("show bad.json", &["the width of the friction sign(dq2) is -1", "fit"]);
-}

@@ -1,32 +1,17 @@
 //! Several logs together, wrong torques, and files that are refused before they do harm.
 
+use crate::robots::robot;
 use crate::spoilt::{Table, assert_warns};
 use crate::terminal::Terminal;
-
-/// The reference arm of two links, its second one so heavy.
-fn loaded(mass: &str) -> String {
-    let link = |name: &str, a: f64, mass: &str, inertia: f64| {
-        format!(
-            "[[joints]]\nname = \"{name}\"\na = {a:?}\nalpha = 0.0\nd = 0.0\nmass = {mass}\n\
-             com = [{:?}, 0.0, 0.0]\ninertia = [0.001, {inertia:?}, {inertia:?}, 0.0, 0.0, 0.0]\n",
-            -0.5 * a
-        )
-    };
-    format!(
-        "name = \"loaded\"\nbase_rpy = [1.5707963267948966, 0.0, 0.0]\n{}{}",
-        link("upper", 0.5, "4.0", 0.08),
-        link("fore", 0.4, mass, 0.03)
-    )
-}
 
 #[test]
 fn logs_of_other_payloads_are_told_apart() {
     let terminal = Terminal::new();
-    terminal.write("bare.toml", &loaded("2.0"));
-    terminal.write("laden.toml", &loaded("2.6"));
+    terminal.write("bare.urdf", &robot(0.1));
+    terminal.write("laden.urdf", &robot(1.1));
     for (arm, log, seed) in [("bare", "a", 1), ("laden", "b", 2), ("bare", "c", 3)] {
         terminal.done(&format!(
-            "simulate {arm}.toml -o {log}.csv --seconds 40 --rate 50 --seed {seed} \
+            "simulate {arm}.urdf -o {log}.csv --seconds 40 --rate 50 --seed {seed} \
              --noise-db 60,50,40"
         ));
     }
@@ -34,7 +19,7 @@ fn logs_of_other_payloads_are_told_apart() {
     let mixed = terminal.run("fit a.csv b.csv -o mixed.json --strict");
     let alike = terminal.run("fit a.csv c.csv -o alike.json");
 
-    let words = ["a.csv and b.csv disagree about the gravity of", "fore (", "Fit them apart"];
+    let words = ["a.csv and b.csv disagree about the gravity of", "elbow (", "Fit them apart"];
     assert_warns(&mixed, &words);
     assert!(!alike.stderr.contains("disagree"), "{alike:?}");
 }

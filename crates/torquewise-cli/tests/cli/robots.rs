@@ -4,7 +4,7 @@ use crate::spoilt::Table;
 use crate::terminal::{Terminal, each};
 
 /// Two joints and a tool, as a URDF has them; the tool may be heavier.
-fn robot(tool: f64) -> String {
+pub(crate) fn robot(tool: f64) -> String {
     let inertial = |mass: f64, z: f64| {
         format!(
             "<inertial><origin xyz=\"0 0.02 {z}\"/><mass value=\"{mass}\"/><inertia ixx=\"0.05\" \

@@ -56,25 +56,6 @@ fn scoring_the_predicted_torque_by_hand_gives_what_evaluate_says() {
 }
 
 #[test]
-fn the_parts_of_a_torque_add_up_to_it() {
-    let terminal = Terminal::with_model();
-
-    terminal.done("predict model.json log.csv -o torque.csv --parts");
-
-    let torque = Table::of(&terminal, "torque.csv");
-    for joint in [1, 2] {
-        let part = |name: &str| torque.column(&format!("{name}{joint}"));
-        let parts = ["inertia", "coriolis", "gravity", "friction"].map(part);
-        let tau_hat = part("tau_hat");
-        let scale = tau_hat.iter().map(|tau| tau.abs()).fold(0.0, f64::max);
-        for row in 0..3000 {
-            let sum: f64 = parts.iter().map(|part| part[row]).sum();
-            assert!((sum - tau_hat[row]).abs() <= 1e-12 * scale);
-        }
-    }
-}
-
-#[test]
 fn a_log_without_torque_can_be_predicted() {
     let terminal = Terminal::with_model();
     let bare = Table::of(&terminal, "log.csv").without(&["tau1", "tau2"]);

@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::rigid_chain::{Coupled, Coupling};
 use torquewise_model::{
-    Drive, EnergyTerm, Form, FrictionTerm, JointKind, Model, Place, RigidChain, Stage, Term,
-    Training, Trig, Weighted,
+    Drive, EnergyTerm, Form, FrictionTerm, JointKind, Model, Place, RigidChain, Stage, Term, Trig,
+    Weighted,
 };
 
 /// A state of an arm: q, q̇, q̈.
@@ -17,10 +17,6 @@ pub(crate) fn states(n: usize, count: usize, seed: u64) -> Vec<State> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut signal = |most: f64| (0..n).map(|_| most * (2.0 * rng.random::<f64>() - 1.0)).collect();
     (0..count).map(|_| [signal(PI), signal(3.0), signal(10.0)]).collect()
-}
-
-fn weighted<T>(term: T, coefficient: f64) -> Weighted<T> {
-    Weighted { term, coefficient, std_error: 0.0, inclusion: None }
 }
 
 /// A product of up to three functions of angles: sines, powers of cosines, harmonics, sums.
@@ -59,7 +55,7 @@ pub(crate) fn energies(n: usize, count: usize, seed: u64) -> Model {
         let function = function(&mut rng, n);
         let scale = if place == Place::Potential { 20.0 } else { 1.0 };
         let coefficient = scale * (2.0 * rng.random::<f64>() - 1.0);
-        terms.push(weighted(EnergyTerm { place, function }, coefficient));
+        terms.push(Weighted::new(EnergyTerm { place, function }, coefficient));
     }
     let first = terms.iter().filter(|w| w.term.place == Place::Potential).take(5);
     let stage = Stage {
@@ -83,7 +79,7 @@ pub(crate) fn parallel(n: usize, count: usize, seed: u64) -> Model {
                 let times = |trig| function.clone().times(trig, 1, 1, 1).times(trig, 2, 1, 1);
                 [(Trig::Cos, 1.0), (Trig::Sin, -1.0)].map(|(trig, sign)| {
                     let term = EnergyTerm { place: *place, function: times(trig) };
-                    weighted(term, sign * coefficient)
+                    Weighted::new(term, sign * coefficient)
                 })
             })
             .collect();
@@ -105,7 +101,7 @@ pub(crate) fn products(n: usize, count: usize, seed: u64) -> Model {
                     term = term.times_dq(i).times_dq(j);
                 }
             }
-            weighted(term, 10.0 * (2.0 * rng.random::<f64>() - 1.0))
+            Weighted::new(term, 10.0 * (2.0 * rng.random::<f64>() - 1.0))
         };
         (0..count).map(|_| term(rng)).collect()
     };
@@ -148,7 +144,7 @@ pub(crate) fn chain(n: usize, skew: bool, seed: u64) -> Model {
     let (coupling, covariance) = (Coupling::default(), Vec::new());
     let chain =
         RigidChain { geometry, links, drives, coupling, covariance, ..RigidChain::default() };
-    let form = Form::Energy(vec![weighted(term, 1.0)]);
+    let form = Form::Energy(vec![Weighted::new(term, 1.0)]);
     Model { chain: Some(chain), ..model(n, form, friction(n), Vec::new()) }
 }
 
@@ -195,22 +191,20 @@ fn friction(n: usize) -> Vec<Weighted<FrictionTerm>> {
         ];
         for (place, (law, direction)) in laws.into_iter().enumerate() {
             let term = FrictionTerm { direction, ..FrictionTerm::of_joint(n, joint, law) };
-            terms.push(weighted(term, 1.5 - 0.4 * place as f64));
+            terms.push(Weighted::new(term, 1.5 - 0.4 * place as f64));
         }
     }
     let mut shaft = vec![0.0; n];
     (shaft[n - 2], shaft[n - 1]) = (1.0, -0.5);
     let (law, direction) = (FrictionLaw::Coulomb { width: 0.0 }, Direction::Both);
-    terms.push(weighted(FrictionTerm { shaft, law, direction, load: false }, 0.7));
+    terms.push(Weighted::new(FrictionTerm { shaft, law, direction, load: false }, 0.7));
     terms
 }
 
 fn model(n: usize, form: Form, friction: Vec<Weighted<FrictionTerm>>, stages: Vec<Stage>) -> Model {
     // Names that a careless printer would break a string or a comment with.
     let names = (0..n).map(|joint| format!("gelenk \"{joint}\" */ ??/ é\\"));
-    let joints = names.collect();
-    let (training, choices, chain) = (Training::default(), Vec::new(), None);
-    Model { joints, form, friction, stages, training, choices, chain }
+    Model { joints: names.collect(), form, friction, stages, ..Model::default() }
 }
 
 /// The same with Dahl elements, two on the second joint, one of which also feels its load, and one
@@ -219,10 +213,10 @@ pub(crate) fn remembers(mut model: Model) -> Model {
     let n = model.n_joints();
     let dahl = |joint, travel| FrictionTerm::of_joint(n, joint, FrictionLaw::Dahl { travel });
     model.friction.extend([
-        weighted(dahl(1, 0.01), 2.5),
-        weighted(dahl(1, 0.2), 0.7),
-        weighted(dahl(1, 0.2).under_load(), 0.1),
-        weighted(dahl(n - 1, 0.002), 1.3),
+        Weighted::new(dahl(1, 0.01), 2.5),
+        Weighted::new(dahl(1, 0.2), 0.7),
+        Weighted::new(dahl(1, 0.2).under_load(), 0.1),
+        Weighted::new(dahl(n - 1, 0.002), 1.3),
     ]);
     model
 }
@@ -232,7 +226,9 @@ pub(crate) fn remembers_all(mut model: Model) -> Model {
     let n = model.n_joints();
     for (joint, travel) in (0..n).flat_map(|j| [0.0005, 0.002, 0.01, 0.05, 0.2].map(|d| (j, d))) {
         let term = FrictionTerm::of_joint(n, joint, FrictionLaw::Dahl { travel });
-        model.friction.extend([weighted(term.clone(), 0.3), weighted(term.under_load(), 0.03)]);
+        model
+            .friction
+            .extend([Weighted::new(term.clone(), 0.3), Weighted::new(term.under_load(), 0.03)]);
     }
     model
 }
@@ -243,11 +239,11 @@ pub(crate) fn loaded(mut model: Model) -> Model {
     for joint in 0..n {
         let law = FrictionLaw::Coulomb { width: 0.02 };
         let term = FrictionTerm::of_joint(n, joint, law).under_load();
-        model.friction.push(weighted(term, 0.05 + 0.02 * joint as f64));
+        model.friction.push(Weighted::new(term, 0.05 + 0.02 * joint as f64));
     }
     let viscous = FrictionTerm::of_joint(n, 1, FrictionLaw::Viscous).under_load();
     let term = FrictionTerm { direction: Direction::Backward, ..viscous };
-    model.friction.push(weighted(term, 0.1));
+    model.friction.push(Weighted::new(term, 0.1));
     model
 }
 

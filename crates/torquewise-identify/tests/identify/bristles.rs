@@ -2,13 +2,14 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use torquewise_identify::plan::{ChainOptions, FrictionKind};
-use torquewise_identify::{Plan, Reconstruction, reconstruct};
+use crate::support::{chain, fit, reference_arm};
+use torquewise_identify::Reconstruction;
+use torquewise_identify::plan::FrictionKind;
 use torquewise_model::Torque;
 use torquewise_model::shaft_friction::{Estimated, ShaftFriction};
 use torquewise_motion::Motion;
 use torquewise_sim::friction::{Bristles, Friction, Stribeck};
-use torquewise_sim::{Arm, MotionKind, MotionPlan, SimulatedLog};
+use torquewise_sim::{MotionKind, MotionPlan, SimulatedLog};
 
 /// Slower than this \[rad/s\] a joint is at rest or turns round.
 const SLOW: f64 = 0.05;
@@ -19,8 +20,7 @@ const VISCOUS: f64 = 0.2;
 /// \[N·m/rad\]: the bristles slip after 5 to 13 mrad, those of the first joint after 10.
 const STIFFNESS: f64 = 1_200.0;
 
-fn log(kind: MotionKind, seconds: f64, seed: u64) -> Motion {
-    let arm = Arm::builtin("puma560-3").unwrap();
+fn log(seconds: f64, seed: u64) -> Motion {
     let curve = |coulomb: f64| Stribeck {
         coulomb,
         stiction: 1.3 * coulomb,
@@ -31,13 +31,9 @@ fn log(kind: MotionKind, seconds: f64, seed: u64) -> Motion {
         .unwrap()
         .with_bristles(Bristles { stiffness: STIFFNESS, damping: 0.0 })
         .unwrap();
-    let plan = MotionPlan { kind, seconds, rate: 250.0, seed };
-    SimulatedLog::new(&arm, &plan).unwrap().with_friction(friction).unwrap().whole().unwrap().motion
-}
-
-fn fit(motion: &Motion, friction: FrictionKind) -> Reconstruction {
-    let plan = Plan::from(ChainOptions { friction, ..ChainOptions::default() });
-    reconstruct(motion, &plan, torquewise_identify::UNWATCHED).unwrap()
+    let plan = MotionPlan { kind: MotionKind::Moves, seconds, rate: 250.0, seed };
+    let log = SimulatedLog::new(&reference_arm(), &plan).unwrap();
+    log.with_friction(friction).unwrap().whole().unwrap().motion
 }
 
 /// RMS error of each joint at the rows at which it is slow \[N·m\].
@@ -55,10 +51,10 @@ fn slow_errors(found: &Reconstruction, test: &Motion) -> Vec<f64> {
 
 #[test]
 fn friction_at_rest_and_reversal_is_remembered() {
-    let (train, test) = (log(MotionKind::Moves, 60.0, 1), log(MotionKind::Moves, 20.0, 7));
+    let (train, test) = (log(60.0, 1), log(20.0, 7));
 
-    let with = slow_errors(&fit(&train, FrictionKind::Auto), &test);
-    let without = slow_errors(&fit(&train, FrictionKind::Stribeck), &test);
+    let with = slow_errors(&fit(&train, &chain(FrictionKind::Auto)), &test);
+    let without = slow_errors(&fit(&train, &chain(FrictionKind::Stribeck)), &test);
 
     let halved = with.iter().zip(&without).all(|(with, without)| *with <= 0.5 * without);
     assert!(halved, "{with:?} with memory, {without:?} without");
@@ -66,7 +62,7 @@ fn friction_at_rest_and_reversal_is_remembered() {
 
 #[test]
 fn friction_reads_as_it_was_planted() {
-    let model = fit(&log(MotionKind::Moves, 60.0, 1), FrictionKind::Auto).model;
+    let model = fit(&log(60.0, 1), &chain(FrictionKind::Auto)).model;
     let joints = ShaftFriction::all(&model);
     let is_near = |found: Option<Estimated>, planted: f64, part: f64| {
         found.is_some_and(|found| (found.value / planted - 1.0).abs() < part)

@@ -1,11 +1,12 @@
 //! Logs that are short, still, without friction or of one joint, fitted along a chain.
 
-use crate::chain::{NOISE, WRIST, fit, linear, plan, reference_arm, rubbing, sines};
+use crate::chain::{NOISE, WRIST, linear, rubbing, sines};
+use crate::support::{chain, fit, percent, reference_arm, threads_leave_no_trace};
 use faer::Mat;
 use torquewise_identify::plan::FrictionKind;
-use torquewise_identify::{IdentifyError, reconstruct, score};
+use torquewise_identify::{IdentifyError, UNWATCHED, reconstruct};
+use torquewise_model::Torque;
 use torquewise_model::model::GeometryFound;
-use torquewise_model::{Torque, to_json};
 use torquewise_motion::{Motion, Signals};
 use torquewise_sim::Arm;
 
@@ -13,7 +14,8 @@ use torquewise_sim::Arm;
 fn a_search_stops_when_three_starts_lead_to_the_same_arm() {
     let arm = Arm::builtin("planar-2").unwrap();
 
-    let found = fit(&sines(&arm, 30.0, 1), FrictionKind::None).model.training.geometry_found;
+    let found =
+        fit(&sines(&arm, 30.0, 1), &chain(FrictionKind::None)).model.training.geometry_found;
 
     let GeometryFound { times, starts, .. } = found.unwrap();
     assert!((3..=6).contains(&times) && starts == 6, "{times} of {starts}");
@@ -23,11 +25,11 @@ fn a_search_stops_when_three_starts_lead_to_the_same_arm() {
 fn without_friction_none_is_listed() {
     let arm = reference_arm();
 
-    let found = fit(&rubbing(&sines(&arm, 30.0, 1), &vec![], NOISE), FrictionKind::None);
+    let found = fit(&rubbing(&sines(&arm, 30.0, 1), &vec![], NOISE), &chain(FrictionKind::None));
 
     assert!(found.model.friction.is_empty());
-    let scores = score(&found.model, &sines(&arm, 10.0, 2)).unwrap();
-    assert!(scores.joints.iter().all(|joint| joint.nrmse_percent < 1.0), "{scores:?}");
+    let errors = percent(&found.model, &sines(&arm, 10.0, 2));
+    assert!(errors.iter().all(|&percent| percent < 1.0), "{errors:?}");
 }
 
 #[test]
@@ -37,23 +39,19 @@ fn a_pendulum_is_a_chain_of_one() {
     let motion = sines(&arm, 20.0, 1);
     let friction = linear(&motion, &[[0.1, 0.5, 0.8]]);
 
-    let found = fit(&rubbing(&motion, &friction, NOISE), FrictionKind::Auto);
+    let found = fit(&rubbing(&motion, &friction, NOISE), &chain(FrictionKind::Auto));
 
     let test = rubbing(&sines(&arm, 10.0, 2), &friction, 0.0);
-    let scores = score(&found.model, &test).unwrap();
-    assert!(scores.joints[0].nrmse_percent < 1.0, "{scores:?}");
+    let errors = percent(&found.model, &test);
+    assert!(errors[0] < 1.0, "{errors:?}");
 }
 
 #[test]
 fn the_same_seed_gives_the_same_chain_model_at_any_number_of_threads() {
     let motion = sines(&Arm::builtin("planar-2").unwrap(), 20.0, 1);
     let log = rubbing(&motion, &linear(&motion, &[[0.1, 1.0, 1.0]; 2]), NOISE);
-    let model_with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| to_json(&fit(&log, FrictionKind::Auto).model).unwrap())
-    };
 
-    assert_eq!(model_with(1), model_with(2));
+    assert!(threads_leave_no_trace(&log, &chain(FrictionKind::Auto)));
 }
 
 #[test]
@@ -61,8 +59,7 @@ fn too_few_rows_for_a_chain_are_named() {
     let arm = Arm::builtin("generic-6").unwrap();
     let log = sines(&arm, 1.1, 1);
 
-    let error =
-        reconstruct(&log, &plan(FrictionKind::Linear), torquewise_identify::UNWATCHED).unwrap_err();
+    let error = reconstruct(&log, &chain(FrictionKind::Linear), UNWATCHED).unwrap_err();
 
     assert!(matches!(error, IdentifyError::Chain(_)), "{error}");
     assert!(error.to_string().contains("55 rows of 6 joints"), "{error}");
@@ -74,18 +71,13 @@ fn joints_that_never_move_do_not_panic() {
     for moving in [0, 1, 2] {
         let signals = log.clone().into_signals();
         let held = |x: &Mat<f64>| {
-            Mat::from_fn(
-                x.nrows(),
-                3,
-                |row, joint| {
-                    if joint < moving { x[(row, joint)] } else { 0.0 }
-                },
-            )
+            let of = |row, joint| if joint < moving { x[(row, joint)] } else { 0.0 };
+            Mat::from_fn(x.nrows(), 3, of)
         };
         let (q, dq, ddq) = (held(&signals.q), held(&signals.dq), held(&signals.ddq));
         let log = Motion::new(Signals { q, dq, ddq, ..signals }).unwrap();
 
-        let found = fit(&log, FrictionKind::Auto);
+        let found = fit(&log, &chain(FrictionKind::Auto));
 
         let tau = Torque::new(&found.model).over(&log).unwrap();
         assert!(tau.is_all_finite(), "{moving} joints move");

@@ -2,10 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use torquewise_identify::{Disagreement, disagreements};
-use torquewise_identify::{Plan, reconstruct};
+use crate::support::{fit, motion, noisy, with_torque};
+use torquewise_identify::{Disagreement, Plan, disagreements};
 use torquewise_motion::{Motion, Signals};
-use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
+use torquewise_sim::{Arm, MotionKind};
 
 /// Three links; the hand weighs so much.
 fn arm(hand: f64) -> Arm {
@@ -27,25 +27,19 @@ fn arm(hand: f64) -> Arm {
 }
 
 fn log(hand: f64, seconds: f64, kind: MotionKind, seed: u64) -> Motion {
-    let plan = MotionPlan { kind, seconds, rate: 50.0, seed };
-    let motion = simulate(&arm(hand), &plan).unwrap().motion;
-    add_noise(&motion, &Noise::case(2).unwrap(), seed).unwrap()
+    noisy(&motion(&arm(hand), kind, seconds, 50.0, seed), 2, seed)
 }
 
 fn with_friction(log: Motion, viscous: f64, dry: f64) -> Motion {
-    let mut signals = log.into_signals();
-    let tau = signals.tau.as_mut().unwrap();
-    for row in 0..tau.nrows() {
-        for joint in 0..tau.ncols() {
-            let dq = signals.dq[(row, joint)];
-            tau[(row, joint)] += viscous * dq + dry * (dq / 0.01).tanh();
+    with_torque(log, |[_, dq, _], tau| {
+        for (tau, dq) in tau.iter_mut().zip(dq) {
+            *tau += viscous * dq + dry * (dq / 0.01).tanh();
         }
-    }
-    Motion::new(signals).unwrap()
+    })
 }
 
 fn found(logs: &[Motion]) -> Vec<Disagreement> {
-    let model = reconstruct(logs, &Plan::default(), torquewise_identify::UNWATCHED).unwrap().model;
+    let model = fit(logs, &Plan::default()).model;
     disagreements(&model, logs, &|k| format!("log {k}")).unwrap()
 }
 
@@ -108,8 +102,7 @@ fn logs_of_one_arm_agree_whatever_their_motion_and_friction() {
 fn one_log_agrees_with_itself_though_it_has_gaps() {
     let moves = |hand, seed| log(hand, 40.0, MotionKind::Moves, seed);
     let logs = [moves(3.0, 1), moves(4.0, 2)];
-    let model =
-        reconstruct(&logs[..], &Plan::default(), torquewise_identify::UNWATCHED).unwrap().model;
+    let model = fit(&logs[..], &Plan::default()).model;
 
     assert_eq!(disagreements(&model, &logs[..], &|_| "one".into()).unwrap(), []);
     assert_ne!(disagreements(&model, &logs[..], &|k| k.to_string()).unwrap(), []);
@@ -118,7 +111,7 @@ fn one_log_agrees_with_itself_though_it_has_gaps() {
 #[test]
 fn a_log_without_torque_is_refused() {
     let bare = log(3.0, 40.0, MotionKind::Moves, 1);
-    let model = reconstruct(&bare, &Plan::default(), torquewise_identify::UNWATCHED).unwrap().model;
+    let model = fit(&bare, &Plan::default()).model;
     let without = Motion::new(Signals { tau: None, ..bare.into_signals() }).unwrap();
 
     assert!(disagreements(&model, &without, &|_| String::new()).is_err());

@@ -2,16 +2,18 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+use crate::support::{
+    State, executed, fit, motion, percent, reference_arm, states_of, with_torque,
+};
 use crate::truth;
-use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use torquewise_identify::plan::{FrictionKind, LibraryOptions};
-use torquewise_identify::{LibraryKind, Reconstruction, reconstruct, score};
+use torquewise_identify::{LibraryKind, Reconstruction};
 use torquewise_model::{Form, Torque};
-use torquewise_motion::{Motion, Pattern, Signals};
-use torquewise_sim::{Arm, MotionKind, MotionPlan, simulate};
+use torquewise_motion::{Motion, Pattern};
+use torquewise_sim::{Arm, MotionKind};
 
 /// Dry friction, what Stribeck adds at rest \[N·m\], Stribeck speed \[rad/s\], viscous friction
 /// \[N·m·s/rad\]; forward, then backward.
@@ -34,7 +36,7 @@ fn truth_of(curve: &Curve, speed: f64) -> f64 {
 }
 
 /// Strokes of constant speed, all joints at once, forward and backward, gaps between them.
-fn strokes(arm: &Arm, speeds: [f64; 2], count: usize, seed: u64) -> Vec<[Vec<f64>; 3]> {
+fn strokes(arm: &Arm, speeds: [f64; 2], count: usize, seed: u64) -> Vec<State> {
     let n = arm.n_joints();
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut states = Vec::new();
@@ -55,13 +57,8 @@ fn strokes(arm: &Arm, speeds: [f64; 2], count: usize, seed: u64) -> Vec<[Vec<f64
     states
 }
 
-fn sines(arm: &Arm, seconds: f64, seed: u64) -> Vec<[Vec<f64>; 3]> {
-    let plan = MotionPlan { kind: MotionKind::Sines, seconds, rate: 100.0, seed };
-    let sines = simulate(arm, &plan).unwrap().motion;
-    let row_of = |x: faer::MatRef<'_, f64>, row: usize| x.row(row).iter().copied().collect();
-    (0..sines.n_rows())
-        .map(|row| [sines.q(), sines.dq(), sines.ddq()].map(|x| row_of(x, row)))
-        .collect()
+fn sines(arm: &Arm, seconds: f64, seed: u64) -> Vec<State> {
+    states_of(&motion(arm, MotionKind::Sines, seconds, 100.0, seed))
 }
 
 /// Slow strokes, strokes of many speeds, moves: their torque with friction and noise.
@@ -72,26 +69,20 @@ fn recordings(arm: &Arm) -> Motion {
     rubbing(arm, &states, 0.02)
 }
 
-fn rubbing(arm: &Arm, states: &[[Vec<f64>; 3]], noise: f64) -> Motion {
-    let (m, n) = (states.len(), arm.n_joints());
+fn rubbing(arm: &Arm, states: &[State], noise: f64) -> Motion {
     let mut random = ChaCha8Rng::seed_from_u64(7);
-    let signal = |k: usize| Mat::from_fn(m, n, |row, joint| states[row][k][joint]);
-    let tau = Mat::from_fn(m, n, |row, joint| {
-        let [q, dq, ddq] = &states[row];
-        let unit: f64 = StandardNormal.sample(&mut random);
-        let rigid = arm.inverse_dynamics(q, dq, ddq)[joint];
-        rigid + truth_of(&CURVES[joint], dq[joint]) + noise * unit
-    });
-    let t = (0..m).map(|row| 0.01 * row as f64).collect();
-    let joints = arm.joints().to_vec();
-    let (q, dq, ddq) = (signal(0), signal(1), signal(2));
-    Motion::new(Signals { joints, t, q, dq, ddq, tau: Some(tau) }).unwrap()
+    let t = (0..states.len()).map(|row| 0.01 * row as f64).collect();
+    with_torque(executed(arm, t, states), |[_, dq, _], tau| {
+        for ((tau, curve), &dq) in tau.iter_mut().zip(&CURVES).zip(dq) {
+            let unit: f64 = StandardNormal.sample(&mut random);
+            *tau += truth_of(curve, dq) + noise * unit;
+        }
+    })
 }
 
-fn fit(library: LibraryKind, friction: FrictionKind) -> Reconstruction {
-    let arm = Arm::builtin("puma560-3").unwrap();
+fn learned(library: LibraryKind, friction: FrictionKind) -> Reconstruction {
     let plan = LibraryOptions { library, friction, ..LibraryOptions::default() }.into();
-    reconstruct(&recordings(&arm), &plan, torquewise_identify::UNWATCHED).unwrap()
+    fit(&recordings(&reference_arm()), &plan)
 }
 
 /// Largest error of the friction of each joint over its true size, between two speeds.
@@ -115,9 +106,9 @@ fn worst(found: &Reconstruction, speeds: [f64; 2]) -> Vec<f64> {
 
 #[test]
 fn three_recordings_give_the_terms_and_the_friction_curve() {
-    let arm = Arm::builtin("puma560-3").unwrap();
+    let arm = reference_arm();
 
-    let found = fit(LibraryKind::Energy { interaction: None }, FrictionKind::Auto);
+    let found = learned(LibraryKind::Energy { interaction: None }, FrictionKind::Auto);
 
     let Form::Energy(terms) = &found.model.form else { panic!("an energy model was asked for") };
     let truth = truth::energies(&arm);
@@ -134,14 +125,13 @@ fn three_recordings_give_the_terms_and_the_friction_curve() {
 
 #[test]
 fn the_product_library_finds_friction_of_its_own_joint_only() {
-    let arm = Arm::builtin("puma560-3").unwrap();
+    let arm = reference_arm();
 
     let library = LibraryKind::Product { gravity_order: 2, trig_order: 3 };
-    let found = fit(library, FrictionKind::Stribeck);
+    let found = learned(library, FrictionKind::Stribeck);
 
     let states = sines(&arm, 10.0, 5);
-    let scores = score(&found.model, &rubbing(&arm, &states, 0.0)).unwrap();
-    let percent: Vec<f64> = scores.joints.iter().map(|joint| joint.nrmse_percent).collect();
+    let percent = percent(&found.model, &rubbing(&arm, &states, 0.0));
     assert!(percent.iter().all(|&percent| percent < 2.0), "{percent:?}");
     assert!(
         found
@@ -154,13 +144,13 @@ fn the_product_library_finds_friction_of_its_own_joint_only() {
 
 #[test]
 fn an_empty_half_is_left_out() {
-    let arm = Arm::builtin("puma560-3").unwrap();
+    let arm = reference_arm();
     let log = recordings(&arm);
     let forward: Vec<usize> = (0..log.n_rows()).filter(|&row| log.dq()[(row, 2)] >= 0.0).collect();
     let plan =
         LibraryOptions { friction: FrictionKind::Stribeck, ..LibraryOptions::default() }.into();
 
-    let found = reconstruct(&log.select(&forward), &plan, torquewise_identify::UNWATCHED).unwrap();
+    let found = fit(&log.select(&forward), &plan);
 
     assert!(found.model.friction.iter().all(|w| w.coefficient.is_finite()));
     let third = found.model.friction.iter().filter(|w| w.term.acts_on(2));

@@ -1,15 +1,14 @@
 //! From simulated log with gears that press harder under load to what was planted.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
+use crate::support::{chain, fit, motion, reference_arm, with_torque};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_identify::plan::{ChainOptions, FrictionKind};
-use torquewise_identify::{Plan, Reconstruction, reconstruct, score};
+use torquewise_identify::plan::FrictionKind;
+use torquewise_identify::{Reconstruction, score};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_motion::Motion;
-use torquewise_sim::{Arm, MotionKind, MotionPlan, simulate};
+use torquewise_sim::MotionKind;
 
 /// Dry and viscous friction of each joint \[N·m\], \[N·m·s\].
 const FRICTION: (f64, f64) = (1.5, 1.0);
@@ -18,30 +17,17 @@ const NOISE: f64 = 0.1;
 
 /// Motion of the arm with friction, and what a gear adds: joint, G \[N·m\], sign of motion.
 fn log(seed: u64, gear: impl Fn(usize, f64, f64) -> f64) -> Motion {
-    let arm = Arm::builtin("puma560-3").unwrap();
-    let plan = MotionPlan { kind: MotionKind::Sines, seconds: 60.0, rate: 50.0, seed };
+    let arm = reference_arm();
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut signals = simulate(&arm, &plan).unwrap().motion.into_signals();
-    let tau = signals.tau.as_mut().unwrap();
-    for row in 0..tau.nrows() {
-        let q: Vec<f64> = signals.q.row(row).iter().copied().collect();
-        let gravity = arm.gravity_torque(&q);
-        for joint in 0..tau.ncols() {
-            let dq = signals.dq[(row, joint)];
-            let sign = (dq / 0.01).tanh();
+    with_torque(motion(&arm, MotionKind::Sines, 60.0, 50.0, seed), |[q, dq, _], tau| {
+        let gravity = arm.gravity_torque(q);
+        for (joint, tau) in tau.iter_mut().enumerate() {
+            let sign = (dq[joint] / 0.01).tanh();
             let unit: f64 = StandardNormal.sample(&mut random);
-            tau[(row, joint)] += FRICTION.0 * sign
-                + FRICTION.1 * dq
-                + gear(joint, gravity[joint], sign)
-                + NOISE * unit;
+            let gear = gear(joint, gravity[joint], sign);
+            *tau += FRICTION.0 * sign + FRICTION.1 * dq[joint] + gear + NOISE * unit;
         }
-    }
-    Motion::new(signals).unwrap()
-}
-
-fn fit(motion: &Motion, friction: FrictionKind) -> Reconstruction {
-    let plan = Plan::from(ChainOptions { friction, ..ChainOptions::default() });
-    reconstruct(motion, &plan, torquewise_identify::UNWATCHED).unwrap()
+    })
 }
 
 #[test]
@@ -49,7 +35,7 @@ fn friction_under_load_is_found_where_gravity_loads_a_gear() {
     let loaded = |seed| log(seed, |_, gravity, sign| 0.1 * gravity.abs() * sign);
     let (train, test) = (loaded(1), loaded(2));
 
-    let found = fit(&train, FrictionKind::Auto);
+    let found = fit(&train, &chain(FrictionKind::Auto));
 
     let load = |joint: usize| -> f64 {
         let own = found.model.friction.iter().filter(|w| w.term.load && w.term.acts_on(joint));
@@ -62,6 +48,6 @@ fn friction_under_load_is_found_where_gravity_loads_a_gear() {
     let errors = |found: &Reconstruction| -> Vec<f64> {
         score(&found.model, &test).unwrap().joints.iter().map(|joint| joint.rmse).collect()
     };
-    let (with, without) = (errors(&found), errors(&fit(&train, FrictionKind::Stribeck)));
+    let (with, without) = (errors(&found), errors(&fit(&train, &chain(FrictionKind::Stribeck))));
     assert!(with[1] < 0.5 * without[1], "{with:?} with load, {without:?} without");
 }

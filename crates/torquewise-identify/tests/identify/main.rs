@@ -17,6 +17,7 @@ mod six_joints;
 mod sliding;
 mod spoilt;
 mod summary;
+mod support;
 mod torque_sign;
 mod truth;
 mod work;

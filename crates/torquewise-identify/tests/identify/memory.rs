@@ -1,9 +1,10 @@
 //! A log ten times as long is reconstructed in the same memory.
 #![cfg(target_os = "linux")]
 
+use crate::support::{fit, reference_arm};
 use std::process::Command;
-use torquewise_identify::{Plan, reconstruct};
-use torquewise_sim::{Arm, MotionKind, MotionPlan, SimulatedLog};
+use torquewise_identify::Plan;
+use torquewise_sim::{MotionKind, MotionPlan, SimulatedLog};
 
 /// Set for the process that reconstructs; the number of rows.
 const ROWS: &str = "TORQUEWISE_MEMORY_ROWS";
@@ -40,14 +41,12 @@ fn peak_of(rows: usize) -> f64 {
 
 /// A log that is made anew each time it is read, so that all memory is that of the method.
 fn reconstruct_simulated(rows: usize) {
-    let arm = Arm::builtin("puma560-3").expect("a built-in arm");
     let seconds = rows as f64 / 100.0;
     let plan = MotionPlan { kind: MotionKind::Moves, seconds, rate: 100.0, seed: 1 };
-    let log = SimulatedLog::new(&arm, &plan).expect("a plan within bounds");
+    let log = SimulatedLog::new(&reference_arm(), &plan).expect("a plan within bounds");
     assert_eq!(log.n_rows(), rows);
 
-    let found =
-        reconstruct(&log, &Plan::default(), torquewise_identify::UNWATCHED).expect("a clean log");
+    let found = fit(&log, &Plan::default());
 
     assert_eq!(found.survey.rows, rows);
 }

@@ -1,35 +1,17 @@
 //! From simulated log to the terms and coefficients it was simulated with.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
+use crate::support::{fit, motion, noisy, outside, percent, reference_arm, threads_leave_no_trace};
 use crate::truth;
 use std::collections::BTreeMap;
-use torquewise_identify::{Plan, Reconstruction, reconstruct, score};
-use torquewise_model::{EnergyTerm, Form, check, to_json};
+use torquewise_identify::{Plan, Reconstruction, score};
+use torquewise_model::{EnergyTerm, Form, check};
 use torquewise_motion::{Motion, Pattern};
-use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
+use torquewise_sim::{Arm, MotionKind, MotionPlan, simulate};
 use torquewise_stepwise::orders::OrderPlan;
 use torquewise_stepwise::orders::orders;
 
-fn moves(arm: &Arm, seconds: f64, case: u8, seed: u64) -> (Motion, Vec<Pattern>) {
-    let plan = MotionPlan { kind: MotionKind::Moves, seconds, rate: 100.0, seed };
-    let simulation = simulate(arm, &plan).unwrap();
-    let noisy = add_noise(&simulation.motion, &Noise::case(case).unwrap(), seed).unwrap();
-    (noisy, simulation.truth)
-}
-
-fn outside(arm: &Arm) -> Motion {
-    let plan = MotionPlan { kind: MotionKind::Sines, seconds: 20.0, rate: 100.0, seed: 77 };
-    simulate(arm, &plan).unwrap().motion
-}
-
-fn fit(motion: &Motion, plan: &Plan) -> Reconstruction {
-    reconstruct(motion, plan, torquewise_identify::UNWATCHED).unwrap()
-}
-
-fn nrmse(found: &Reconstruction, test: &Motion) -> Vec<f64> {
-    let scores = score(&found.model, test).unwrap();
-    scores.joints.into_iter().map(|joint| joint.nrmse_percent).collect()
+fn moves(arm: &Arm, seconds: f64, case: u8, seed: u64) -> Motion {
+    noisy(&motion(arm, MotionKind::Moves, seconds, 100.0, seed), case, seed)
 }
 
 fn found_energies(found: &Reconstruction) -> BTreeMap<EnergyTerm, (f64, f64)> {
@@ -38,51 +20,45 @@ fn found_energies(found: &Reconstruction) -> BTreeMap<EnergyTerm, (f64, f64)> {
 }
 
 #[test]
-fn the_reference_arm_has_23_true_terms() {
-    let truth = truth::energies(&Arm::builtin("puma560-3").unwrap());
-
-    assert_eq!(truth.len(), 23);
-}
-
-#[test]
 fn without_noise_the_true_terms_and_coefficients_are_recovered() {
-    let arm = Arm::builtin("puma560-3").unwrap();
-    let (log, _) = moves(&arm, 300.0, 1, 1);
+    let arm = reference_arm();
+    let log = moves(&arm, 300.0, 1, 1);
 
     let found = fit(&log, &Plan::default());
 
     let truth = truth::energies(&arm);
     let energies = found_energies(&found);
+    assert_eq!(truth.len(), 23);
     assert!(energies.keys().eq(truth.keys()), "the same terms");
     for (term, &(coefficient, _)) in &energies {
         // The condition of the rows is about 1e3, that of the projection less.
         assert!((coefficient - truth[term]).abs() < 1e-10, "{}", term.name());
     }
-    assert!(nrmse(&found, &outside(&arm)).iter().all(|&percent| percent < 1e-6));
+    assert!(percent(&found.model, &outside(&arm)).iter().all(|&percent| percent < 1e-6));
 }
 
 #[test]
 fn with_noise_the_true_terms_are_found_and_the_error_is_small() {
-    let arm = Arm::builtin("puma560-3").unwrap();
+    let arm = reference_arm();
     let truth = truth::energies(&arm);
     for case in [2, 3] {
-        let (log, _) = moves(&arm, 600.0, case, 1);
+        let log = moves(&arm, 600.0, case, 1);
 
         let found = fit(&log, &Plan::default());
 
         assert!(found_energies(&found).keys().eq(truth.keys()), "case {case}");
-        let percent = nrmse(&found, &outside(&arm));
+        let percent = percent(&found.model, &outside(&arm));
         assert!(percent[0] < 0.3 && percent[1] < 0.1 && percent[2] < 0.1, "{percent:?}");
     }
 }
 
 #[test]
 fn standard_errors_are_of_the_size_of_the_errors() {
-    let arm = Arm::builtin("puma560-3").unwrap();
+    let arm = reference_arm();
     let truth = truth::energies(&arm);
     let mut squares = Vec::new();
     for seed in 1..=4 {
-        let (log, _) = moves(&arm, 200.0, 3, seed);
+        let log = moves(&arm, 200.0, 3, seed);
 
         let found = fit(&log, &Plan::default());
 
@@ -99,16 +75,18 @@ fn standard_errors_are_of_the_size_of_the_errors() {
 
 #[test]
 fn patterns_are_the_true_ones_under_noise() {
-    let arm = Arm::builtin("puma560-3").unwrap();
+    let arm = reference_arm();
     for case in [2, 3] {
-        let (log, truth) = moves(&arm, 600.0, case, 1);
+        let plan = MotionPlan { kind: MotionKind::Moves, seconds: 600.0, rate: 100.0, seed: 1 };
+        let simulation = simulate(&arm, &plan).unwrap();
+        let log = noisy(&simulation.motion, case, 1);
 
         let found = fit(&log, &Plan::default());
 
         assert_eq!(found.patterns.n_clusters(), 3);
         let labels = found.patterns.label(&log);
         for pattern in Pattern::ALL {
-            let rows = truth.iter().zip(&labels).filter(|(truth, _)| **truth == pattern);
+            let rows = simulation.truth.iter().zip(&labels).filter(|(truth, _)| **truth == pattern);
             let (all, right) = rows.fold((0.0, 0.0), |(all, right), (_, label)| {
                 (all + 1.0, right + f64::from(u8::from(*label == pattern)))
             });
@@ -119,35 +97,35 @@ fn patterns_are_the_true_ones_under_noise() {
 
 #[test]
 fn the_product_library_is_exact_without_noise_and_close_with_it() {
-    let arm = Arm::builtin("puma560-3").unwrap();
+    let arm = reference_arm();
     let test = outside(&arm);
     for (case, most) in [(1, 0.01), (2, 0.5), (3, 7.0)] {
-        let (log, _) = moves(&arm, 600.0, case, 1);
+        let log = moves(&arm, 600.0, case, 1);
 
         let found = fit(&log, &Plan::product());
 
         assert_eq!(found.steps.iter().map(|s| s.candidates).collect::<Vec<_>>(), [25, 774, 387]);
-        assert!(nrmse(&found, &test).iter().all(|&percent| percent < most), "case {case}");
+        assert!(percent(&found.model, &test).iter().all(|&percent| percent < most), "case {case}");
     }
 }
 
 #[test]
 fn a_short_log_does_not_fill_the_product_library() {
-    let arm = Arm::builtin("puma560-3").unwrap();
-    let (log, _) = moves(&arm, 120.0, 3, 1);
+    let arm = reference_arm();
+    let log = moves(&arm, 120.0, 3, 1);
 
     let found = fit(&log, &Plan::product());
 
     // The truth has 74 terms; some fifteen strokes cannot tell 774 candidates apart.
     assert!(found.model.form.n_coefficients() < 120, "{}", found.model.form.n_coefficients());
-    let errors = nrmse(&found, &outside(&arm));
+    let errors = percent(&found.model, &outside(&arm));
     assert!(errors.iter().all(|&percent| percent < 10.0), "{errors:?}");
 }
 
 #[test]
 fn an_energy_model_is_physics_by_construction() {
     let arm = Arm::builtin("generic-4").unwrap();
-    let (log, _) = moves(&arm, 200.0, 2, 3);
+    let log = moves(&arm, 200.0, 2, 3);
 
     let found = fit(&log, &Plan::default());
 
@@ -164,8 +142,8 @@ fn an_energy_model_is_physics_by_construction() {
 
 #[test]
 fn the_noise_is_read_from_standstill() {
-    let arm = Arm::builtin("puma560-3").unwrap();
-    let (log, _) = moves(&arm, 300.0, 3, 5);
+    let arm = reference_arm();
+    let log = moves(&arm, 300.0, 3, 5);
 
     let found = fit(&log, &Plan::default());
 
@@ -179,8 +157,8 @@ fn the_noise_is_read_from_standstill() {
 
 #[test]
 fn each_step_explains_more_of_a_motion_outside_the_training_set() {
-    let arm = Arm::builtin("puma560-3").unwrap();
-    let (log, _) = moves(&arm, 300.0, 2, 1);
+    let arm = reference_arm();
+    let log = moves(&arm, 300.0, 2, 1);
     let test = outside(&arm);
 
     let found = fit(&log, &Plan::default());
@@ -197,13 +175,9 @@ fn each_step_explains_more_of_a_motion_outside_the_training_set() {
 #[test]
 fn the_same_seed_gives_the_same_model_at_any_number_of_threads() {
     let arm = Arm::builtin("planar-2").unwrap();
-    let (log, _) = moves(&arm, 200.0, 3, 2);
-    let model_with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| to_json(&fit(&log, &Plan::product()).model).unwrap())
-    };
+    let log = moves(&arm, 200.0, 3, 2);
 
-    assert_eq!(model_with(1), model_with(3));
+    assert!(threads_leave_no_trace(&log, &Plan::product()));
 }
 
 #[test]
@@ -214,15 +188,14 @@ fn a_log_without_patterns_is_fitted_in_one_step_with_a_warning() {
     let found = fit(&log, &Plan::default());
 
     assert!(!found.warnings.is_empty());
-    let plan = MotionPlan { kind: MotionKind::Sines, seconds: 5.0, rate: 100.0, seed: 4 };
-    let test = simulate(&arm, &plan).unwrap().motion;
-    assert!(nrmse(&found, &test).iter().all(|&percent| percent < 1e-6));
+    let test = motion(&arm, MotionKind::Sines, 5.0, 100.0, 4);
+    assert!(percent(&found.model, &test).iter().all(|&percent| percent < 1e-6));
 }
 
 #[test]
 fn orders_are_those_the_arm_needs() {
-    let arm = Arm::builtin("puma560-3").unwrap();
-    let (log, _) = moves(&arm, 200.0, 1, 1);
+    let arm = reference_arm();
+    let log = moves(&arm, 200.0, 1, 1);
 
     let plan = OrderPlan { trig_order: 3, whole_order: 1, ..OrderPlan::default() };
     let curves = orders(&log, &plan).unwrap();

@@ -2,6 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+use crate::support;
+use crate::support::reference_arm;
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -11,11 +13,10 @@ use torquewise_identify::{IdentifyError, Plan, UNWATCHED, reconstruct};
 use torquewise_model::rollout::drifts;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::{Motion, Signals};
-use torquewise_sim::{Arm, MotionPlan, simulate};
+use torquewise_sim::MotionKind;
 
 fn motion(seconds: f64, seed: u64) -> Motion {
-    let plan = MotionPlan { seconds, rate: 100.0, seed, ..MotionPlan::default() };
-    simulate(&Arm::builtin("puma560-3").unwrap(), &plan).unwrap().motion
+    support::motion(&reference_arm(), MotionKind::Moves, seconds, 100.0, seed)
 }
 
 /// The same seen by a differentiator that adds as much noise to accelerations as there is signal:
@@ -26,15 +27,7 @@ fn blurred(motion: &Motion) -> Motion {
     let mut noise = || -> f64 { rms * Distribution::<f64>::sample(&StandardNormal, &mut random) };
     let ddq =
         Mat::from_fn(motion.n_rows(), motion.n_joints(), |i, j| motion.ddq()[(i, j)] + noise());
-    Motion::new(Signals {
-        joints: motion.joints().to_vec(),
-        t: motion.t().to_vec(),
-        q: motion.q().to_owned(),
-        dq: motion.dq().to_owned(),
-        ddq,
-        tau: motion.tau().map(|tau| tau.to_owned()),
-    })
-    .unwrap()
+    Motion::new(Signals { ddq, ..motion.clone().into_signals() }).unwrap()
 }
 
 fn learned(log: &Motion, refine: Option<Refine>) -> Result<Model, IdentifyError> {

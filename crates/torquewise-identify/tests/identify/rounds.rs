@@ -2,83 +2,51 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use faer::Mat;
-use faer::prelude::SolveLstsq;
+use crate::chain::{FRICTION, linear, rubbing};
+use crate::support::{chain, fit, motion, noisy, reference_arm};
+use crate::truth::projected;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::LazyLock;
-use torquewise_identify::plan::{ChainOptions, FrictionKind};
+use torquewise_identify::plan::FrictionKind;
 use torquewise_identify::reconstruct::Solution;
 use torquewise_identify::rounds::Request;
 use torquewise_identify::summary::summarise_again;
 use torquewise_identify::{
-    IdentifyError, Plan, Reconstruction, Summary, reconstruct, score, solve, summarise,
+    IdentifyError, Plan, Reconstruction, Summary, UNWATCHED, score, solve, summarise,
 };
 use torquewise_logs::{ConditionedLogs, Logs};
 use torquewise_model::checks::driving_friction;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::term::{Factor, Trig};
-use torquewise_model::{EnergyTerm, Form, FrictionTerm, Model, Place, Term, Torque, to_json};
+use torquewise_model::{EnergyTerm, Form, Model, Place, Term, Torque, to_json};
 use torquewise_motion::Motion;
 use torquewise_motion::signals::Conditioning;
-use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
+use torquewise_sim::{MotionKind, Noise, add_noise};
 
 /// A normal variable is within this many standard deviations in 90 of 100 cases.
 const NINETY_PERCENT: f64 = 1.645;
 /// Logs over which intervals are counted.
 const LOGS: u64 = 20;
-/// Offset, viscous and dry friction of each joint.
-const FRICTION: [[f64; 3]; 3] = [[1.0, 6.0, 8.0], [-2.0, 9.0, 7.0], [0.5, 2.0, 3.0]];
-
-fn arm() -> Arm {
-    Arm::builtin("puma560-3").unwrap()
-}
-
-/// What rubs in a motion, its dry friction as sharp as the learner takes it to be.
-fn friction(motion: &Motion) -> Vec<(FrictionTerm, f64)> {
-    let laws = |(joint, [offset, viscous, dry]): (usize, [f64; 3])| {
-        let peak = motion.dq().col(joint).iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()));
-        let sign = FrictionLaw::Coulomb { width: format!("{:.1e}", 0.01 * peak).parse().unwrap() };
-        let laws = [(FrictionLaw::Offset, offset), (FrictionLaw::Viscous, viscous), (sign, dry)];
-        laws.map(|(law, c)| (FrictionTerm::of_joint(3, joint, law), c))
-    };
-    FRICTION.into_iter().enumerate().flat_map(laws).collect()
-}
-
-fn sines() -> MotionPlan {
-    MotionPlan { kind: MotionKind::Sines, seconds: 60.0, rate: 100.0, seed: 1 }
-}
 
 /// Sines of the arm with friction, and the noise of a case in q, q̇ and q̈.
-fn log(seconds: f64, seed: u64, case: u8) -> Motion {
-    let plan = MotionPlan { seconds, seed, ..sines() };
-    let log = with_friction(simulate(&arm(), &plan).unwrap().motion);
-    add_noise(&log, &Noise::case(case).unwrap(), seed).unwrap()
+fn log(seconds: f64, seed: u64) -> Motion {
+    noisy(&with_friction(&sines(seconds, 100.0, seed)), 2, seed)
 }
 
-fn with_friction(clean: Motion) -> Motion {
-    let friction = friction(&clean);
-    let mut signals = clean.into_signals();
-    let (dq, tau) = (&signals.dq, signals.tau.as_mut().unwrap());
-    for row in 0..tau.nrows() {
-        let dq: Vec<f64> = dq.row(row).iter().copied().collect();
-        for joint in 0..3 {
-            tau[(row, joint)] +=
-                friction.iter().map(|(f, c)| c * f.torque(joint, &dq)).sum::<f64>();
-        }
-    }
-    Motion::new(signals).unwrap()
+fn sines(seconds: f64, rate: f64, seed: u64) -> Motion {
+    motion(&reference_arm(), MotionKind::Sines, seconds, rate, seed)
+}
+
+fn with_friction(clean: &Motion) -> Motion {
+    rubbing(clean, &linear(clean, &FRICTION), 0.0)
 }
 
 fn plan() -> Plan {
-    ChainOptions { friction: FrictionKind::Linear, ..ChainOptions::default() }.into()
-}
-
-fn fit(motion: &Motion) -> Reconstruction {
-    reconstruct(motion, &plan(), torquewise_identify::UNWATCHED).unwrap()
+    chain(FrictionKind::Linear)
 }
 
 /// The harmonics of sums of angles up to twice each, of all joints.
@@ -117,40 +85,21 @@ fn products() -> Vec<Term> {
 
 /// The true coefficients of M and V, by name, in products and in sums of angles.
 static TRUTH: LazyLock<BTreeMap<String, f64>> = LazyLock::new(|| {
-    let arm = arm();
-    let sums: Vec<Term> = std::iter::once(Term::one(3)).chain(harmonics()).collect();
-    let mut truth = projected(&arm, &sums);
-    truth.extend(projected(&arm, &products()));
-    truth
-});
-
-/// M and V of an arm in a basis that holds them, by name.
-fn projected(arm: &Arm, basis: &[Term]) -> BTreeMap<String, f64> {
-    let mut random = ChaCha8Rng::seed_from_u64(20);
-    let states: Vec<Vec<f64>> =
-        (0..400).map(|_| (0..3).map(|_| random.random_range(-3.0..3.0)).collect()).collect();
-    let rest = [0.0; 3];
-    let columns = Mat::from_fn(states.len(), basis.len(), |row, j| {
-        basis[j].value(&states[row], &rest, &rest)
-    });
+    let sums = std::iter::once(Term::one(3)).chain(harmonics()).collect();
     let inertia = (0..3).flat_map(|i| (i..3).map(move |j| Place::Inertia(i, j)));
     let places: Vec<Place> = std::iter::once(Place::Potential).chain(inertia).collect();
-    let values = Mat::from_fn(states.len(), places.len(), |row, k| match places[k] {
-        Place::Potential => arm.potential_energy(&states[row]),
-        Place::Inertia(i, j) => arm.mass_matrix(&states[row])[(i, j)],
-    });
-    let weights = columns.qr().solve_lstsq(&values);
     let mut truth = BTreeMap::new();
-    for (k, &place) in places.iter().enumerate() {
-        for (j, function) in basis.iter().enumerate() {
-            if weights[(j, k)].abs() > 1e-9 {
-                let term = EnergyTerm { place, function: function.clone() };
-                truth.insert(term.name(), weights[(j, k)]);
-            }
-        }
+    for basis in [sums, products()] {
+        let functions = places.iter().flat_map(|&place| {
+            let known =
+                basis.iter().filter(move |f| place != Place::Potential || **f != Term::one(3));
+            known.map(move |function| EnergyTerm { place, function: function.clone() })
+        });
+        let found = projected(&reference_arm(), functions);
+        truth.extend(found.into_iter().map(|(term, weight)| (term.name(), weight)));
     }
     truth
-}
+});
 
 /// Errors of the coefficients of a model in standard errors, by name; terms that the arm does not
 /// have are left out.
@@ -176,9 +125,8 @@ fn deviations(model: &Model) -> Vec<(String, f64)> {
 /// Positions and torque of a log of the arm with friction, both noisy, as a file has them: rows are
 /// derived from them and filtered.
 fn fit_filtered(seed: u64) -> Reconstruction {
-    let plan = MotionPlan { seed, rate: 250.0, ..sines() };
-    let clean = simulate(&arm(), &plan).unwrap().motion;
-    let torque = with_friction(clean.clone());
+    let clean = sines(60.0, 250.0, seed);
+    let torque = with_friction(&clean);
     let q = add_noise(&clean, &Noise::from_db(70.0, f64::INFINITY, f64::INFINITY).unwrap(), seed);
     let (q, tau) = (q.unwrap(), torque.tau().unwrap());
     let mut random = ChaCha8Rng::seed_from_u64(1_000 + seed);
@@ -201,7 +149,7 @@ fn fit_filtered(seed: u64) -> Reconstruction {
     let logs = Logs::open(&[path]).unwrap();
     let rows = ConditionedLogs::new(logs, &Conditioning::default()).unwrap();
     eprintln!("cut-off {:?}", rows.report.cutoff);
-    reconstruct(&rows, &self::plan(), torquewise_identify::UNWATCHED).unwrap()
+    fit(&rows, &plan())
 }
 
 /// Counts how many intervals of 90 % hold the truth, over many logs: of energy terms, of friction.
@@ -231,7 +179,8 @@ fn intervals_that_hold(fit: impl Fn(u64) -> Reconstruction) -> [(f64, u64); 2] {
 
 #[test]
 fn intervals_of_ninety_percent_hold_the_truth_in_about_ninety_of_a_hundred_cases() {
-    let [(energy, terms), (friction, laws)] = intervals_that_hold(|seed| fit(&log(60.0, seed, 2)));
+    let [(energy, terms), (friction, laws)] =
+        intervals_that_hold(|seed| fit(&log(60.0, seed), &plan()));
 
     assert!(terms >= 15 * LOGS && laws >= 9 * LOGS, "{terms} terms, {laws} laws");
     assert!((0.8..=0.98).contains(&energy), "M and V: {energy}");
@@ -250,8 +199,7 @@ fn intervals_of_filtered_rows_hold_the_truth_of_the_links_as_often() {
 
 /// RMS error of what moves the links of a model over its size, on a motion without noise.
 fn error(model: &Model) -> f64 {
-    let plan = MotionPlan { seconds: 20.0, rate: 50.0, seed: 99, ..sines() };
-    let test = simulate(&arm(), &plan).unwrap().motion;
+    let test = sines(20.0, 50.0, 99);
     let links = Model { friction: vec![], ..model.clone() };
     let tau = test.tau().unwrap();
     let wrong = Torque::new(&links).over(&test).unwrap() - tau;
@@ -261,7 +209,7 @@ fn error(model: &Model) -> f64 {
 #[test]
 fn a_log_ten_times_as_long_has_at_most_half_the_error() {
     let of = |seconds: f64| -> f64 {
-        (1..=3).map(|seed| error(&fit(&log(seconds, seed, 2)).model)).sum::<f64>() / 3.0
+        (1..=3).map(|seed| error(&fit(&log(seconds, seed), &plan()).model)).sum::<f64>() / 3.0
     };
 
     let [short, long] = [20.0, 200.0].map(of);
@@ -272,8 +220,8 @@ fn a_log_ten_times_as_long_has_at_most_half_the_error() {
 
 #[test]
 fn a_chain_is_a_physical_arm_whose_residual_is_its_score() {
-    let log = log(30.0, 1, 2);
-    let model = fit(&log).model;
+    let log = log(30.0, 1);
+    let model = fit(&log, &plan()).model;
     let mut random = ChaCha8Rng::seed_from_u64(3);
 
     assert!(model.chain.as_ref().unwrap().is_feasible());
@@ -299,19 +247,16 @@ fn by_files(parts: &[Motion], orders: &[[usize; 3]]) -> String {
         order[1..].iter().for_each(|&k| all.merge(&read(&parts[k])).unwrap());
         read(&all)
     };
-    let first = parts
-        .iter()
-        .map(|log| summarise(log, &plan(), "", torquewise_identify::UNWATCHED).unwrap());
+    let first = parts.iter().map(|log| summarise(log, &plan(), "", UNWATCHED).unwrap());
     let mut all = merged(first.collect(), orders[0]);
     for round in 1.. {
-        match solve(all, &plan(), torquewise_identify::UNWATCHED).unwrap() {
+        match solve(all, &plan(), UNWATCHED).unwrap() {
             Solution::Model(found) => return to_json(&found.model).unwrap(),
             Solution::Request(request) => {
                 let request = Request::from_bytes(&request.to_bytes().unwrap()).unwrap();
-                let again = parts.iter().map(|log| {
-                    summarise_again(log, &plan(), "", &request, torquewise_identify::UNWATCHED)
-                        .unwrap()
-                });
+                let again = parts
+                    .iter()
+                    .map(|log| summarise_again(log, &plan(), "", &request, UNWATCHED).unwrap());
                 all = merged(again.collect(), orders[round % orders.len()]);
             }
         }
@@ -321,37 +266,22 @@ fn by_files(parts: &[Motion], orders: &[[usize; 3]]) -> String {
 
 #[test]
 fn rounds_through_files_in_any_order_give_the_model_of_a_fit_byte_for_byte() {
-    let parts = [log(20.0, 1, 2), log(31.0, 2, 2), log(12.0, 3, 2)];
+    let parts = [log(20.0, 1), log(31.0, 2), log(12.0, 3)];
 
-    let fitted =
-        to_json(&reconstruct(&parts[..], &plan(), torquewise_identify::UNWATCHED).unwrap().model)
-            .unwrap();
+    let fitted = to_json(&fit(&parts[..], &plan()).model).unwrap();
 
     assert!(by_files(&parts, &[[2, 0, 1], [0, 1, 2], [1, 2, 0]]) == fitted, "two models");
 }
 
 #[test]
-fn a_seed_gives_the_same_bits_at_one_and_three_threads() {
-    let log = log(20.0, 1, 2);
-    let model_with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| to_json(&fit(&log).model).unwrap())
-    };
-
-    assert!(model_with(1) == model_with(3), "two models");
-}
-
-#[test]
 fn a_request_of_other_logs_does_not_add_up() {
-    let parts = [log(12.0, 1, 2), log(12.0, 2, 2)];
+    let parts = [log(12.0, 1), log(12.0, 2)];
     let [one, other] = parts.each_ref().map(|log| {
-        let summary = summarise(log, &plan(), "", torquewise_identify::UNWATCHED).unwrap();
-        let Solution::Request(request) =
-            solve(summary, &plan(), torquewise_identify::UNWATCHED).unwrap()
-        else {
+        let summary = summarise(log, &plan(), "", UNWATCHED).unwrap();
+        let Solution::Request(request) = solve(summary, &plan(), UNWATCHED).unwrap() else {
             panic!("a chain asks for a pass");
         };
-        summarise_again(log, &plan(), "", &request, torquewise_identify::UNWATCHED).unwrap()
+        summarise_again(log, &plan(), "", &request, UNWATCHED).unwrap()
     });
 
     let error = one.clone().merge(&other).unwrap_err();

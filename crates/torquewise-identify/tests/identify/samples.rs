@@ -1,27 +1,22 @@
 //! Models drawn from a learned chain: physical, as far apart as the covariance says, and told by
 //! the seed.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
-use torquewise_identify::plan::{ChainOptions, FrictionKind};
-use torquewise_identify::{Plan, reconstruct, samples};
+use crate::support::{chain, fit, noisy, reference_arm, row_of, states_of};
+use torquewise_identify::plan::FrictionKind;
+use torquewise_identify::samples;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::Motion;
-use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
+use torquewise_sim::MotionKind;
 
 const COUNT: usize = 60;
 
 fn motion(kind: MotionKind, seconds: f64, seed: u64) -> Motion {
-    let plan = MotionPlan { kind, seconds, rate: 50.0, seed };
-    simulate(&Arm::builtin("puma560-3").unwrap(), &plan).unwrap().motion
+    crate::support::motion(&reference_arm(), kind, seconds, 50.0, seed)
 }
 
 fn learned() -> Model {
-    let clean = motion(MotionKind::Moves, 60.0, 1);
-    let noisy = add_noise(&clean, &Noise::case(2).unwrap(), 1).unwrap();
-    let plan =
-        Plan::from(ChainOptions { friction: FrictionKind::Linear, ..ChainOptions::default() });
-    reconstruct(&noisy, &plan, torquewise_identify::UNWATCHED).unwrap().model
+    let log = noisy(&motion(MotionKind::Moves, 60.0, 1), 2, 1);
+    fit(&log, &chain(FrictionKind::Linear)).model
 }
 
 #[test]
@@ -33,14 +28,12 @@ fn drawn_models_are_physical_and_scatter_as_the_covariance_says() {
     assert_eq!(drawn, samples(&model, COUNT, 0).unwrap());
     assert_ne!(drawn, samples(&model, COUNT, 1).unwrap());
     let others = motion(MotionKind::Sines, 4.0, 9);
-    let (chain, n) = (model.chain.as_ref().unwrap(), model.n_joints());
+    let chain = model.chain.as_ref().unwrap();
     let laws = Torque::new(&model).laws(&others).unwrap();
     let all: Vec<_> = drawn.iter().map(|own| Torque::new(own).over(&others).unwrap()).collect();
     let (mut drawn_square, mut said_square) = (0.0, 0.0);
-    for row in 0..others.n_rows() {
-        let state = [others.q(), others.dq(), others.ddq()]
-            .map(|signal| (0..n).map(|joint| signal[(row, joint)]).collect::<Vec<f64>>());
-        let known: Vec<f64> = laws.row(row).iter().copied().collect();
+    for (row, state) in states_of(&others).iter().enumerate() {
+        let known = row_of(laws.as_ref(), row);
         let friction = (&model.friction[..], &known[..]);
         let state = state.each_ref().map(|signal| &signal[..]);
         let said = chain.std_errors(friction, state).unwrap();

@@ -2,25 +2,19 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use torquewise_identify::plan::{ChainOptions, FrictionKind};
-use torquewise_identify::{Plan, Reconstruction, reconstruct, score};
-use torquewise_motion::Motion;
-use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
-
-fn motion(arm: &Arm, kind: MotionKind, seconds: f64, seed: u64) -> Motion {
-    simulate(arm, &MotionPlan { kind, seconds, rate: 100.0, seed }).unwrap().motion
-}
+use crate::support::{chain, motion, noisy};
+use torquewise_identify::plan::FrictionKind;
+use torquewise_identify::{Reconstruction, score};
+use torquewise_sim::{Arm, MotionKind};
 
 fn fit(arm: &Arm, case: u8) -> Reconstruction {
-    let clean = motion(arm, MotionKind::Moves, 200.0, 1);
-    let noisy = add_noise(&clean, &Noise::case(case).unwrap(), 1).unwrap();
-    let plan = Plan::from(ChainOptions { friction: FrictionKind::None, ..ChainOptions::default() });
-    reconstruct(&noisy, &plan, torquewise_identify::UNWATCHED).unwrap()
+    let log = noisy(&motion(arm, MotionKind::Moves, 200.0, 100.0, 1), case, 1);
+    crate::support::fit(&log, &chain(FrictionKind::None))
 }
 
 /// NRMSE \[%\] of each joint on another motion without noise, and its RMSE \[N·m\].
 fn errors(found: &Reconstruction, arm: &Arm) -> Vec<[f64; 2]> {
-    let test = motion(arm, MotionKind::Sines, 20.0, 99);
+    let test = motion(arm, MotionKind::Sines, 20.0, 100.0, 99);
     let scores = score(&found.model, &test).unwrap();
     scores.joints.into_iter().map(|joint| [joint.nrmse_percent, joint.rmse]).collect()
 }

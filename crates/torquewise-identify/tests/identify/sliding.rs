@@ -1,14 +1,12 @@
 //! Simulated arms whose joints slide: the kinds, the direction of the slides and the equations are
 //! found from the log alone, and on other motion there is nothing left.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
-use crate::chain::{NOISE, linear, plan, rubbing, sines};
+use crate::chain::{NOISE, linear, rubbing, sines};
+use crate::support::{chain, executed, fit, percent, states_of};
 use torquewise_identify::plan::{ChainOptions, FrictionKind};
-use torquewise_identify::{Plan, Reconstruction, UNWATCHED, reconstruct, score};
+use torquewise_identify::{IdentifyError, Plan, Reconstruction, UNWATCHED, reconstruct};
 use torquewise_model::{JointKinds, from_json, to_json};
 use torquewise_sim::Arm;
-use torquewise_stepwise::error::IdentifyError;
 
 const ARMS: [(&str, &str); 3] =
     [("gantry-3", "ppp"), ("scara-4", "rrpr"), ("surgical-6", "rrprrr")];
@@ -19,8 +17,8 @@ fn kinds_of(found: &Reconstruction) -> String {
 
 /// The largest error on other motion, as a part of the spread of the torque.
 fn elsewhere(found: &Reconstruction, arm: &Arm) -> f64 {
-    let scores = score(&found.model, &sines(arm, 20.0, 77)).unwrap();
-    scores.joints.iter().fold(0.0, |most, joint| most.max(0.01 * joint.nrmse_percent))
+    let percent = percent(&found.model, &sines(arm, 20.0, 77));
+    percent.into_iter().fold(0.0, |most, percent| f64::max(most, 0.01 * percent))
 }
 
 #[test]
@@ -29,7 +27,7 @@ fn kinds_are_found_and_nothing_is_left_without_noise() {
     for (name, kinds) in &ARMS[..2] {
         let arm = Arm::builtin(name).unwrap();
 
-        let fit = reconstruct(&sines(&arm, 20.0, 1), &plan(FrictionKind::None), UNWATCHED).unwrap();
+        let fit = fit(&sines(&arm, 20.0, 1), &chain(FrictionKind::None));
 
         assert_eq!(from_json(&to_json(&fit.model).unwrap()).unwrap(), fit.model);
         found.push((*name, *kinds, kinds_of(&fit), elsewhere(&fit, &arm)));
@@ -47,7 +45,7 @@ fn kinds_are_found_among_friction_and_noise() {
         let friction = linear(&motion, &vec![[0.1, 0.8, 0.5]; kinds.len()]);
 
         let log = rubbing(&motion, &friction, NOISE);
-        let fit = reconstruct(&log, &plan(FrictionKind::Linear), UNWATCHED).unwrap();
+        let fit = fit(&log, &chain(FrictionKind::Linear));
 
         found.push((name, kinds, kinds_of(&fit)));
     }
@@ -63,7 +61,7 @@ fn kinds_may_be_given_and_must_be_one_of_each_joint() {
         ChainOptions { kinds, friction: FrictionKind::None, ..ChainOptions::default() }.into()
     };
 
-    let found = reconstruct(&motion, &plan("RRPR"), UNWATCHED).unwrap();
+    let found = fit(&motion, &plan("RRPR"));
     let refused = reconstruct(&motion, &plan("RRP"), UNWATCHED).unwrap_err();
 
     assert!(elsewhere(&found, &arm) < 1e-6);
@@ -75,27 +73,15 @@ fn kinds_may_be_given_and_must_be_one_of_each_joint() {
 fn arms_that_turn_alone_are_not_said_to_slide() {
     for name in ["puma560-3", "generic-4", "generic-6"] {
         let arm = Arm::builtin(name).unwrap();
-        let mut signals = sines(&arm, 20.0, 4).into_signals();
+        let sines = sines(&arm, 20.0, 4);
+        let mut states = states_of(&sines);
         // The same motion made small: no joint turns by more than half a radian.
-        let small = 0.15;
-        for row in 0..signals.t.len() {
-            let of = |x: &faer::Mat<f64>| -> Vec<f64> {
-                (0..x.ncols()).map(|joint| small * x[(row, joint)]).collect()
-            };
-            let [q, dq, ddq] = [of(&signals.q), of(&signals.dq), of(&signals.ddq)];
-            let tau = arm.inverse_dynamics(&q, &dq, &ddq);
-            for joint in 0..q.len() {
-                signals.q[(row, joint)] = q[joint];
-                signals.dq[(row, joint)] = dq[joint];
-                signals.ddq[(row, joint)] = ddq[joint];
-                signals.tau.as_mut().unwrap()[(row, joint)] = tau[joint];
-            }
-        }
-        let motion = torquewise_motion::Motion::new(signals).unwrap();
+        states.iter_mut().flatten().flatten().for_each(|x| *x *= 0.15);
+        let motion = executed(&arm, sines.t().to_vec(), &states);
         let friction = linear(&motion, &vec![[0.1, 0.8, 0.5]; arm.n_joints()]);
 
         let log = rubbing(&motion, &friction, NOISE);
-        let found = reconstruct(&log, &plan(FrictionKind::Linear), UNWATCHED).unwrap();
+        let found = fit(&log, &chain(FrictionKind::Linear));
 
         assert!(found.model.kinds().all_turn(), "{name}: {:?}", found.model.choices);
     }

@@ -6,23 +6,24 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use faer::Mat;
+use crate::support::{deviation, percent, with_torque};
+use faer::MatRef;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use std::fmt::Write;
+use torquewise_identify::Plan;
 use torquewise_identify::bandwidth::{Tuned, tune, tune_from};
 use torquewise_identify::plan::ChainOptions;
 use torquewise_identify::reconstruct::reconstruct_from;
 use torquewise_identify::rounds::Request;
-use torquewise_identify::{Plan, score};
 use torquewise_logs::Logs;
 use torquewise_logs::conditioned::RawLogs;
 use torquewise_model::Model;
 use torquewise_motion::signals::Conditioning;
 use torquewise_motion::{Motion, Signals};
-use torquewise_sim::{Arm, MotionKind, MotionPlan, simulate};
+use torquewise_sim::{Arm, MotionKind};
 
 /// Seconds of the log, and rows per second that it is cut from and has itself.
 const SECONDS: f64 = 20.0;
@@ -112,29 +113,21 @@ fn spoilt() -> Vec<(&'static str, Rows)> {
 
 fn motion(seed: u64, rate: usize) -> Motion {
     let arm = Arm::builtin("generic-6").unwrap();
-    let kind = MotionKind::Moves;
-    let plan = MotionPlan { kind, seconds: SECONDS, rate: rate as f64, seed };
-    simulate(&arm, &plan).unwrap().motion
-}
-
-fn deviation(tau: &Mat<f64>, joint: usize) -> f64 {
-    let m = tau.nrows() as f64;
-    let mean = tau.col(joint).sum() / m;
-    (tau.col(joint).iter().map(|x| (x - mean).powi(2)).sum::<f64>() / m).sqrt()
+    crate::support::motion(&arm, MotionKind::Moves, SECONDS, rate as f64, seed)
 }
 
 /// The text of a log with q and tau.
 fn text(fine: &Motion, rows: &Rows) -> String {
     let n = fine.n_joints();
-    let (q, tau) = (fine.q().to_owned(), fine.require_tau().unwrap().to_owned());
+    let (q, tau) = (fine.q(), fine.require_tau().unwrap());
     let mut random = ChaCha8Rng::seed_from_u64(7);
     let mut text = String::from("t");
     for signal in ["q", "tau"] {
         (1..=n).for_each(|joint| write!(text, ",{signal}{joint}").unwrap());
     }
     text.push('\n');
-    let size: Vec<f64> = (0..n).map(|joint| NOISE.1 * deviation(&tau, joint)).collect();
-    let spread = |x: &Mat<f64>, joint| 5.0 * deviation(x, joint);
+    let size: Vec<f64> = (0..n).map(|joint| NOISE.1 * deviation(tau, joint)).collect();
+    let spread = |x: MatRef<'_, f64>, joint| 5.0 * deviation(x, joint);
     let mut draws: Vec<Vec<f64>> = Vec::new();
     for (place, (t, &shown)) in rows.t.iter().zip(&rows.shown).enumerate() {
         let is_held = place > 0 && rows.shown[place - 1] == shown && rows.t.len() < 8_000;
@@ -149,14 +142,14 @@ fn text(fine: &Motion, rows: &Rows) -> String {
             if is_one { size * random.random_range(-1.0..1.0) } else { 0.0 }
         };
         for joint in 0..n {
-            let value = q[(shown, joint)] + NOISE.0 * draws[0][joint] + spike(spread(&q, joint));
+            let value = q[(shown, joint)] + NOISE.0 * draws[0][joint] + spike(spread(q, joint));
             let rounded = (value / rows.step).round() * rows.step;
             write!(text, ",{:?}", if rows.step > 0.0 { rounded } else { value }).unwrap();
         }
         let row = shown.saturating_sub(rows.lag);
         for joint in 0..n {
             let value = tau[(row, joint)] + size[joint] * draws[1][joint];
-            write!(text, ",{:?}", value + spike(spread(&tau, joint))).unwrap();
+            write!(text, ",{:?}", value + spike(spread(tau, joint))).unwrap();
         }
         text.push('\n');
     }
@@ -187,24 +180,22 @@ fn fit(fine: &Motion, rows: &Rows, searched: Option<Request>) -> (Model, Request
 
 /// Error on another motion with torque as noisy as that of the log, percent, geometric mean.
 fn error(model: &Model, test: &Motion) -> f64 {
-    let scores = score(model, test).unwrap();
-    let logs = scores.joints.iter().map(|joint| joint.nrmse_percent.ln());
-    (logs.sum::<f64>() / scores.joints.len() as f64).exp()
+    let percent = percent(model, test);
+    (percent.iter().map(|percent| percent.ln()).sum::<f64>() / percent.len() as f64).exp()
 }
 
 fn noisy(motion: Motion) -> Motion {
     let mut random = ChaCha8Rng::seed_from_u64(9);
-    let mut signals: Signals = motion.into_signals();
-    signals.joints = (1..=signals.joints.len()).map(|joint| format!("joint{joint}")).collect();
-    let tau = signals.tau.as_mut().unwrap();
-    for joint in 0..tau.ncols() {
-        let size = NOISE.1 * deviation(tau, joint);
-        for row in 0..tau.nrows() {
+    let tau = motion.tau().unwrap();
+    let size: Vec<f64> = (0..tau.ncols()).map(|joint| NOISE.1 * deviation(tau, joint)).collect();
+    let joints = (1..=size.len()).map(|joint| format!("joint{joint}")).collect();
+    let renamed = Motion::new(Signals { joints, ..motion.into_signals() }).unwrap();
+    with_torque(renamed, |_, tau| {
+        for (tau, size) in tau.iter_mut().zip(&size) {
             let unit: f64 = StandardNormal.sample(&mut random);
-            tau[(row, joint)] += size * unit;
+            *tau += size * unit;
         }
-    }
-    Motion::new(signals).unwrap()
+    })
 }
 
 #[test]

@@ -2,32 +2,28 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use faer::Mat;
+use crate::support::{State, executed, fit, motion, noisy, outside, percent};
 use std::f64::consts::TAU;
 use torquewise_identify::reconstruct::Solution;
-use torquewise_identify::{IdentifyError, Plan, Summary, reconstruct, solve, summarise};
+use torquewise_identify::{IdentifyError, Plan, Summary, UNWATCHED, solve, summarise};
 use torquewise_model::to_json;
-use torquewise_motion::{Motion, Signals};
-use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
+use torquewise_motion::Motion;
+use torquewise_sim::{Arm, MotionKind};
 
 const LOGS: usize = 8;
 
 /// Moves of an arm, each log of another length, with noise.
 fn logs() -> Vec<Motion> {
     let arm = Arm::builtin("planar-2").unwrap();
-    let log = |seed: usize| {
+    let log = |seed: u64| {
         let seconds = 30.0 + 7.0 * seed as f64;
-        let plan = MotionPlan { kind: MotionKind::Moves, seconds, rate: 50.0, seed: seed as u64 };
-        let clean = simulate(&arm, &plan).unwrap().motion;
-        add_noise(&clean, &Noise::case(2).unwrap(), seed as u64).unwrap()
+        noisy(&motion(&arm, MotionKind::Moves, seconds, 50.0, seed), 2, seed)
     };
-    (0..LOGS).map(log).collect()
+    (0..LOGS as u64).map(log).collect()
 }
 
 fn parts(logs: &[Motion], plan: &Plan) -> Vec<Summary> {
-    logs.iter()
-        .map(|log| summarise(log, plan, "", torquewise_identify::UNWATCHED).unwrap())
-        .collect()
+    logs.iter().map(|log| summarise(log, plan, "", UNWATCHED).unwrap()).collect()
 }
 
 fn merged<'a>(parts: impl IntoIterator<Item = &'a Summary>) -> Summary {
@@ -38,7 +34,7 @@ fn merged<'a>(parts: impl IntoIterator<Item = &'a Summary>) -> Summary {
 }
 
 fn model(summary: Summary, plan: &Plan) -> String {
-    match solve(summary, plan, torquewise_identify::UNWATCHED).unwrap() {
+    match solve(summary, plan, UNWATCHED).unwrap() {
         Solution::Model(found) => to_json(&found.model).unwrap(),
         Solution::Request(request) => panic!("{} is asked for", request.name()),
     }
@@ -49,9 +45,7 @@ fn any_order_and_any_grouping_solves_to_the_model_of_a_fit() {
     let logs = logs();
     for plan in [Plan::default(), Plan::product(), Plan::sindy()] {
         let parts = parts(&logs, &plan);
-        let fitted =
-            to_json(&reconstruct(&logs[..], &plan, torquewise_identify::UNWATCHED).unwrap().model)
-                .unwrap();
+        let fitted = to_json(&fit(&logs[..], &plan).model).unwrap();
 
         let one = merged([3, 1, 7, 0, 6, 2, 5, 4].map(|k| &parts[k]));
         let (left, right) = (merged([6, 0, 5].map(|k| &parts[k])), merged(&parts[1..5]));
@@ -61,19 +55,6 @@ fn any_order_and_any_grouping_solves_to_the_model_of_a_fit() {
         assert_eq!(model(one, &plan), fitted);
         assert_eq!(model(other, &plan), fitted);
     }
-}
-
-#[test]
-fn threads_leave_no_trace() {
-    let logs = logs();
-    let bytes = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| {
-            summarise(&logs[..], &Plan::default(), "", torquewise_identify::UNWATCHED).unwrap()
-        })
-    };
-
-    assert_eq!(bytes(1), bytes(3));
 }
 
 #[test]
@@ -91,7 +72,7 @@ fn parts_of_other_settings_do_not_add_up() {
     let log = &logs()[..1];
     let refused = |signals: &str, plan: &Plan, word: &str| {
         let mut one = parts(log, &Plan::default()).remove(0);
-        let other = summarise(&log[0], plan, signals, torquewise_identify::UNWATCHED).unwrap();
+        let other = summarise(&log[0], plan, signals, UNWATCHED).unwrap();
         let error = one.merge(&other).unwrap_err();
         assert!(matches!(error, IdentifyError::Apart { what, .. } if what == word), "{error}");
     };
@@ -120,18 +101,14 @@ fn a_damaged_file_is_refused_wherever_it_was_hit() {
 #[test]
 fn logs_of_one_pattern_each_are_fitted_together() {
     let arm = Arm::builtin("planar-2").unwrap();
-    let plan = MotionPlan { kind: MotionKind::Staged, seconds: 240.0, rate: 50.0, seed: 2 };
-    let staged = add_noise(&simulate(&arm, &plan).unwrap().motion, &Noise::case(2).unwrap(), 2);
-    let (staged, third) = (staged.unwrap(), 4_000);
+    let staged = noisy(&motion(&arm, MotionKind::Staged, 240.0, 50.0, 2), 2, 2);
+    let third = 4_000;
     let stage = |k: usize| staged.select(&(k * third..(k + 1) * third).collect::<Vec<_>>());
     let stages = [stage(0), stage(1), stage(2)];
 
-    let found = reconstruct(&stages[..], &Plan::default(), torquewise_identify::UNWATCHED).unwrap();
+    let found = fit(&stages[..], &Plan::default());
 
-    let sines = MotionPlan { kind: MotionKind::Sines, seconds: 20.0, rate: 100.0, seed: 77 };
-    let test = simulate(&arm, &sines).unwrap().motion;
-    let scores = torquewise_identify::score(&found.model, &test).unwrap();
-    let errors: Vec<f64> = scores.joints.iter().map(|joint| joint.nrmse_percent).collect();
+    let errors = percent(&found.model, &outside(&arm));
     assert!(errors.iter().all(|&percent| percent < 1.0), "{errors:?}");
 }
 
@@ -153,15 +130,14 @@ fn stroke(arm: &Arm, seed: u64) -> Motion {
             0.9 * rate * (cos * gain - rate * sin * speed * speed),
         ]
     };
-    let of = |order: usize| Mat::from_fn(t.len(), 2, |row, joint| state(t[row], joint)[order]);
-    let (q, dq, ddq) = (of(0), of(1), of(2));
-    let row_of = |x: &Mat<f64>, row: usize| [x[(row, 0)], x[(row, 1)]];
-    let tau = Mat::from_fn(t.len(), 2, |row, joint| {
-        let [q, dq, ddq] = [&q, &dq, &ddq].map(|x| row_of(x, row));
-        arm.inverse_dynamics(&q, &dq, &ddq)[joint]
-    });
-    let joints = arm.joints().to_vec();
-    Motion::new(Signals { joints, t, q, dq, ddq, tau: Some(tau) }).unwrap()
+    let states: Vec<State> = t
+        .iter()
+        .map(|&t| {
+            let joints = [0, 1].map(|joint| state(t, joint));
+            [0, 1, 2].map(|order| joints.iter().map(|state| state[order]).collect())
+        })
+        .collect();
+    executed(arm, t, &states)
 }
 
 #[test]
@@ -169,8 +145,7 @@ fn the_slowest_motion_of_a_short_log_is_not_standstill() {
     let arm = Arm::builtin("planar-2").unwrap();
     let strokes: Vec<Motion> = (0..20).map(|seed| stroke(&arm, seed)).collect();
 
-    let found =
-        reconstruct(&strokes[..], &Plan::default(), torquewise_identify::UNWATCHED).unwrap();
+    let found = fit(&strokes[..], &Plan::default());
 
     let training = &found.model.training;
     for (residual, spread) in training.residual_rms.iter().zip(&training.torque_std) {
@@ -182,7 +157,7 @@ fn the_slowest_motion_of_a_short_log_is_not_standstill() {
 fn moments_for_a_chain_hold_no_sums_of_a_library() {
     let summary = parts(&logs()[..1], &Plan::chain()).remove(0);
 
-    let error = solve(summary, &Plan::default(), torquewise_identify::UNWATCHED).unwrap_err();
+    let error = solve(summary, &Plan::default(), UNWATCHED).unwrap_err();
 
     assert!(matches!(error, IdentifyError::NoLibrary), "{error}");
 }

@@ -1,36 +1,35 @@
 //! Torques of the wrong sign are named, one and all.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+use crate::support::{deviation, fit, motion, with_torque};
 use torquewise_identify::excitation::Finding;
-use torquewise_identify::plan::ChainOptions;
-use torquewise_identify::{Plan, Warning, reconstruct};
-use torquewise_motion::{Motion, Signals};
-use torquewise_sim::{Arm, MotionKind, MotionPlan, simulate};
+use torquewise_identify::{Plan, Warning};
+use torquewise_motion::Motion;
+use torquewise_sim::{Arm, MotionKind};
+
+/// What a fit finds in the signals of a log.
+fn findings(log: &Motion, plan: &Plan) -> Vec<Finding> {
+    let finding = |warning| match warning {
+        Warning::Excitation(finding) => Some(finding),
+        _ => None,
+    };
+    fit(log, plan).warnings.into_iter().filter_map(finding).collect()
+}
 
 /// Joints that a fit says to have the wrong sign once the torque of some is turned round.
 fn named(arm: &str, turned: &[usize], friction: f64) -> Vec<String> {
-    let plan = MotionPlan { kind: MotionKind::Sines, seconds: 40.0, rate: 50.0, seed: 1 };
-    let motion = simulate(&Arm::builtin(arm).unwrap(), &plan).unwrap().motion;
-    let mut signals = motion.into_signals();
-    let tau = signals.tau.as_mut().unwrap();
-    for joint in 0..tau.ncols() {
-        let sign = if turned.contains(&joint) { -1.0 } else { 1.0 };
-        for row in 0..tau.nrows() {
-            let own = tau[(row, joint)] + friction * signals.dq[(row, joint)];
-            tau[(row, joint)] = sign * own;
+    let arm = Arm::builtin(arm).unwrap();
+    let log = with_torque(motion(&arm, MotionKind::Sines, 40.0, 50.0, 1), |[_, dq, _], tau| {
+        tau.iter_mut().zip(dq).for_each(|(tau, dq)| *tau += friction * dq);
+        for &joint in turned {
+            tau[joint] = -tau[joint];
         }
-    }
-    let found = reconstruct(
-        &Motion::new(signals).unwrap(),
-        &Plan::default(),
-        torquewise_identify::UNWATCHED,
-    )
-    .unwrap();
-    let wrong = |warning: &Warning| match warning {
-        Warning::Excitation(Finding::WrongSign { joint }) => Some(joint.clone()),
+    });
+    let wrong = |finding| match finding {
+        Finding::WrongSign { joint } => Some(joint),
         _ => None,
     };
-    found.warnings.iter().filter_map(wrong).collect()
+    findings(&log, &Plan::default()).into_iter().filter_map(wrong).collect()
 }
 
 #[test]
@@ -46,74 +45,50 @@ fn one_two_and_all_torques_of_the_wrong_sign_are_named() {
 }
 
 /// What a fit says of torques with dry friction once they are spoilt.
-fn said(arm: &str, plan: &Plan, spoil: impl Fn(&Arm, &mut Signals)) -> Vec<Finding> {
-    let motion = MotionPlan { kind: MotionKind::Moves, seconds: 40.0, rate: 100.0, seed: 1 };
-    let arm = Arm::builtin(arm).unwrap();
-    let mut signals = simulate(&arm, &motion).unwrap().motion.into_signals();
-    let dq = signals.dq.clone();
-    let tau = signals.tau.as_mut().unwrap();
-    for joint in 0..tau.ncols() {
-        let spread = (tau.col(joint).squared_norm_l2() / tau.nrows() as f64).sqrt();
-        for row in 0..tau.nrows() {
-            tau[(row, joint)] += 0.1 * spread * (dq[(row, joint)] / 0.02).tanh();
+fn said(arm: &Arm, plan: &Plan, spoil: impl Fn(&[f64], &mut [f64])) -> Vec<Finding> {
+    let clean = motion(arm, MotionKind::Moves, 40.0, 100.0, 1);
+    let tau = clean.tau().unwrap().to_owned();
+    let dry: Vec<f64> =
+        (0..tau.ncols()).map(|joint| 0.1 * deviation(tau.as_ref(), joint)).collect();
+    let log = with_torque(clean, |[q, dq, _], tau| {
+        for ((tau, dry), dq) in tau.iter_mut().zip(&dry).zip(dq) {
+            *tau += dry * (dq / 0.02).tanh();
         }
-    }
-    spoil(&arm, &mut signals);
-    let found =
-        reconstruct(&Motion::new(signals).unwrap(), plan, torquewise_identify::UNWATCHED).unwrap();
-    let findings = found.warnings.into_iter().filter_map(|warning| match warning {
-        Warning::Excitation(finding) => Some(finding),
-        _ => None,
+        spoil(q, tau);
     });
     let is_of_torque = |finding: &Finding| {
         matches!(finding, Finding::Swapped { .. } | Finding::Weightless | Finding::Gains { .. })
     };
-    findings.filter(is_of_torque).collect()
+    findings(&log, plan).into_iter().filter(is_of_torque).collect()
 }
 
 #[test]
 fn torques_that_are_swapped_are_named() {
-    let joints = Arm::builtin("generic-4").unwrap().joints().to_vec();
-    assert_eq!(said("generic-4", &Plan::default(), |_, _| ()), []);
+    let arm = Arm::builtin("generic-4").unwrap();
+    assert_eq!(said(&arm, &Plan::default(), |_, _| ()), []);
     for [a, b] in [[0, 1], [1, 2], [0, 3], [2, 3]] {
-        let swap = |_: &Arm, signals: &mut Signals| {
-            let tau = signals.tau.as_mut().unwrap();
-            for row in 0..tau.nrows() {
-                (tau[(row, a)], tau[(row, b)]) = (tau[(row, b)], tau[(row, a)]);
-            }
-        };
-        let expected = Finding::Swapped { joints: [joints[a].clone(), joints[b].clone()] };
-        assert_eq!(said("generic-4", &Plan::default(), swap), [expected]);
+        let expected = Finding::Swapped { joints: [a, b].map(|joint| arm.joints()[joint].clone()) };
+        assert_eq!(said(&arm, &Plan::default(), |_, tau| tau.swap(a, b)), [expected]);
     }
 }
 
 #[test]
 fn torques_without_gravity_are_named() {
-    let take_out = |arm: &Arm, signals: &mut Signals| {
-        let tau = signals.tau.as_mut().unwrap();
-        for row in 0..tau.nrows() {
-            let q: Vec<f64> = signals.q.row(row).iter().copied().collect();
-            for (joint, gravity) in arm.gravity_torque(&q).into_iter().enumerate() {
-                tau[(row, joint)] -= gravity;
-            }
-        }
+    let arm = Arm::builtin("generic-6").unwrap();
+    let take_out = |q: &[f64], tau: &mut [f64]| {
+        tau.iter_mut().zip(arm.gravity_torque(q)).for_each(|(tau, gravity)| *tau -= gravity);
     };
 
-    let plan = ChainOptions::default().into();
-    assert_eq!(said("generic-6", &plan, take_out), [Finding::Weightless]);
+    assert_eq!(said(&arm, &Plan::chain(), take_out), [Finding::Weightless]);
 }
 
 #[test]
 fn currents_of_different_motors_are_named_with_what_each_is_worth() {
     let gains = [9.0, 14.0, 8.0, 5.0, 6.0, 7.0];
-    let currents = |_: &Arm, signals: &mut Signals| {
-        let tau = signals.tau.as_mut().unwrap();
-        for (joint, gain) in gains.into_iter().enumerate() {
-            tau.col_mut(joint).iter_mut().for_each(|x| *x /= gain);
-        }
-    };
+    let currents =
+        |_: &[f64], tau: &mut [f64]| tau.iter_mut().zip(gains).for_each(|(tau, gain)| *tau /= gain);
 
-    let found = said("generic-6", &ChainOptions::default().into(), currents);
+    let found = said(&Arm::builtin("generic-6").unwrap(), &Plan::chain(), currents);
 
     let [Finding::Gains { gains: found, .. }] = &found[..] else { panic!("{found:?}") };
     let mean = gains.iter().map(|gain| f64::ln(*gain)).sum::<f64>() / 6.0;

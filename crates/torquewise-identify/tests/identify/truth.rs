@@ -1,4 +1,4 @@
-//! From arm to true coefficients of M(q) and V(q) in the functions of the energy library.
+//! From arm to true coefficients of M(q) and V(q) in functions that hold them.
 
 use faer::Mat;
 use faer::prelude::SolveLstsq;
@@ -9,14 +9,23 @@ use torquewise_model::library::energy_library;
 use torquewise_model::{EnergyTerm, Place};
 use torquewise_sim::Arm;
 
-/// Weights below this part of the largest are rounding.
-const ROUNDING: f64 = 1e-12;
+/// Weights below this are rounding.
+const ROUNDING: f64 = 1e-9;
 
-/// The energies of an arm, by least squares at more random states than there are functions.
+/// The energies of an arm in the functions of the energy library.
 pub(crate) fn energies(arm: &Arm) -> BTreeMap<EnergyTerm, f64> {
+    projected(arm, energy_library(arm.n_joints(), None))
+}
+
+/// The energies of an arm in functions that hold them, by least squares at more random states than
+/// there are functions.
+pub(crate) fn projected(
+    arm: &Arm,
+    functions: impl IntoIterator<Item = EnergyTerm>,
+) -> BTreeMap<EnergyTerm, f64> {
     let n = arm.n_joints();
     let mut places: BTreeMap<Place, Vec<EnergyTerm>> = BTreeMap::new();
-    for term in energy_library(n, None) {
+    for term in functions {
         places.entry(term.place).or_default().push(term);
     }
     let mut random = ChaCha8Rng::seed_from_u64(20);

@@ -9,7 +9,7 @@ use crate::signal_rows::{Clock, SignalRows};
 use faer::Mat;
 use std::fmt::Write;
 use std::path::Path;
-use torquewise_motion::{LocalPolynomial, Motion, derivative};
+use torquewise_motion::{Motion, derivative};
 
 /// Blocks of a text with one joint.
 fn blocks(text: &str) -> Result<Vec<(usize, Motion)>> {
@@ -18,7 +18,7 @@ fn blocks(text: &str) -> Result<Vec<(usize, Motion)>> {
     let mapping = plain(file, rows.names())?;
     let rows = SignalRows::new(Box::new(rows), mapping, Clock::Strict, false)?;
     let joints = ["joint1".to_owned()];
-    let mut blocks = Blocks::new(rows, &joints, Some(LocalPolynomial::default()));
+    let mut blocks = Blocks::new(rows, &joints, true);
     let mut read = Vec::new();
     while let Some(block) = blocks.next(Blocks::block)? {
         read.push(block);
@@ -53,7 +53,7 @@ fn bits(blocks: &[(usize, Motion)], pick: impl Fn(&Motion, usize) -> f64) -> Vec
 
 fn derived(t: &[f64], x: impl Fn(f64) -> f64, order: usize) -> Vec<u64> {
     let x = Mat::from_fn(t.len(), 1, |row, _| x(t[row]));
-    let derived = derivative(t, x.as_ref(), LocalPolynomial::default(), order).unwrap();
+    let derived = derivative(t, x.as_ref(), order).unwrap();
     (0..t.len()).map(|row| derived[(row, 0)].to_bits()).collect()
 }
 

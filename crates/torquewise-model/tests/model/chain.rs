@@ -57,9 +57,8 @@ fn slid() -> Model {
 /// The same as all of its energy terms.
 fn expanded(model: &Model) -> Model {
     let terms = model.chain.as_ref().unwrap().energy_terms().unwrap();
-    let weighted =
-        |(term, coefficient)| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
-    let form = Form::Energy(terms.into_iter().map(weighted).collect());
+    let weighted = terms.into_iter().map(|(term, weight)| Weighted::new(term, weight));
+    let form = Form::Energy(weighted.collect());
     Model { form, chain: None, ..model.clone() }
 }
 

@@ -14,12 +14,7 @@ fn friction_under_load_follows_the_gravity_of_its_joint() {
         "sign(dq2)*|G2|\
         \\operatorname{sign}(\\dot q_{2})\\,|G_{2}|"
     );
-    let knee = Weighted {
-        term: Term::one(2).times(Trig::Sin, 1, 1, 1),
-        coefficient: -4.0,
-        std_error: 0.0,
-        inclusion: None,
-    };
+    let knee = Weighted::new(Term::one(2).times(Trig::Sin, 1, 1, 1), -4.0);
     let mut rubbing = model(vec![weighted(loaded, 0.1)]);
     let Form::Torque(equations) = &mut rubbing.form else { unreachable!() };
     equations[1].push(knee);

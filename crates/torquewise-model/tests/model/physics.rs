@@ -7,10 +7,6 @@ use torquewise_model::{
     EnergyTerm, Form, FrictionTerm, Model, Place, Term, Torque, Training, Trig, Weighted,
 };
 
-fn weighted<T>(term: T, coefficient: f64) -> Weighted<T> {
-    Weighted { term, coefficient, std_error: 0.0, inclusion: None }
-}
-
 fn model(form: Form, friction: Vec<Weighted<FrictionTerm>>) -> Model {
     Model {
         joints: vec!["one".into(), "two".into()],
@@ -28,11 +24,11 @@ fn energies() -> Form {
     let both = cos2.clone().times(Trig::Sin, 0, 1, 1);
     let term = |place, function: &Term| EnergyTerm { place, function: function.clone() };
     Form::Energy(vec![
-        weighted(term(Place::Inertia(0, 0), &one), 2.0),
-        weighted(term(Place::Inertia(0, 0), &cos2), 3.0),
-        weighted(term(Place::Inertia(0, 1), &both), 0.5),
-        weighted(term(Place::Inertia(1, 1), &one), 1.0),
-        weighted(term(Place::Potential, &both), 7.0),
+        Weighted::new(term(Place::Inertia(0, 0), &one), 2.0),
+        Weighted::new(term(Place::Inertia(0, 0), &cos2), 3.0),
+        Weighted::new(term(Place::Inertia(0, 1), &both), 0.5),
+        Weighted::new(term(Place::Inertia(1, 1), &one), 1.0),
+        Weighted::new(term(Place::Potential, &both), 7.0),
     ])
 }
 
@@ -40,7 +36,8 @@ fn energies() -> Form {
 fn the_mass_matrix_is_the_torque_per_unit_acceleration_in_either_form() {
     let of_energies = model(energies(), vec![]);
     let equations = of_energies.equations().into_iter();
-    let sums = equations.map(|sum| sum.into_iter().map(|(c, term)| weighted(term, c)).collect());
+    let sums =
+        equations.map(|sum| sum.into_iter().map(|(c, term)| Weighted::new(term, c)).collect());
     let of_torques = model(Form::Torque(sums.collect()), vec![]);
 
     for model in [of_energies, of_torques] {
@@ -66,9 +63,9 @@ fn the_mass_matrix_is_the_torque_per_unit_acceleration_in_either_form() {
 fn terms_that_no_single_acceleration_leaves_at_rest_are_not_of_the_mass_matrix() {
     let one = Term::one(2);
     let terms = vec![
-        weighted(one.clone().times_ddq(0), 2.0),
-        weighted(one.clone().times_ddq(0).times_ddq(1), 5.0),
-        weighted(one.clone().times_ddq(0).times_dq(1), 5.0),
+        Weighted::new(one.clone().times_ddq(0), 2.0),
+        Weighted::new(one.clone().times_ddq(0).times_ddq(1), 5.0),
+        Weighted::new(one.clone().times_ddq(0).times_dq(1), 5.0),
     ];
     let torque = Torque::new(&model(Form::Torque(vec![terms, vec![]]), vec![]));
 
@@ -93,7 +90,7 @@ fn the_weakest_state_is_where_the_mass_matrix_is_least() {
 
 #[test]
 fn friction_that_takes_power_at_every_speed_drives_nothing() {
-    let law = |law, coefficient| weighted(FrictionTerm::of_joint(2, 1, law), coefficient);
+    let law = |law, coefficient| Weighted::new(FrictionTerm::of_joint(2, 1, law), coefficient);
     let friction = vec![
         law(FrictionLaw::Coulomb { width: 0.0 }, 1.0),
         law(FrictionLaw::Viscous, -0.3),
@@ -111,7 +108,7 @@ fn friction_that_drives_its_shaft_is_found_with_its_speed_and_power() {
         ..FrictionTerm::of_joint(2, 0, FrictionLaw::Viscous)
     };
     let dry = FrictionTerm { law: FrictionLaw::Coulomb { width: 0.0 }, ..shaft.clone() };
-    let friction = vec![weighted(dry, 1.0), weighted(shaft, -0.3)];
+    let friction = vec![Weighted::new(dry, 1.0), Weighted::new(shaft, -0.3)];
 
     let driving = driving_friction(&model(energies(), friction)).unwrap();
 

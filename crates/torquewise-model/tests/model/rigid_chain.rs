@@ -18,10 +18,6 @@ fn spring() -> EnergyTerm {
     EnergyTerm { place: Place::Potential, function }
 }
 
-fn weighted<T>(term: T, coefficient: f64) -> Weighted<T> {
-    Weighted { term, coefficient, std_error: 0.0, inclusion: None }
-}
-
 /// Two links at odd angles, a rotor of a shared shaft and a spring.
 fn chain() -> RigidChain {
     RigidChain {
@@ -37,7 +33,7 @@ fn chain() -> RigidChain {
 }
 
 fn friction() -> Vec<Weighted<FrictionTerm>> {
-    vec![weighted(FrictionTerm::of_joint(2, 1, FrictionLaw::Viscous), 0.7)]
+    vec![Weighted::new(FrictionTerm::of_joint(2, 1, FrictionLaw::Viscous), 0.7)]
 }
 
 const STATE: [[f64; 2]; 3] = [[0.4, -1.1], [0.9, 0.3], [-2.0, 1.5]];
@@ -53,7 +49,7 @@ fn torque(chain: &RigidChain, friction: Vec<Weighted<FrictionTerm>>) -> Vec<f64>
     let terms = chain.energy_terms().unwrap();
     let model = Model {
         joints: vec!["one".into(), "two".into()],
-        form: Form::Energy(terms.into_iter().map(|(term, c)| weighted(term, c)).collect()),
+        form: Form::Energy(terms.into_iter().map(|(term, c)| Weighted::new(term, c)).collect()),
         friction,
         ..Model::default()
     };
@@ -161,7 +157,7 @@ fn model(chain: RigidChain) -> Model {
     let terms = chain.energy_terms().unwrap();
     Model {
         joints: vec!["one".into(), "two".into()],
-        form: Form::Energy(terms.into_iter().map(|(term, c)| weighted(term, c)).collect()),
+        form: Form::Energy(terms.into_iter().map(|(term, c)| Weighted::new(term, c)).collect()),
         chain: Some(chain),
         friction: friction(),
         ..Model::default()

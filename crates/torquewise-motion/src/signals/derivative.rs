@@ -1,7 +1,7 @@
 //! Derivatives q̇, q̈ of evenly sampled, filtered q, without delay.
 
+use crate::differentiate::{LocalPolynomial, derivative_by};
 use crate::error::{MotionError, Result};
-use crate::{LocalPolynomial, derivative};
 use faer::{Mat, MatRef};
 
 /// Degree of the polynomial, on as many rows and one: it passes through all of them, so it
@@ -25,9 +25,9 @@ pub(crate) fn even_derivative(x: MatRef<'_, f64>, rate: f64, order: usize) -> Re
     }
     // One stencil per place in the window, on exact time steps: the same bits for any part.
     let steps: Vec<f64> = (0..=DEGREE).map(|k| k as f64 - REACH as f64).collect();
-    let polynomial = LocalPolynomial::new(REACH, DEGREE)?;
-    let stencils =
-        derivative(&steps, Mat::identity(DEGREE + 1, DEGREE + 1).as_ref(), polynomial, order)?;
+    let polynomial = LocalPolynomial { half_window: REACH, degree: DEGREE };
+    let impulses = Mat::identity(DEGREE + 1, DEGREE + 1);
+    let stencils = derivative_by(polynomial, &steps, impulses.as_ref(), order)?;
     let scale = (0..order).fold(1.0, |scale, _| scale * rate);
     Ok(Mat::from_fn(x.nrows(), x.ncols(), |row, column| {
         let begin = row.saturating_sub(REACH).min(x.nrows() - DEGREE - 1);
@@ -65,7 +65,7 @@ mod tests {
             let ddq = |t: f64| tones.iter().map(|w| -w * (w * t + w).sin()).sum::<f64>();
             let mut smooth = Mat::from_fn(n, 1, |row, _| 1.0 + q(row as f64 / rate));
 
-            filtfilt(&low_pass(4, cutoff, rate).unwrap(), smooth.col_as_slice_mut(0)).unwrap();
+            filtfilt(&low_pass(cutoff, rate).unwrap(), smooth.col_as_slice_mut(0)).unwrap();
             let first = even_derivative(smooth.as_ref(), rate, 1).unwrap();
             let second = even_derivative(smooth.as_ref(), rate, 2).unwrap();
 

@@ -7,7 +7,7 @@ use crate::signals::cutoff::above_motion;
 use crate::signals::delay::TAPS;
 use crate::signals::derivative::REACH;
 use crate::signals::raw::{Columns, Q, Raw};
-use crate::signals::settings::{Conditioning, Cutoff, ORDER, Trim};
+use crate::signals::settings::{Conditioning, Cutoff};
 use crate::stats::whole;
 
 /// Samples per period of the cut-off that are kept.
@@ -56,13 +56,10 @@ impl Plan {
             Cutoff::Off => None,
         };
         if let Some(cutoff) = cutoff {
-            low_pass(ORDER, cutoff, rate)?;
+            low_pass(cutoff, rate)?;
         }
-        let keep_every = match (settings.rate, cutoff) {
-            (Some(keep), _) => rows((rate / keep).round()),
-            (None, Some(cutoff)) => rows(rate / (OVERSAMPLING * cutoff)),
-            (None, None) => 1,
-        };
+        let kept = cutoff.filter(|_| settings.thins);
+        let keep_every = kept.map_or(1, |cutoff| rows(rate / (OVERSAMPLING * cutoff)));
         let span = columns.t[columns.t.len() - 1] - columns.t[0];
         let mut plan = Self {
             joints: columns.joints.clone(),
@@ -99,18 +96,16 @@ impl Plan {
     }
 
     fn trimmed_rows(&self, span: f64) -> usize {
-        let seconds = match (self.settings.trim, self.cutoff) {
-            (Trim::Seconds(seconds), _) => seconds,
-            (Trim::Auto, None) => 0.0,
-            (Trim::Auto, Some(cutoff)) => settle_time(ORDER, cutoff, SETTLED).min(MAX_TRIM * span),
-        };
+        let settled = self.cutoff.filter(|_| self.settings.trims);
+        let seconds =
+            settled.map_or(0.0, |cutoff| settle_time(cutoff, SETTLED).min(MAX_TRIM * span));
         // Rounding of the rate is not to cost a row.
         rows((seconds * self.rate - 1e-6).ceil()) + self.shift_reach()
     }
 
     /// Rows to each side on which a conditioned row depends, to rounding.
     pub(crate) fn reach(&self) -> usize {
-        let settle = |cutoff| settle_time(ORDER, cutoff, FORGOTTEN) * self.rate;
+        let settle = |cutoff| settle_time(cutoff, FORGOTTEN) * self.rate;
         let filter = self.cutoff.map_or(0.0, |cutoff| 1.3 * settle(cutoff).ceil());
         self.base.reach() + rows(filter) + self.shift_reach() + REACH
     }

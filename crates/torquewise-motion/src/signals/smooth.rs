@@ -7,7 +7,6 @@ use crate::signals::delay::shift;
 use crate::signals::derivative::even_derivative;
 use crate::signals::plan::Plan;
 use crate::signals::raw::{Columns, Q, TAU, matrix};
-use crate::signals::settings::ORDER;
 use crate::signals::zero_phase::filtfilt;
 use crate::{Motion, Signals};
 use std::ops::Range;
@@ -21,7 +20,7 @@ pub(crate) struct Smooth {
 pub(crate) fn filter(even: &Even, plan: &Plan) -> Result<Columns> {
     let columns = &even.columns;
     let Some(cutoff) = plan.cutoff else { return Ok(columns.clone()) };
-    let sections = low_pass(ORDER, cutoff, plan.rate)?;
+    let sections = low_pass(cutoff, plan.rate)?;
     columns.map(columns.t.clone(), |_, _, column| {
         let mut column = column.to_vec();
         filtfilt(&sections, &mut column)?;

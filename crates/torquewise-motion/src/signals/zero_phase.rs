@@ -1,17 +1,20 @@
 //! Zero-phase filtering: forwards and backwards, so that nothing is delayed.
 
 use crate::error::{MotionError, Result};
-use crate::signals::butterworth::{Section, sosfilt, sosfilt_zi};
+use crate::signals::butterworth::{LowPass, sosfilt, sosfilt_zi};
+
+/// Samples by which [`filtfilt`] continues a signal at each end: three times the taps.
+const PADDING: usize = 15;
 
 /// Runs `x` through the sections forwards and backwards, in place.
 ///
-/// Both ends are continued by their odd reflection over [`padding`] samples. The gain is that of
+/// Both ends are continued by their odd reflection over 15 samples. The gain is that of
 /// the filter squared: one half at the cut-off of a Butterworth filter.
 ///
 /// Source: F. Gustafsson, IEEE Trans. Signal Process. 44 (1996). Checked against:
 /// scipy.signal.sosfiltfilt.
-pub(crate) fn filtfilt(sections: &[Section], x: &mut [f64]) -> Result<()> {
-    let (pad, n) = (padding(sections), x.len());
+pub(crate) fn filtfilt(sections: &LowPass, x: &mut [f64]) -> Result<()> {
+    let (pad, n) = (PADDING, x.len());
     if n <= pad {
         return Err(MotionError::TooFewRows { rows: n, needed: pad + 1 });
     }
@@ -27,19 +30,12 @@ pub(crate) fn filtfilt(sections: &[Section], x: &mut [f64]) -> Result<()> {
     let zi = sosfilt_zi(sections);
     for _ in 0..2 {
         let start = padded[0];
-        let mut state: Vec<_> = zi.iter().map(|pair| pair.map(|z| z * start)).collect();
+        let mut state = zi.map(|pair| pair.map(|z| z * start));
         sosfilt(sections, &mut padded, &mut state);
         padded.reverse();
     }
     x.copy_from_slice(&padded[pad..pad + n]);
     Ok(())
-}
-
-/// Samples by which [`filtfilt`] continues a signal at each end: three times the taps.
-pub(crate) fn padding(sections: &[Section]) -> usize {
-    let zeros_at_origin = sections.iter().filter(|section| section.b[2] == 0.0).count();
-    let poles_at_origin = sections.iter().filter(|section| section.a[2] == 0.0).count();
-    3 * (2 * sections.len() + 1 - zeros_at_origin.min(poles_at_origin))
 }
 
 #[cfg(test)]

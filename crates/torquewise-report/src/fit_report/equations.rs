@@ -115,11 +115,9 @@ mod tests {
 
     #[test]
     fn a_long_equation_keeps_its_largest_terms_in_their_order() {
-        let term = |k: usize| Weighted {
-            term: Term::one(1).times(Trig::Sin, 0, i8::try_from(k % 100).unwrap(), 1),
-            coefficient: k as f64,
-            std_error: 0.0,
-            inclusion: None,
+        let term = |k: usize| {
+            let sine = Term::one(1).times(Trig::Sin, 0, i8::try_from(k % 100).unwrap(), 1);
+            Weighted::new(sine, k as f64)
         };
         let terms = (0..MOST_TERMS + 3).map(term).collect();
         let all = Equation { terms, ..Equation::default() };

@@ -247,12 +247,8 @@ mod tests {
     fn friction_stands_below_the_other_terms() {
         let dry = rubbing([0.0, 1.0], FrictionLaw::Coulomb { width: 0.0 }, Direction::Both);
         let lossy = rubbing([0.0, 1.0], FrictionLaw::Viscous, Direction::Both);
-        let friction = [(dry, -0.75), (lossy, 12.5)].map(|(term, coefficient)| Weighted {
-            term,
-            coefficient,
-            std_error: 0.01,
-            inclusion: None,
-        });
+        let friction = [(dry, -0.75), (lossy, 12.5)]
+            .map(|(term, weight)| Weighted { std_error: 0.01, ..Weighted::new(term, weight) });
         let whole = Equation { friction: friction.to_vec(), ..equation(vec![weighted(3.0, 0.1)]) };
 
         let html = drawn(whole);
@@ -301,12 +297,7 @@ mod tests {
 
     #[test]
     fn the_potential_stands_last() {
-        let energy = |place| Weighted {
-            term: EnergyTerm { place, function: Term::one(2) },
-            coefficient: 1.0,
-            std_error: 0.0,
-            inclusion: None,
-        };
+        let energy = |place| Weighted::new(EnergyTerm { place, function: Term::one(2) }, 1.0);
         let places = [Place::Potential, Place::Inertia(1, 1), Place::Inertia(0, 1)].map(energy);
 
         let equations = energies(&places);

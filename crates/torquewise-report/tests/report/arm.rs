@@ -24,12 +24,8 @@ fn model(joints: &[String]) -> Model {
     };
     let laws = [FrictionLaw::Coulomb { width: 0.01 }, FrictionLaw::Viscous];
     let friction = (0..JOINTS).flat_map(|joint| {
-        laws.map(|law| Weighted {
-            term: FrictionTerm::of_joint(JOINTS, joint, law),
-            coefficient: 0.5,
-            std_error: 0.01,
-            inclusion: None,
-        })
+        let term = |law| FrictionTerm::of_joint(JOINTS, joint, law);
+        laws.map(|law| Weighted { std_error: 0.01, ..Weighted::new(term(law), 0.5) })
     });
     let training = Training {
         residual_rms: vec![0.1; JOINTS],

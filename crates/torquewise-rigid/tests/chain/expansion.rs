@@ -6,20 +6,15 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use torquewise_model::expansion::energy_terms;
 use torquewise_model::library::energy_library;
-use torquewise_model::{EnergyTerm, Form, Model, Torque, Training, Weighted};
+use torquewise_model::{EnergyTerm, Form, Model, Torque, Weighted};
 use torquewise_rigid::{Chain, Geometry, Rows};
 
 fn model(n: usize, terms: Vec<(EnergyTerm, f64)>) -> Model {
-    let weighted =
-        |(term, coefficient)| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
+    let weighted = terms.into_iter().map(|(term, weight)| Weighted::new(term, weight));
     Model {
         joints: (1..=n).map(|joint| format!("joint{joint}")).collect(),
-        form: Form::Energy(terms.into_iter().map(weighted).collect()),
-        friction: vec![],
-        chain: None,
-        stages: vec![],
-        training: Training::default(),
-        choices: vec![],
+        form: Form::Energy(weighted.collect()),
+        ..Model::default()
     }
 }
 

@@ -30,11 +30,8 @@ struct Known {
 
 impl Known {
     fn by(law: impl Fn(f64) -> FrictionLaw) -> Self {
-        let weighted = |(joint, &dry): (usize, &f64)| Weighted {
-            term: FrictionTerm::of_joint(DRY.len(), joint, law(dry)),
-            coefficient: dry,
-            std_error: 0.0,
-            inclusion: None,
+        let weighted = |(joint, &dry): (usize, &f64)| {
+            Weighted::new(FrictionTerm::of_joint(DRY.len(), joint, law(dry)), dry)
         };
         let plant = plant(0.0);
         let model = Model {

@@ -155,11 +155,10 @@ fn a_loop_that_is_unstable_is_an_error() {
 /// One joint that rubs dry, and nothing else.
 fn dry(n: usize) -> Model {
     let term = FrictionTerm::of_joint(n, 0, FrictionLaw::Coulomb { width: 0.0 });
-    let weighted = Weighted { term, coefficient: 2.0, std_error: 0.0, inclusion: None };
     Model {
         joints: (1..=n).map(|joint| format!("joint{joint}")).collect(),
         form: Form::Torque(vec![vec![]; n]),
-        friction: vec![weighted],
+        friction: vec![Weighted::new(term, 2.0)],
         ..Model::default()
     }
 }

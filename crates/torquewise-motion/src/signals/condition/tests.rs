@@ -3,7 +3,7 @@
 use super::*;
 use crate::signals::clean::clean;
 use crate::signals::raw::TAU;
-use crate::signals::settings::{Cutoff, Trim};
+use crate::signals::settings::Cutoff;
 use approx::assert_abs_diff_eq;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -135,22 +135,18 @@ fn a_perfect_log_passes_as_it_is() {
 }
 
 #[test]
-fn rate_and_trim_are_as_told() {
-    let settings = Conditioning {
-        cutoff: Cutoff::Hz(5.0),
-        rate: Some(25.0),
-        trim: Trim::Seconds(2.0),
-        ..Default::default()
-    };
+fn rows_are_thinned_and_ends_dropped_unless_all_are_wanted() {
     let raw = measure(&Measured { jitter: 0.0, ..BAD });
+    let usual = Conditioning { cutoff: Cutoff::Hz(5.0), ..Default::default() };
 
-    let Conditioned { motion, report, .. } = condition(&raw, &settings).unwrap();
+    let kept = condition(&raw, &usual).unwrap();
+    let all = condition(&raw, &Conditioning { thins: false, trims: false, ..usual }).unwrap();
 
-    let t = motion.t();
-    assert_abs_diff_eq!(t[0], 2.0, epsilon = 0.04);
-    assert_abs_diff_eq!(t[t.len() - 1], 58.0, epsilon = 0.04);
-    assert_abs_diff_eq!(t[1] - t[0], 0.04, epsilon = 1e-12);
-    assert_eq!((report.cutoff, report.rate_out, report.trimmed), (Some(5.0), 25.0, 2.0));
+    assert_eq!((all.motion.t(), all.report.trimmed), (&raw.t[..], 0.0));
+    assert_eq!((kept.report.cutoff, kept.report.rate_out), (Some(5.0), 50.0));
+    let t = kept.motion.t();
+    assert!((0.1..6.0).contains(&t[0]) && t[t.len() - 1] < 59.9, "{}", t[0]);
+    assert_abs_diff_eq!(t[1] - t[0], 0.02, epsilon = 1e-12);
 }
 
 #[test]
@@ -182,8 +178,8 @@ fn errors_say_which_signal_of_which_joint() {
     let short = measure(&Measured { n: 40, ..BAD });
     assert!(condition(&short, &Conditioning::default()).is_err());
 
-    let settings = Conditioning { trim: Trim::Seconds(30.0), ..Default::default() };
-    let error = condition(&measure(&BAD), &settings).unwrap_err();
+    let settings = Conditioning { delay: 1.0, ..Default::default() };
+    let error = condition(&measure(&Measured { n: 200, ..BAD }), &settings).unwrap_err();
     assert!(matches!(error, MotionError::NothingLeft { .. }));
     assert_eq!(NAMES[TAU], "tau");
 }
