@@ -320,11 +320,15 @@ impl Model {
         let words = [("double", Precision::Double), ("float", Precision::Single)];
         let precision = choice("precision", precision, &words)?;
         reversal.map_or(Ok(()), |width| check_width("reversal", width))?;
-        let (name, onto) = (&function_name(name), onto.map(|text| (text, &lock[..])));
-        let samples = samples.map(|count| (count, seed));
-        let options =
-            ExportOptions { name, precision, reversal, onto, binary, force, samples, work: None };
-        let found = py.detach(|| export(&self.model, to, &options)).map_err(raised)?;
+        let (name, onto) = (function_name(name), onto.map(str::to_owned));
+        let (model, samples) = (Arc::clone(&self.model), samples.map(|count| (count, seed)));
+        let found = work(py, None, move |_| {
+            let (name, onto) = (&name, onto.as_deref().map(|text| (text, &lock[..])));
+            let work = None;
+            let options =
+                ExportOptions { name, precision, reversal, onto, binary, force, samples, work };
+            export(&model, to, &options)
+        })?;
         Ok((found.files, found.left_out))
     }
 

@@ -86,7 +86,8 @@ pub(crate) fn simulate<'py>(
     let noise = noise.map_err(value_error)?;
     let friction = friction.map(|text| Friction::from_toml(text, arm.joints())).transpose();
     let friction = friction.map_err(value_error)?;
-    let made = py.detach(|| -> Result<_, torquewise::Error> {
+    let joints = arm.joints().to_vec();
+    let made = move || -> Result<_, torquewise::Error> {
         let clean = if let Some(model) = &twin {
             TwinLog::new(model, &plan)?.whole()?
         } else {
@@ -94,9 +95,9 @@ pub(crate) fn simulate<'py>(
             friction.map_or(Ok(log.clone()), |own| log.with_friction(own))?.whole()?.motion
         };
         Ok(noise.map_or(Ok(clean.clone()), |noise| add_noise(&clean, &noise, seed))?)
-    });
-    let made = made.map_err(value_error)?;
-    Ok((arm.joints().to_vec(), motion_dict(py, &made)?))
+    };
+    let made = work(py, None, move |_| Ok(made()))?.map_err(value_error)?;
+    Ok((joints, motion_dict(py, &made)?))
 }
 
 /// Wishes per joint: a name, or none for all, and the value.

@@ -33,8 +33,6 @@ const HELD_OUT_ROWS: usize = 4_000;
 const DRAWS: usize = 40;
 /// Size of these draws in standard deviations: small, so that all is linear.
 const DRAW_SIZE: f64 = 1e-3;
-/// Terms whose coefficient is below so many standard errors are not significant.
-const LEAST_T: f64 = 2.0;
 
 /// A chain that was fitted to every row.
 #[derive(Debug)]
@@ -222,8 +220,8 @@ fn energies(chain: &RigidChain) -> Result<Energies, IdentifyError> {
     Ok(all)
 }
 
-/// The energy terms of a chain that can be told from zero and that its torque needs, with their
-/// standard errors; and how many there were.
+/// The energy terms of a chain that its torque needs, with their standard errors; and how many there
+/// were.
 fn equations(
     chain: &RigidChain,
     friction: &[Weighted<FrictionTerm>],
@@ -251,8 +249,7 @@ fn equations(
         let std_error = (square / draws.len().max(1) as f64).sqrt();
         Weighted { term, coefficient, std_error, inclusion: None }
     });
-    let certain = |w: &Weighted<EnergyTerm>| w.coefficient.abs() >= LEAST_T * w.std_error;
-    Ok((terms.filter(certain).collect(), candidates))
+    Ok((terms.collect(), candidates))
 }
 
 /// Chains whose parameters scatter by the covariance, but less.

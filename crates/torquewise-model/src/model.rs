@@ -148,8 +148,8 @@ impl GeometryFound {
 pub struct Model {
     /// Joint names, base to tip, n.
     pub joints: Vec<String>,
-    /// Terms and weights. Where there is a chain, those of its terms that can be told from zero:
-    /// equations to read, not to compute with.
+    /// Terms and weights. Where there is a chain, those of its terms that its torque needs but for a
+    /// tenth of the residual: equations to read, not to compute with.
     pub form: Form,
     /// The chain of rigid bodies that the torque is computed from, if one was learned.
     #[serde(default, skip_serializing_if = "Option::is_none")]

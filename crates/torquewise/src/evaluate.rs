@@ -29,6 +29,28 @@ pub struct Evaluation {
     pub warnings: Vec<String>,
 }
 
+impl Evaluation {
+    /// The same with [`rollouts()`], and a note of joints that are further from the log after each of
+    /// the times than an arm that keeps its velocity.
+    #[must_use]
+    pub fn with_rollouts(mut self, rollouts: Vec<Drift>) -> Self {
+        let is_worse = |joint: usize| {
+            let mut all = rollouts.iter();
+            all.all(|drift| drift.rms_drift_rad[joint] >= drift.hold_rms_rad[joint])
+        };
+        let worse = self.joints.iter().enumerate().filter(|(joint, _)| is_worse(*joint));
+        let worse: Vec<&str> = worse.map(|(_, joint)| joint.name.as_str()).collect();
+        if !rollouts.is_empty() && !worse.is_empty() {
+            self.notes.push(format!(
+                "simulated, the drift of {} is larger than that of an arm that keeps its velocity: the \
+                 torque may do for feed-forward, a simulator needs better",
+                worse.join(", ")
+            ));
+        }
+        Self { rollouts, ..self }
+    }
+}
+
 /// Errors of one joint.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct JointEvaluation {

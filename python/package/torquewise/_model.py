@@ -395,7 +395,9 @@ class Rollout:
         """A frame of pandas with a row for each time and joint."""
         k, n = self.drift.shape
         columns = {"horizon": np.repeat(self.horizons, n), "joint": self.joints * k}
-        return frame({**columns, "drift": self.drift.ravel(), "hold": self.hold.ravel()})
+        drift = {"drift": self.drift.ravel(), "hold": self.hold.ravel()}
+        covered = {} if self.covered is None else {"covered": self.covered.ravel()}
+        return frame({**columns, **drift, **covered})
 
 
 @dataclass

@@ -45,12 +45,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if let Some(horizons) = &arguments.rollout {
         let mut horizons = horizons.clone();
         horizons.sort_by(f64::total_cmp);
-        scores.rollouts = rollouts(
-            &model,
-            &log,
-            &horizons,
-            arguments.samples.map(|count| (count, arguments.seed)),
-        )?;
+        let samples = arguments.samples.map(|count| (count, arguments.seed));
+        scores = scores.with_rollouts(rollouts(&model, &log, &horizons, samples)?);
     }
     let repairs = log.repairs();
     let mut json = object(&scores);
