@@ -60,22 +60,27 @@ pub(crate) fn contacts<'py>(
     Ok((PyArray2::from_owned_array(py, table), json(&thresholds)?, json(&found)?))
 }
 
-/// The load on the last link: JSON, hints, and the model of the arm that carries it.
+/// The load on a link: JSON, hints, and the model of the arm that carries it.
 #[pyfunction]
-#[pyo3(signature = (model, log, progress=None))]
+#[pyo3(signature = (model, log, link=None, progress=None))]
 pub(crate) fn payload(
     py: Python<'_>,
     model: &Model,
     log: &Log,
+    link: Option<&str>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(String, Vec<String>, Model)> {
+    let number = link.and_then(|name| torquewise::payload::link_named(&model.model, name));
+    if let (Some(name), None) = (link, number) {
+        return wrong(format!("link: no link of the model is called {name}"));
+    }
     let (model, log) = (Arc::clone(&model.model), log.log.clone());
     let (found, loaded) = work(py, progress, move |observer| {
-        let found = torquewise::payload::payload(&model, &log, observer)?;
+        let found = torquewise::payload::payload(&model, &log, number, observer)?;
         let loaded = found.added_to(&model)?;
         Ok((found, loaded))
     })?;
-    let hints = found.hints().into_iter().map(str::to_owned).collect();
+    let hints = found.hints();
     Ok((json(&found)?, hints, Model::new(loaded)))
 }
 
@@ -94,7 +99,7 @@ pub(crate) fn gains(
     }
     let (model, log) = (Arc::clone(&model.model), log.log.clone());
     let found = work(py, progress, move |observer| {
-        torquewise::payload::gains(&model, &log, mass, observer)
+        torquewise::payload::gains(&model, &log, None, mass, observer)
     })?;
     Ok((json(&found)?, found.hints()))
 }

@@ -128,6 +128,7 @@ impl Gains {
     /// mass \[E15\]. Errors count the scatter over blocks of time and what is uncertain of the arm.
     ///
     /// - `recording`: rows of the arm with the load, filtered as those of the model were
+    /// - `link`: that carries the load, from 0
     /// - `mass`: of the load \[kg\]
     ///
     /// # Errors
@@ -135,11 +136,12 @@ impl Gains {
     pub fn find(
         model: &Model,
         recording: &(impl Recording + ?Sized),
+        link: usize,
         mass: f64,
     ) -> Result<Self, IdentifyError> {
         let chain = chain_of(model)?;
         model.check_joints(recording.joints())?;
-        let pass = Pass::over(model, chain, recording)?;
+        let pass = Pass::over(model, chain, recording)?.swap_remove(link);
         let all = pass.total();
         let free = pass.nominal(&all.gram, all.right());
         let nominal = free.map(|own| own * mass / free[0]);
@@ -148,8 +150,7 @@ impl Gains {
         let at = best(&sums, &prior, mass)?;
         let mut middle = at.scatter(&pass);
         if !chain.covariance.is_empty() {
-            let inertial: [f64; PER_BODY] = std::array::from_fn(|k| at.load[k]);
-            let with = WithLoad::over(model, chain, recording, (&inertial, &at.per))?;
+            let with = WithLoad::over(model, chain, recording, (link, &at.load, &at.per))?;
             let arm = at.felt(&|joint| with.arm[joint].clone());
             middle += &arm * chain.covariance_matrix() * arm.transpose();
         }
