@@ -1,23 +1,23 @@
 //! The load on a link, from a log and a model of the bare arm (E15).
 
 mod gains;
+mod pass;
 mod rows;
 
-use crate::clustered::{Stretches, scatter, score};
-use faer::{ColRef, Mat};
+use faer::Mat;
 use serde::Serialize;
 use torquewise_model::shaft_friction::Estimated;
 use torquewise_model::{LinkFrame, Model, ModelError, RigidChain};
 use torquewise_motion::Recording;
-use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_rigid::feasible::{Prior, Quadratic, curvature, minimise};
+use torquewise_rigid::feasible::{Quadratic, curvature};
 use torquewise_rigid::geometry::Placement;
-use torquewise_rigid::inertia::{plain_link, seen_from};
+use torquewise_rigid::inertia::seen_from;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 
 pub use gains::Gains;
-use rows::{Columns, Weights, WithLoad, state_of, visit};
+use pass::Pass;
+use rows::WithLoad;
 
 /// A body on a link of an arm.
 ///
@@ -57,19 +57,14 @@ pub struct Payload {
     followed: Mat<f64>,
 }
 
-/// Stretches of time at most, and rows of each at least: a log for a load is short.
-const STRETCHES: (usize, usize) = (256, 128);
-/// Spread of a nominal load \[m\], and its least mass \[kg\].
-const NOMINAL: (f64, f64) = (0.05, 1e-3);
 /// How strongly a load is held at the nominal one, in squares of the noise: alone it leaves a mass
 /// uncertain by more than half of it.
 const STRENGTH: f64 = 0.1;
 /// A mass is told where its standard error is below this part of it, a centre where it is below so
 /// many \[m\].
 const TOLD: (f64, f64) = (0.3, 0.02);
-/// Joints disagree, or a load is elsewhere, beyond so many standard errors.
+/// Joints that disagree about a load by more than so many of their errors are told of.
 const DISAGREE: f64 = 2.0;
-const ELSEWHERE: f64 = 4.0;
 /// A step of the inertial parameters to differentiate by, in standard errors.
 const STEP: f64 = 1e-4;
 
@@ -211,143 +206,6 @@ impl Payload {
 
 fn chain_of(model: &Model) -> Result<&RigidChain, IdentifyError> {
     Ok(model.chain.as_ref().ok_or(ModelError::NoChain)?)
-}
-
-/// What one pass over the rows adds up to, for a load on one link.
-#[derive(Clone)]
-struct Pass {
-    /// Of Y β = what the model leaves, ten columns, for each joint, n.
-    sums: Vec<Stretches>,
-    /// Squares of what the model leaves of each joint, n.
-    squares: Vec<f64>,
-    rows: usize,
-}
-
-impl Pass {
-    /// For a load on each link, n.
-    fn over(
-        model: &Model,
-        chain: &RigidChain,
-        recording: &(impl Recording + ?Sized),
-    ) -> Result<Vec<Self>, IdentifyError> {
-        let n = model.n_joints();
-        let (weights, mut columns) = (Weights::of(model), Columns::of(chain)?);
-        let (most, rows) = STRETCHES;
-        let sums = vec![Stretches::new(PER_BODY, most, rows); n];
-        let mut passes = vec![Self { sums, squares: vec![0.0; n], rows: 0 }; n];
-        let mut y = Mat::zeros(n, PER_BODY * n);
-        visit(model, recording, &mut |block, left, _| {
-            for row in 0..block.n_rows() {
-                let state = state_of(block, row);
-                columns.at(state.each_ref().map(Vec::as_slice), &mut y);
-                for (link, pass) in passes.iter_mut().enumerate() {
-                    for joint in 0..n {
-                        let weight = weights.square(joint, state[1][joint]);
-                        let error = left[(row, joint)];
-                        pass.squares[joint] += error * error;
-                        let own: [f64; PER_BODY] =
-                            std::array::from_fn(|k| y[(joint, PER_BODY * link + k)]);
-                        pass.sums[joint].add(&own, error, weight);
-                    }
-                    pass.rows += 1;
-                }
-            }
-            Ok(())
-        })?;
-        Ok(passes)
-    }
-
-    /// The load among bodies that can be, with what it is held at, and the information.
-    fn solved(&self) -> Result<(Vec<f64>, Prior, Mat<f64>), IdentifyError> {
-        let NormalEquations { gram, cross, .. } = self.total();
-        let right = cross.col_as_slice(0);
-        let prior = Prior { bodies: vec![self.nominal(&gram, right)], ..Prior::default() };
-        let cost = Quadratic { hessian: &gram, right };
-        let solution = minimise(cost, &prior, STRENGTH, &prior.bodies[0])?;
-        Ok((solution, prior, gram))
-    }
-
-    /// How far joints disagree about how heavy the load is, over what their errors allow (Birge):
-    /// √(χ² / (n − 1)), at least 1.
-    ///
-    /// - `arm`: what the uncertain arm makes of the scores of a joint, 10×10
-    fn disagreement(&self, load: &[f64], arm: &dyn Fn(usize) -> Option<Mat<f64>>) -> f64 {
-        let x = ColRef::from_slice(load).as_mat();
-        let along = |square: &Mat<f64>| (x.transpose() * square * x)[(0, 0)];
-        let (mut squares, mut joints) = (0.0, 0.0);
-        for (joint, own) in self.sums.iter().enumerate() {
-            let excess = (x.transpose() * score(&own.total(), x))[(0, 0)];
-            let allowed = along(&scatter(own.all().map(|own| score(own, x))))
-                + arm(joint).map_or(0.0, |arm| along(&arm));
-            if allowed > 0.0 {
-                squares += excess * excess / allowed;
-                joints += 1.0;
-            }
-        }
-        f64::max(squares / f64::max(joints - 1.0, 1.0), 1.0).sqrt()
-    }
-
-    /// The link on which a load leaves least, if significantly less than the load on another.
-    fn better(passes: &[Self], link: usize, load: &[f64]) -> Option<usize> {
-        let left = |pass: &Self, load: &[f64]| -> Vec<f64> {
-            let x = ColRef::from_slice(load).as_mat();
-            let of = |own: NormalEquations| {
-                let twice = &own.cross + score(&own, x);
-                own.energy[0] - (x.transpose() * twice)[(0, 0)]
-            };
-            pass.stretches().map(of).collect()
-        };
-        let all = passes.iter().enumerate().filter_map(|(link, pass)| {
-            let (load, ..) = pass.solved().ok()?;
-            Some((link, left(pass, &load)))
-        });
-        let sum = |left: &[f64]| left.iter().sum::<f64>();
-        let (best, least) = all.min_by(|a, b| sum(&a.1).total_cmp(&sum(&b.1)))?;
-        let own = left(&passes[link], load);
-        let gained: Vec<f64> = own.iter().zip(least).map(|(own, least)| own - least).collect();
-        let mean = sum(&gained) / gained.len() as f64;
-        let error = gained.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>().sqrt();
-        (best != link && sum(&gained) > ELSEWHERE * error).then_some(best)
-    }
-
-    /// All joints together, stretch by stretch.
-    fn stretches(&self) -> impl Iterator<Item = NormalEquations> {
-        let all: Vec<Vec<&NormalEquations>> =
-            self.sums.iter().map(|own| own.all().collect()).collect();
-        let count = all.first().map_or(0, Vec::len);
-        (0..count).map(move |k| all.iter().map(|stretches| stretches[k]).sum())
-    }
-
-    fn total(&self) -> NormalEquations {
-        self.stretches().collect::<Vec<_>>().iter().sum()
-    }
-
-    fn scatter(&self, load: &[f64]) -> Mat<f64> {
-        scatter(self.stretches().map(|own| score(&own, ColRef::from_slice(load).as_mat())))
-    }
-
-    /// A load that may well be: of the mass and centre that least squares say, if they say any, and
-    /// of no less mass than they are uncertain by.
-    fn nominal(&self, information: &Mat<f64>, right: &[f64]) -> [f64; PER_BODY] {
-        // Gravity tells mass and first moment; a little of each keeps what it does not tell at zero.
-        let ridge = |k: usize| 1e-9 * information[(k, k)] + 1e-12 * information[(0, 0)] + 1e-30;
-        let first =
-            Mat::from_fn(4, 4, |i, j| information[(i, j)] + if i == j { ridge(i) } else { 0.0 });
-        let own = Quadratic { hessian: &first, right: &right[..4] };
-        let mut found = vec![0.0; PER_BODY];
-        let mut uncertain = 0.0;
-        if let Ok(factor) = curvature(own, &Prior::default(), 0.0, &[0.0; 4]) {
-            found[..4].copy_from_slice(&factor.solve(&right[..4]));
-            let scatter = self.scatter(&found).submatrix(0, 0, 4, 4).to_owned();
-            uncertain = factor.sandwiched(&scatter)[(0, 0)].max(0.0).sqrt();
-        }
-        let mass = found[0].max(uncertain).max(NOMINAL.1);
-        let center = |k: usize| (found[k] / mass).clamp(-1.0, 1.0);
-        let origin = nalgebra::Vector3::new(center(1), center(2), center(3));
-        let spread = NOMINAL.0;
-        let round = plain_link(mass, &nalgebra::Vector3::zeros(), spread);
-        seen_from(&round, &Placement { rotation: nalgebra::Matrix3::identity(), origin })
-    }
 }
 
 /// Mass, centre and moments about the centre with their standard errors, seen from a frame.

@@ -1,7 +1,8 @@
 //! Gains of the torque columns, from a load of known mass (E15).
 
+use super::pass::Pass;
 use super::rows::WithLoad;
-use super::{Pass, STRENGTH, chain_of};
+use super::{STRENGTH, chain_of};
 use crate::clustered::{Stretches, scatter, score};
 use crate::excitation::list;
 use faer::{ColRef, Mat};
@@ -142,8 +143,8 @@ impl Gains {
         let chain = chain_of(model)?;
         model.check_joints(recording.joints())?;
         let pass = Pass::over(model, chain, recording)?.swap_remove(link);
-        let all = pass.total();
-        let free = pass.nominal(&all.gram, all.right());
+        let (_, prior, _) = pass.solved()?;
+        let free = prior.bodies[0];
         let nominal = free.map(|own| own * mass / free[0]);
         let prior = Prior { bodies: vec![nominal], ..Prior::default() };
         let sums: Vec<NormalEquations> = pass.sums.iter().map(Stretches::total).collect();
