@@ -5,6 +5,7 @@ mod pass;
 mod rows;
 
 use faer::Mat;
+use nalgebra::Vector3;
 use serde::Serialize;
 use torquewise_model::shaft_friction::Estimated;
 use torquewise_model::{LinkFrame, Model, ModelError, RigidChain};
@@ -57,6 +58,37 @@ pub struct Payload {
     followed: Mat<f64>,
 }
 
+/// Where a load is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// The link that carries it, from 0.
+    pub link: usize,
+    /// Its centre of mass in the frame of that link \[m\], where it is known: the mass of a load on a
+    /// link that gravity turns but does not pull, is told by nothing else.
+    pub center: Option<[f64; 3]>,
+}
+
+impl Place {
+    /// On the link of a name, as the URDF that gave the geometry calls it or its joint; the last if
+    /// none. `None` if the model has no such link.
+    #[must_use]
+    pub fn named(model: &Model, name: Option<&str>) -> Option<Self> {
+        let robot = model.chain.as_ref().and_then(|chain| chain.robot.as_ref());
+        let mut links = robot.iter().flat_map(|robot| robot.links.iter().enumerate());
+        let mut joints = model.joints.iter().enumerate();
+        let link = match name {
+            None => model.n_joints().checked_sub(1)?,
+            Some(name) => {
+                links
+                    .find(|(_, link)| *link == name)
+                    .or_else(|| joints.find(|(_, joint)| *joint == name))?
+                    .0
+            }
+        };
+        Some(Self { link, center: None })
+    }
+}
+
 /// How strongly a load is held at the nominal one, in squares of the noise: alone it leaves a mass
 /// uncertain by more than half of it.
 const STRENGTH: f64 = 0.1;
@@ -75,7 +107,7 @@ impl Payload {
     /// and how far joints disagree about the load.
     ///
     /// - `recording`: rows filtered as those of the model were
-    /// - `link`: that carries the load, from 0
+    /// - `place`: where the load is
     ///
     /// # Errors
     /// [`IdentifyError::Model`] if the model is no rigid chain or of another arm,
@@ -83,13 +115,19 @@ impl Payload {
     pub fn find(
         model: &Model,
         recording: &(impl Recording + ?Sized),
-        link: usize,
+        Place { link, center }: Place,
     ) -> Result<Self, IdentifyError> {
         let chain = chain_of(model)?;
         model.check_joints(recording.joints())?;
         let passes = Pass::over(model, chain, recording)?;
         let pass = &passes[link];
-        let (solution, prior, information) = pass.solved()?;
+        let robot = chain.robot.as_ref();
+        let frame = robot.and_then(|robot| robot.frames.get(link)).map(placed);
+        let center = center.map(|center| {
+            let center = Vector3::from(center);
+            frame.map_or(center, |own| own.rotation.tr_mul(&(center - own.origin)))
+        });
+        let (solution, prior, information) = pass.solved(center)?;
         let nominal = prior.bodies[0];
         // At the solution the divergence would hold a load that hardly can be, and hide its errors.
         let cost = Quadratic { hessian: &information, right: &[] };
@@ -113,8 +151,6 @@ impl Payload {
             let arm = &followed * of_arm * followed.transpose();
             covariance += arm * faer::Scale(disagreement.powi(2));
         }
-        let robot = chain.robot.as_ref();
-        let frame = robot.and_then(|robot| robot.frames.get(link).copied());
         let inertial: [f64; PER_BODY] = std::array::from_fn(|k| solution[k]);
         let [mass, center, inertia] = central(&inertial, &covariance, frame);
         let rms = |squares: &[f64]| -> Vec<f64> {
@@ -128,7 +164,7 @@ impl Payload {
             inertia: std::array::from_fn(|k| inertia[k]),
             rows: pass.rows,
             disagreement,
-            elsewhere: Pass::better(&passes, link, &solution).map(|link| name(link).clone()),
+            elsewhere: Pass::better(&passes, link).map(|link| name(link).clone()),
             residual_without: rms(&pass.squares),
             residual_with: rms(&with.squares),
             on: link,
@@ -157,7 +193,7 @@ impl Payload {
         if !is_told {
             hints.push(
                 "the mass is not told from zero: hold the load in many poses, with the arm \
-                 stretched and folded"
+                 stretched and folded, or give its centre"
                     .to_owned(),
             );
         }
@@ -208,16 +244,17 @@ fn chain_of(model: &Model) -> Result<&RigidChain, IdentifyError> {
     Ok(model.chain.as_ref().ok_or(ModelError::NoChain)?)
 }
 
+fn placed(LinkFrame { rotation, origin }: &LinkFrame) -> Placement {
+    let rotation = nalgebra::Matrix3::from_fn(|i, j| rotation[i][j]);
+    Placement { rotation, origin: (*origin).into() }
+}
+
 /// Mass, centre and moments about the centre with their standard errors, seen from a frame.
 fn central(
     inertial: &[f64; PER_BODY],
     covariance: &Mat<f64>,
-    frame: Option<LinkFrame>,
+    frame: Option<Placement>,
 ) -> [Vec<Estimated>; 3] {
-    let frame = frame.map(|LinkFrame { rotation, origin }| Placement {
-        rotation: nalgebra::Matrix3::from_fn(|i, j| rotation[i][j]),
-        origin: origin.into(),
-    });
     let values = |p: &[f64]| -> [f64; PER_BODY] {
         let p = frame.as_ref().map_or_else(|| p.to_vec(), |frame| seen_from(p, frame).to_vec());
         let [m, hx, hy, hz] = [p[0], p[1], p[2], p[3]];

@@ -124,16 +124,18 @@ def payload(
     log: Any = None,
     *,
     link: str | None = None,
+    center: tuple[float, float, float] | None = None,
     progress: Progress = None,
     **options: Unpack[LogOptions],
 ) -> Payload:
     """Mass, centre and inertia of what hangs on a link, from seconds of motion.
 
-    model is of the arm without it, learned as a chain; link, or its joint, the last if none.
+    model is of the arm without it, learned as a chain; link, or its joint, the last if none;
+    center [m], in the frame of the link, where it is known: it tells a mass that motion does not.
     """
     log = read_log(log, **options)
     with shown(progress) as told:
-        found, hints, loaded = _core.payload(model, log, link, told)
+        found, hints, loaded = _core.payload(model, log, link, None if center is None else list(center), told)
     found = json.loads(found)
 
     def values(key: str, own: str) -> NDArray[np.float64]:

@@ -14,7 +14,7 @@ use torquewise::Log;
 use torquewise::logs::{Profile, is_bag};
 use torquewise::model::shaft_friction::Estimated;
 use torquewise::model::{Model, number};
-use torquewise::payload::{gains, link_named, payload};
+use torquewise::payload::{Place, gains, payload};
 
 /// Estimate the load on a link from seconds of motion, with a model of the bare arm
 #[derive(Args, Debug)]
@@ -31,6 +31,11 @@ pub(crate) struct Arguments {
     /// Link that carries the load: as the URDF calls it, or its joint [default: the last]
     #[arg(long, value_name = "NAME")]
     link: Option<String>,
+    /// Centre of mass of the load in m, in the frame of the link, if it is known: tells the mass of a load
+    /// that no motion tells
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = center,
+        conflicts_with = "known_mass")]
+    center: Option<Center>,
     /// Mass of the load in kg, where torque columns are currents or of unknown gain: finds what a unit
     /// of each is worth, with a model that was learned from the same columns
     #[arg(long, value_name = "KG", value_parser = mass)]
@@ -46,6 +51,20 @@ const ROWS: [(&[&str], &str); 3] = [
     (&["Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"], "kg m2"),
 ];
 
+#[derive(Clone, Copy, Debug)]
+struct Center([f64; 3]);
+
+fn center(text: &str) -> Result<Center, String> {
+    let parts: Result<Vec<f64>, String> = text
+        .split(',')
+        .map(|part| {
+            parsed(part, |x: &f64| x.abs() <= 100.0, "expected three numbers in m, as 0,0.1,0.2")
+        })
+        .collect();
+    let wrong = || "expected three numbers in m, as 0,0.1,0.2".to_owned();
+    Ok(Center(parts?.try_into().map_err(|_| wrong())?))
+}
+
 fn mass(text: &str) -> Result<f64, String> {
     parsed(text, |kg| *kg > 0.0 && *kg <= 1e4, "expected a mass above 0, at most 10000 kg")
 }
@@ -54,12 +73,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let inputs = arguments.logs.iter().chain([&arguments.model]);
     check_files(inputs, arguments.output.iter().map(|file| (file.as_path(), &[][..])))?;
     let model = read_model(&arguments.model)?;
-    let link = arguments.link.as_ref().map(|name| named(&model, name)).transpose()?;
+    let place = Place::named(&model, arguments.link.as_deref()).ok_or_else(|| {
+        let (name, joints) = (arguments.link.as_deref().unwrap_or(""), model.joints.join(", "));
+        CliError::Usage(format!("no link of the model is called {name}; its joints are {joints}"))
+    })?;
     let log = arguments.signals.open(&arguments.logs)?;
     if let Some(mass) = arguments.known_mass {
-        return run_gains(arguments, &model, &log, (link, mass));
+        return run_gains(arguments, &model, &log, (place.link, mass));
     }
-    let found = payload(&model, &log, link, &watch())?;
+    let place = Place { center: arguments.center.map(|Center(center)| center), ..place };
+    let found = payload(&model, &log, place, &watch())?;
     let mut table = Table::new(["load", "value", "±", "unit"]);
     let all = std::iter::once(found.mass).chain(found.center).chain(found.inertia);
     let names = ROWS.iter().flat_map(|(names, unit)| names.iter().map(move |name| (name, unit)));
@@ -92,18 +115,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     Ok(Outcome { text, json, warnings: found.hints(), ..Outcome::default() })
 }
 
-fn named(model: &Model, name: &str) -> Result<usize> {
-    let joints = model.joints.join(", ");
-    link_named(model, name).ok_or_else(|| {
-        CliError::Usage(format!("no link of the model is called {name}; its joints are {joints}"))
-    })
-}
-
 fn run_gains(
     arguments: &Arguments,
     model: &Model,
     log: &Log,
-    (link, mass): (Option<usize>, f64),
+    (link, mass): (usize, f64),
 ) -> Result<Outcome> {
     let found = gains(model, log, link, mass, &watch())?;
     let told = found.told();

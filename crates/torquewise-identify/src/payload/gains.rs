@@ -143,7 +143,7 @@ impl Gains {
         let chain = chain_of(model)?;
         model.check_joints(recording.joints())?;
         let pass = Pass::over(model, chain, recording)?.swap_remove(link);
-        let (_, prior, _) = pass.solved()?;
+        let (_, prior, _) = pass.solved(None)?;
         let free = prior.bodies[0];
         let nominal = free.map(|own| own * mass / free[0]);
         let prior = Prior { bodies: vec![nominal], ..Prior::default() };

@@ -4,6 +4,7 @@ use super::rows::{Columns, Weights, state_of, visit};
 use super::{STRENGTH, TOLD};
 use crate::clustered::{Stretches, scatter, score};
 use faer::{ColRef, Mat};
+use nalgebra::Vector3;
 use torquewise_model::{Model, RigidChain};
 use torquewise_motion::Recording;
 use torquewise_regression::normal_equations::NormalEquations;
@@ -23,6 +24,8 @@ const NOMINAL: (f64, f64) = (0.05, 1e-3);
 const LEVERS: (f64, f64, i32) = (1.0, 0.7, 14);
 /// A load is elsewhere where it explains more by so many standard errors.
 const ELSEWHERE: f64 = 4.0;
+/// How much more than by all rows a known centre is held.
+const HELD: f64 = 1e3;
 
 /// What one pass over the rows adds up to, for a load on one link.
 #[derive(Clone)]
@@ -69,9 +72,23 @@ impl Pass {
     }
 
     /// The load among bodies that can be, with what it is held at, and the information.
-    pub(super) fn solved(&self) -> Result<(Vec<f64>, Prior, Mat<f64>), IdentifyError> {
-        let NormalEquations { gram, cross, .. } = self.total();
+    ///
+    /// - `center`: of mass, where it is known
+    pub(super) fn solved(
+        &self,
+        center: Option<Vector3<f64>>,
+    ) -> Result<(Vec<f64>, Prior, Mat<f64>), IdentifyError> {
+        let NormalEquations { mut gram, cross, .. } = self.total();
         let right = cross.col_as_slice(0);
+        if let Some(center) = center {
+            let hold = HELD * (1..4).map(|k| gram[(k, k)]).sum::<f64>();
+            for (k, lever) in (1..4).zip(&center) {
+                gram[(k, k)] += hold;
+                gram[(0, k)] -= hold * lever;
+                gram[(k, 0)] -= hold * lever;
+                gram[(0, 0)] += hold * lever * lever;
+            }
+        }
         let cost = Quadratic { hessian: &gram, right };
         let mut best = None;
         let mut least = f64::INFINITY;
@@ -112,8 +129,8 @@ impl Pass {
         f64::max(squares / f64::max(joints - 1.0, 1.0), 1.0).sqrt()
     }
 
-    /// The link on which a load leaves least, if significantly less than the load on another.
-    pub(super) fn better(passes: &[Self], link: usize, load: &[f64]) -> Option<usize> {
+    /// The link on which a load leaves least, if significantly less than one on `link`.
+    pub(super) fn better(passes: &[Self], link: usize) -> Option<usize> {
         let left = |pass: &Self, load: &[f64]| -> Vec<f64> {
             let x = ColRef::from_slice(load).as_mat();
             let of = |own: NormalEquations| {
@@ -122,13 +139,12 @@ impl Pass {
             };
             pass.stretches().map(of).collect()
         };
-        let all = passes.iter().enumerate().filter_map(|(link, pass)| {
-            let (load, ..) = pass.solved().ok()?;
-            Some((link, left(pass, &load)))
-        });
+        let all = passes.iter().map(|pass| Some(left(pass, &pass.solved(None).ok()?.0)));
+        let all: Vec<Option<Vec<f64>>> = all.collect();
         let sum = |left: &[f64]| left.iter().sum::<f64>();
-        let (best, least) = all.min_by(|a, b| sum(&a.1).total_cmp(&sum(&b.1)))?;
-        let own = left(&passes[link], load);
+        let some = all.iter().enumerate().filter_map(|(link, left)| Some((link, left.as_ref()?)));
+        let (best, least) = some.min_by(|a, b| sum(a.1).total_cmp(&sum(b.1)))?;
+        let own = all[link].as_ref()?;
         let gained: Vec<f64> = own.iter().zip(least).map(|(own, least)| own - least).collect();
         let mean = sum(&gained) / gained.len() as f64;
         let error = gained.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>().sqrt();
@@ -166,10 +182,10 @@ impl Pass {
             let scatter = self.scatter(&found).submatrix(0, 0, 4, 4).to_owned();
             uncertain = factor.sandwiched(&scatter)[(0, 0)].max(0.0).sqrt();
         }
-        let moment = nalgebra::Vector3::new(found[1], found[2], found[3]);
+        let moment = Vector3::new(found[1], found[2], found[3]);
         let of = |mass: f64| {
             let mass = mass.max(NOMINAL.1);
-            let round = plain_link(mass, &nalgebra::Vector3::zeros(), NOMINAL.0);
+            let round = plain_link(mass, &Vector3::zeros(), NOMINAL.0);
             let origin = (moment / mass).map(|center| center.clamp(-1.0, 1.0));
             seen_from(&round, &Placement { rotation: nalgebra::Matrix3::identity(), origin })
         };
