@@ -127,28 +127,36 @@ impl Payload {
             let center = Vector3::from(center);
             frame.map_or(center, |own| own.rotation.tr_mul(&(center - own.origin)))
         });
+        let (ones, of_arm) = (vec![1.0; model.n_joints()], chain.covariance_matrix());
+        let is_uncertain = !chain.covariance.is_empty();
+        let with = |load: &[f64]| WithLoad::over(model, chain, recording, (link, load, &ones));
+        let seen = |with: &WithLoad, joint: usize, counts: f64| {
+            let arm = faer::Scale(counts) * &with.arm[joint];
+            is_uncertain.then(|| &arm * &of_arm * arm.transpose())
+        };
+        // How certain each joint is takes a load to say.
+        let (first, ..) = pass.solved(center)?;
+        let at_first = with(&first)?;
+        let counts = pass.counts(&first, &|joint| seen(&at_first, joint, 1.0));
+        let pass = pass.weighted(&counts);
         let (solution, prior, information) = pass.solved(center)?;
+        let with = with(&solution)?;
         let nominal = prior.bodies[0];
         // At the solution the divergence would hold a load that hardly can be, and hide its errors.
         let cost = Quadratic { hessian: &information, right: &[] };
         let factor = curvature(cost, &prior, STRENGTH, &nominal)?;
         let mut middle = pass.scatter(&solution);
         prior.add_slopes(&nominal, STRENGTH, &mut [0.0; PER_BODY], &mut middle);
-        let ones = vec![1.0; model.n_joints()];
-        let with = WithLoad::over(model, chain, recording, (link, &solution, &ones))?;
         let p = chain.n_parameters(model.friction.len());
-        let arm = with.arm.iter().fold(Mat::zeros(PER_BODY, p), |sum, own| sum + own);
+        let arm = with.arm.iter().zip(&counts);
+        let arm = arm.fold(Mat::zeros(PER_BODY, p), |sum, (own, by)| sum + faer::Scale(*by) * own);
         let followed = factor.solve_matrix(&arm);
-        let of_arm = chain.covariance_matrix();
-        let is_uncertain = !chain.covariance.is_empty();
-        let seen = |joint: usize| {
-            is_uncertain.then(|| &with.arm[joint] * &of_arm * with.arm[joint].transpose())
-        };
+        let seen = |joint: usize| seen(&with, joint, counts[joint]);
         let disagreement = pass.disagreement(&solution, &seen);
         let own = factor.sandwiched(&middle) * faer::Scale(disagreement.powi(2));
         let mut covariance = own.clone();
         if is_uncertain {
-            let arm = &followed * of_arm * followed.transpose();
+            let arm = &followed * &of_arm * followed.transpose();
             covariance += arm * faer::Scale(disagreement.powi(2));
         }
         let inertial: [f64; PER_BODY] = std::array::from_fn(|k| solution[k]);

@@ -105,28 +105,49 @@ impl Pass {
         Ok((solution, prior, gram))
     }
 
-    /// How far joints disagree about how heavy the load is, over what their errors allow (Birge):
-    /// √(χ² / (n − 1)), at least 1.
+    /// How far each joint is from what it would say of how heavy the load is, what its square may be,
+    /// and the information that it has: xᵀs, its variance, xᵀHx.
     ///
     /// - `arm`: what the uncertain arm makes of the scores of a joint, 10×10
+    fn heaviness(&self, load: &[f64], arm: &dyn Fn(usize) -> Option<Mat<f64>>) -> Vec<[f64; 3]> {
+        let x = ColRef::from_slice(load).as_mat();
+        let along = |square: &Mat<f64>| (x.transpose() * square * x)[(0, 0)];
+        let of = |(joint, own): (usize, &Stretches)| {
+            let total = own.total();
+            let allowed = along(&scatter(own.all().map(|own| score(own, x))))
+                + arm(joint).map_or(0.0, |arm| along(&arm));
+            [(x.transpose() * score(&total, x))[(0, 0)], allowed, along(&total.gram)]
+        };
+        self.sums.iter().enumerate().map(of).collect()
+    }
+
+    /// What equations of each joint count, given how they err together and how uncertain the arm is,
+    /// beside equations that err apart, n: at most 1.
+    pub(super) fn counts(&self, load: &[f64], arm: &dyn Fn(usize) -> Option<Mat<f64>>) -> Vec<f64> {
+        let counts = |[_, allowed, information]: [f64; 3]| {
+            if allowed > information { information / allowed } else { 1.0 }
+        };
+        self.heaviness(load, arm).into_iter().map(counts).collect()
+    }
+
+    pub(super) fn weighted(&self, counts: &[f64]) -> Self {
+        let sums = self.sums.iter().zip(counts).map(|(own, by)| own.weighted(*by)).collect();
+        Self { sums, squares: self.squares.clone(), rows: self.rows }
+    }
+
+    /// How far joints disagree about how heavy the load is, over what their errors allow (Birge):
+    /// √(χ² / (n − 1)), at least 1.
     pub(super) fn disagreement(
         &self,
         load: &[f64],
         arm: &dyn Fn(usize) -> Option<Mat<f64>>,
     ) -> f64 {
-        let x = ColRef::from_slice(load).as_mat();
-        let along = |square: &Mat<f64>| (x.transpose() * square * x)[(0, 0)];
-        let (mut squares, mut joints) = (0.0, 0.0);
-        for (joint, own) in self.sums.iter().enumerate() {
-            let excess = (x.transpose() * score(&own.total(), x))[(0, 0)];
-            let allowed = along(&scatter(own.all().map(|own| score(own, x))))
-                + arm(joint).map_or(0.0, |arm| along(&arm));
-            if allowed > 0.0 {
-                squares += excess * excess / allowed;
-                joints += 1.0;
-            }
-        }
-        f64::max(squares / f64::max(joints - 1.0, 1.0), 1.0).sqrt()
+        let all = self.heaviness(load, arm);
+        let told = all.iter().filter(|[_, allowed, _]| *allowed > 0.0);
+        let squares: Vec<f64> =
+            told.map(|[excess, allowed, _]| excess * excess / allowed).collect();
+        let degrees = f64::max(squares.len() as f64 - 1.0, 1.0);
+        f64::max(squares.iter().sum::<f64>() / degrees, 1.0).sqrt()
     }
 
     /// The link on which a load leaves least, if significantly less than one on `link`.
