@@ -123,10 +123,9 @@ impl Payload {
         let pass = &passes[link];
         let robot = chain.robot.as_ref();
         let frame = robot.and_then(|robot| robot.frames.get(link)).map(placed);
-        let center = center.map(|center| {
-            let center = Vector3::from(center);
-            frame.map_or(center, |own| own.rotation.tr_mul(&(center - own.origin)))
-        });
+        let center = center
+            .map(Vector3::from)
+            .map(|center| frame.map_or(center, |own| own.rotation.tr_mul(&(center - own.origin))));
         let (ones, of_arm) = (vec![1.0; model.n_joints()], chain.covariance_matrix());
         let is_uncertain = !chain.covariance.is_empty();
         let with = |load: &[f64]| WithLoad::over(model, chain, recording, (link, load, &ones));
