@@ -54,6 +54,8 @@ pub(crate) struct Losses {
     pub(crate) damping: f64,
     /// Dry friction \[N·m\].
     pub(crate) friction: f64,
+    /// Torque that the motor needs though nothing moves \[N·m\]; none of a shared shaft.
+    pub(crate) offset: f64,
 }
 
 /// Radius of the links that are drawn, as a part of the length of the arm, and at least \[m\].
@@ -132,6 +134,7 @@ impl Robot {
                     quaternion => numbers(quaternion(axes)),
                 },
                 losses => joint.losses.values(),
+                bias => (joint.losses.offset != 0.0).then(|| numbers([-joint.losses.offset])),
                 range => joint.range.map(|x| numbers([x])),
                 speed => numbers([joint.speed]),
                 effort => numbers([joint.effort]),
@@ -206,7 +209,7 @@ fn losses(
     let n = model.n_joints();
     let mut own = vec![Losses::default(); n];
     let mut shared: Vec<(Vec<f64>, Losses)> = Vec::new();
-    let mut left_out = Vec::new();
+    let (mut left_out, mut offsets) = (Vec::new(), vec![0.0; n]);
     let mut at = |shaft: &[f64], change: &dyn Fn(&mut Losses)| {
         let mut turning = (0..n).filter(|&joint| shaft[joint] != 0.0);
         if let (Some(joint), None) = (turning.next(), turning.next())
@@ -235,8 +238,11 @@ fn losses(
         if laws().any(|term| term.load) {
             left_out.push(format!("friction of {name} under load"));
         }
-        if laws().any(|term| term.law == FrictionLaw::Offset) {
-            left_out.push(format!("the offset torque of {name}"));
+        if let Some((k, _)) = shaft.laws().find(|(_, term)| term.law == FrictionLaw::Offset) {
+            match shaft.joint() {
+                Some(joint) => offsets[joint] += model.friction[k].coefficient,
+                None => left_out.push(format!("the offset torque of {name}")),
+            }
         }
         let bends = |law: FrictionLaw| {
             matches!(law, FrictionLaw::Stribeck { .. } | FrictionLaw::Dahl { .. })
@@ -247,6 +253,7 @@ fn losses(
             ));
         }
     }
+    own.iter_mut().zip(offsets).for_each(|(own, offset)| own.offset = offset);
     (own, shared, left_out)
 }
 

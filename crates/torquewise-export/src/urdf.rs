@@ -34,8 +34,8 @@ pub fn to_urdf(model: &Model, version: &str) -> Result<RobotFile> {
 }
 
 /// The MJCF of a model: bodies with inertia and capsules between the axes, hinges without limits,
-/// which the log does not tell, with `armature`, `damping` and `frictionloss`, a motor for each;
-/// shafts that several joints turn are fixed tendons. A comment says where the log leaves an axis
+/// which the log does not tell, with `armature`, `damping` and `frictionloss`, a motor for each,
+/// which holds the offset of its torque by itself; shafts that several joints turn are fixed tendons. A comment says where the log leaves an axis
 /// open, as in a URDF.
 ///
 /// # Errors
@@ -91,18 +91,20 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
             ));
         }
         bodies.extend(inertials);
-        let Losses { armature, damping, friction } = own.losses;
+        let Losses { armature, damping, friction, .. } = own.losses;
         dynamics.push((joint.name.clone(), Dynamics { armature, damping, friction }));
     }
     Ok(RobotFile { text: edited(text, &bodies, &dynamics)?, left_out })
 }
 
-/// What a URDF has no room for: of shafts that several joints turn too.
+/// What a URDF has no room for: offsets, and what belongs to shafts that several joints turn.
 fn left_out_of_urdf(robot: &Robot) -> Vec<String> {
     let words = |(shaft, _): &(Vec<f64>, Losses)| {
         let turning = robot.joints.iter().zip(shaft).filter(|(_, part)| **part != 0.0);
         let names: Vec<&str> = turning.map(|(joint, _)| joint.name.as_str()).collect();
         format!("rotor and friction of the shaft that {} share", names.join(" and "))
     };
-    robot.left_out.iter().cloned().chain(robot.shared.iter().map(words)).collect()
+    let offset = robot.joints.iter().filter(|joint| joint.losses.offset != 0.0);
+    let offset = offset.map(|joint| format!("the offset torque of {}", joint.name));
+    robot.left_out.iter().cloned().chain(offset).chain(robot.shared.iter().map(words)).collect()
 }

@@ -5,6 +5,7 @@ use approx::assert_relative_eq;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node};
 use torquewise_export::{ExportError, onto_urdf, to_mjcf, to_urdf};
+use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{Drive, JointKind, Model, Torque};
 use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::{Kinematics, Moved, State};
@@ -151,12 +152,21 @@ fn an_mjcf_moves_as_the_model() {
 #[test]
 fn what_no_robot_file_holds_is_named() {
     let model = chain(3, false, 5);
-    let file = to_urdf(&bare_links(model), "a test").unwrap();
+    let file = to_urdf(&bare_links(model.clone()), "a test").unwrap();
 
     let all = file.left_out.join("; ");
     for part in ["the energy term V: cos(q2)", "the offset torque of", "the curve of the friction"]
     {
         assert!(all.contains(part), "{part} in {all}");
+    }
+    let holds = to_mjcf(&bare_links(chain(3, false, 5)), "a test").unwrap();
+    assert!(!holds.left_out.join("; ").contains("offset"));
+    let document = Document::parse(&holds.text).unwrap();
+    for offset in model.friction.iter().filter(|own| own.term.law == FrictionLaw::Offset) {
+        let joint = offset.term.shaft.iter().position(|part| *part != 0.0).unwrap();
+        let motors = elements(document.root_element(), "general");
+        let own = motors.iter().find(|own| own.attribute("joint") == Some(&model.joints[joint]));
+        assert_eq!(vector(*own.unwrap(), "biasprm"), [-offset.coefficient, 0.0, 0.0]);
     }
     assert!(matches!(to_urdf(&energies(3, 25, 1), ""), Err(ExportError::NoChain)));
     let parallel = bare_links(coupled(3, true, 8));
