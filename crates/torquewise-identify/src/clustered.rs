@@ -76,11 +76,11 @@ impl Stretches {
 
     /// The same equations, each of them weighted so much more.
     pub(crate) fn weighted(&self, by: f64) -> Self {
-        let weighted = |own: &NormalEquations| NormalEquations {
-            gram: faer::Scale(by) * &own.gram,
-            cross: faer::Scale(by) * &own.cross,
-            energy: own.energy.iter().map(|energy| by * energy).collect(),
-            rows: own.rows,
+        let weighted = |own: &NormalEquations| {
+            let NormalEquations { gram, cross, energy, rows } = own;
+            let energy = energy.iter().map(|energy| by * energy).collect();
+            let [gram, cross] = [gram, cross].map(|own| faer::Scale(by) * own);
+            NormalEquations { gram, cross, energy, rows: *rows }
         };
         let whole = self.whole.iter().map(weighted).collect();
         Self { whole, rest: weighted(&self.rest), ..*self }

@@ -33,9 +33,9 @@ pub(crate) struct Arguments {
     link: Option<String>,
     /// Centre of mass of the load in m, in the frame of the link, if it is known: tells the mass of a load
     /// that no motion tells
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = center,
-        conflicts_with = "known_mass")]
-    center: Option<Center>,
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true,
+        value_parser = meters, conflicts_with = "known_mass")]
+    center: Option<Vec<f64>>,
     /// Mass of the load in kg, where torque columns are currents or of unknown gain: finds what a unit
     /// of each is worth, with a model that was learned from the same columns
     #[arg(long, value_name = "KG", value_parser = mass)]
@@ -51,18 +51,8 @@ const ROWS: [(&[&str], &str); 3] = [
     (&["Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"], "kg m2"),
 ];
 
-#[derive(Clone, Copy, Debug)]
-struct Center([f64; 3]);
-
-fn center(text: &str) -> Result<Center, String> {
-    let parts: Result<Vec<f64>, String> = text
-        .split(',')
-        .map(|part| {
-            parsed(part, |x: &f64| x.abs() <= 100.0, "expected three numbers in m, as 0,0.1,0.2")
-        })
-        .collect();
-    let wrong = || "expected three numbers in m, as 0,0.1,0.2".to_owned();
-    Ok(Center(parts?.try_into().map_err(|_| wrong())?))
+fn meters(text: &str) -> Result<f64, String> {
+    parsed(text, |x: &f64| x.abs() <= 100.0, "expected a length in m, at most 100")
 }
 
 fn mass(text: &str) -> Result<f64, String> {
@@ -73,15 +63,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let inputs = arguments.logs.iter().chain([&arguments.model]);
     check_files(inputs, arguments.output.iter().map(|file| (file.as_path(), &[][..])))?;
     let model = read_model(&arguments.model)?;
+    let center = match arguments.center.as_deref() {
+        None => None,
+        Some(&[x, y, z]) => Some([x, y, z]),
+        Some(_) => return Err(CliError::Usage("--center expects three numbers in m".to_owned())),
+    };
     let place = Place::named(&model, arguments.link.as_deref()).ok_or_else(|| {
         let (name, joints) = (arguments.link.as_deref().unwrap_or(""), model.joints.join(", "));
         CliError::Usage(format!("no link of the model is called {name}; its joints are {joints}"))
     })?;
+    let place = Place { center, ..place };
     let log = arguments.signals.open(&arguments.logs)?;
     if let Some(mass) = arguments.known_mass {
         return run_gains(arguments, &model, &log, (place.link, mass));
     }
-    let place = Place { center: arguments.center.map(|Center(center)| center), ..place };
     let found = payload(&model, &log, place, &watch())?;
     let mut table = Table::new(["load", "value", "±", "unit"]);
     let all = std::iter::once(found.mass).chain(found.center).chain(found.inertia);

@@ -55,13 +55,13 @@ impl Pass {
                 let state = state_of(block, row);
                 columns.at(state.each_ref().map(Vec::as_slice), &mut y);
                 for (link, pass) in passes.iter_mut().enumerate() {
-                    for joint in 0..n {
-                        let weight = weights.square(joint, state[1][joint]);
-                        let error = left[(row, joint)];
-                        pass.squares[joint] += error * error;
+                    for (joint, sums) in pass.sums.iter_mut().enumerate() {
+                        let (weight, error) =
+                            (weights.square(joint, state[1][joint]), left[(row, joint)]);
                         let own: [f64; PER_BODY] =
                             std::array::from_fn(|k| y[(joint, PER_BODY * link + k)]);
-                        pass.sums[joint].add(&own, error, weight);
+                        sums.add(&own, error, weight);
+                        pass.squares[joint] += error * error;
                     }
                     pass.rows += 1;
                 }
@@ -152,16 +152,11 @@ impl Pass {
 
     /// The link on which a load leaves least, if significantly less than one on `link`.
     pub(super) fn better(passes: &[Self], link: usize) -> Option<usize> {
-        let left = |pass: &Self, load: &[f64]| -> Vec<f64> {
-            let x = ColRef::from_slice(load).as_mat();
-            let of = |own: NormalEquations| {
-                let twice = &own.cross + score(&own, x);
-                own.energy[0] - (x.transpose() * twice)[(0, 0)]
-            };
-            pass.stretches().map(of).collect()
+        let left = |pass: &Self| -> Option<Vec<f64>> {
+            let (load, ..) = pass.solved(None).ok()?;
+            Some(pass.stretches().map(|own| own.residual_energy(&load, 0)).collect())
         };
-        let all = passes.iter().map(|pass| Some(left(pass, &pass.solved(None).ok()?.0)));
-        let all: Vec<Option<Vec<f64>>> = all.collect();
+        let all: Vec<Option<Vec<f64>>> = passes.iter().map(left).collect();
         let sum = |left: &[f64]| left.iter().sum::<f64>();
         let some = all.iter().enumerate().filter_map(|(link, left)| Some((link, left.as_ref()?)));
         let (best, least) = some.min_by(|a, b| sum(a.1).total_cmp(&sum(b.1)))?;
