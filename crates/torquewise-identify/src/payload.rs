@@ -186,7 +186,7 @@ impl Payload {
         let mut hints = Vec::new();
         if let Some(link) = &self.elsewhere {
             hints.push(format!(
-                "a load on {link} explains the torque better: name what carries it by --link"
+                "a load on {link} explains the torque better: say which link carries it"
             ));
         }
         if self.disagreement > DISAGREE {
