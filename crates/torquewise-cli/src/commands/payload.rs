@@ -31,8 +31,7 @@ pub(crate) struct Arguments {
     /// Link that carries the load: as the URDF calls it, or its joint [default: the last]
     #[arg(long, value_name = "NAME")]
     link: Option<String>,
-    /// Centre of mass of the load in m, in the frame of the link, if it is known: tells the mass of a load
-    /// that no motion tells
+    /// Centre of mass of the load in m, in the frame of the link, where it is known
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true,
         value_parser = meters, conflicts_with = "known_mass")]
     center: Option<Vec<f64>>,
