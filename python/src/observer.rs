@@ -75,7 +75,7 @@ pub(crate) fn payload(
     let Some(place) = Place::named(&model.model, link) else {
         return wrong(format!("link: no link of the model is called {}", link.unwrap_or("")));
     };
-    let place = Place { center, ..place };
+    let place = place.with_center(center);
     let (model, log) = (Arc::clone(&model.model), log.log.clone());
     let (found, loaded) = work(py, progress, move |observer| {
         let found = torquewise::payload::payload(&model, &log, place, observer)?;
@@ -104,7 +104,7 @@ pub(crate) fn gains(
     };
     let (model, log) = (Arc::clone(&model.model), log.log.clone());
     let found = work(py, progress, move |observer| {
-        torquewise::payload::gains(&model, &log, place.link, mass, observer)
+        torquewise::payload::gains(&model, &log, place, mass, observer)
     })?;
     Ok((json(&found)?, found.hints()))
 }

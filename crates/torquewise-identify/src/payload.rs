@@ -61,11 +61,8 @@ pub struct Payload {
 /// Where a load is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// The link that carries it, from 0.
-    pub link: usize,
-    /// Its centre of mass in the frame of that link \[m\], where it is known: the mass of a load on a
-    /// link that gravity turns but does not pull, is told by nothing else.
-    pub center: Option<[f64; 3]>,
+    link: usize,
+    center: Option<[f64; 3]>,
 }
 
 impl Place {
@@ -86,6 +83,13 @@ impl Place {
             }
         };
         Some(Self { link, center: None })
+    }
+
+    /// With its centre of mass in the frame of the link \[m\], where that is known: nothing else tells
+    /// the mass of a load that turns about a point and is not lifted.
+    #[must_use]
+    pub fn with_center(self, center: Option<[f64; 3]>) -> Self {
+        Self { center, ..self }
     }
 }
 
@@ -120,7 +124,7 @@ impl Payload {
         let chain = chain_of(model)?;
         model.check_joints(recording.joints())?;
         let passes = Pass::over(model, chain, recording)?;
-        let pass = &passes[link];
+        let pass = passes.get(link).ok_or(ModelError::NoChain)?;
         let robot = chain.robot.as_ref();
         let frame = robot.and_then(|robot| robot.frames.get(link)).map(placed);
         let center = center

@@ -37,7 +37,7 @@ pub fn payload(model: &Model, log: &Log, place: Place, observer: Observer<'_>) -
 /// Finds what a unit of each torque column is worth, from a log with a load of known mass and a model
 /// of the bare arm that was learned from the same columns (E15).
 ///
-/// - `link`: that carries the load, from 0
+/// - `place`: where the load is
 /// - `mass`: \[kg\]
 ///
 /// # Errors
@@ -45,11 +45,11 @@ pub fn payload(model: &Model, log: &Log, place: Place, observer: Observer<'_>) -
 pub fn gains(
     model: &Model,
     log: &Log,
-    link: usize,
+    place: Place,
     mass: f64,
     observer: Observer<'_>,
 ) -> Result<Gains> {
     let log = prepare(model, log)?;
     let watched = Watched::new(log.rows(), observer, "weighing", log.rows_hint());
-    Ok(Gains::find(model, &watched, link, mass)?)
+    Ok(Gains::find(model, &watched, place, mass)?)
 }

@@ -71,10 +71,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         let (name, joints) = (arguments.link.as_deref().unwrap_or(""), model.joints.join(", "));
         CliError::Usage(format!("no link of the model is called {name}; its joints are {joints}"))
     })?;
-    let place = Place { center, ..place };
+    let place = place.with_center(center);
     let log = arguments.signals.open(&arguments.logs)?;
     if let Some(mass) = arguments.known_mass {
-        return run_gains(arguments, &model, &log, (place.link, mass));
+        return run_gains(arguments, &model, &log, (place, mass));
     }
     let found = payload(&model, &log, place, &watch())?;
     let mut table = Table::new(["load", "value", "±", "unit"]);
@@ -113,9 +113,9 @@ fn run_gains(
     arguments: &Arguments,
     model: &Model,
     log: &Log,
-    (link, mass): (usize, f64),
+    (place, mass): (Place, f64),
 ) -> Result<Outcome> {
-    let found = gains(model, log, link, mass, &watch())?;
+    let found = gains(model, log, place, mass, &watch())?;
     let told = found.told();
     let mut table = Table::new(["gain", "N m per unit", "±"]);
     for (joint, gain) in model.joints.iter().zip(&found.gains) {

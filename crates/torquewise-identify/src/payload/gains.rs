@@ -2,13 +2,13 @@
 
 use super::pass::Pass;
 use super::rows::WithLoad;
-use super::{STRENGTH, chain_of};
+use super::{Place, STRENGTH, chain_of};
 use crate::clustered::{Stretches, scatter, score};
 use crate::excitation::list;
 use faer::{ColRef, Mat};
 use serde::Serialize;
-use torquewise_model::Model;
 use torquewise_model::shaft_friction::Estimated;
+use torquewise_model::{Model, ModelError};
 use torquewise_motion::Recording;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_rigid::feasible::{Prior, Quadratic, curvature, minimise};
@@ -129,7 +129,7 @@ impl Gains {
     /// mass \[E15\]. Errors count the scatter over blocks of time and what is uncertain of the arm.
     ///
     /// - `recording`: rows of the arm with the load, filtered as those of the model were
-    /// - `link`: that carries the load, from 0
+    /// - `place`: where the load is
     /// - `mass`: of the load \[kg\]
     ///
     /// # Errors
@@ -137,19 +137,20 @@ impl Gains {
     pub fn find(
         model: &Model,
         recording: &(impl Recording + ?Sized),
-        link: usize,
+        Place { link, .. }: Place,
         mass: f64,
     ) -> Result<Self, IdentifyError> {
         let chain = chain_of(model)?;
         model.check_joints(recording.joints())?;
-        let pass = Pass::over(model, chain, recording)?.swap_remove(link);
+        let passes = Pass::over(model, chain, recording)?;
+        let pass = passes.get(link).ok_or(ModelError::NoChain)?;
         let (_, prior, _) = pass.solved(None)?;
         let free = prior.bodies[0];
         let nominal = free.map(|own| own * mass / free[0]);
         let prior = Prior { bodies: vec![nominal], ..Prior::default() };
         let sums: Vec<NormalEquations> = pass.sums.iter().map(Stretches::total).collect();
         let at = best(&sums, &prior, mass)?;
-        let mut middle = at.scatter(&pass);
+        let mut middle = at.scatter(pass);
         if !chain.covariance.is_empty() {
             let with = WithLoad::over(model, chain, recording, (link, &at.load, &at.per))?;
             let arm = at.felt(&|joint| with.arm[joint].clone());
