@@ -148,12 +148,14 @@ def simulated(model):
 
 
 def torque(model):
+    """Torque of the motors that a state takes: what they hold by themselves is no part of it."""
     data = mujoco.MjData(model)
+    held = model.actuator_biasprm[:, 0] if model.nu else 0.0
 
     def of(q, dq, ddq):
         data.qpos[:], data.qvel[:], data.qacc[:] = q, dq, ddq
         mujoco.mj_inverse(model, data)
-        return data.qfrc_inverse.copy()
+        return data.qfrc_inverse - held
 
     return lambda own: np.array([of(*row) for row in zip(own["q"], own["dq"], own["ddq"])])
 

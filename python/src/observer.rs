@@ -1,4 +1,4 @@
-//! Torque that others put on an arm, and the load on its last link.
+//! Torque that others put on an arm, and the load on a link.
 
 use crate::errors::{value_error, wrong};
 use crate::log::Log;
@@ -9,6 +9,7 @@ use numpy::ndarray::Array2;
 use pyo3::prelude::*;
 use std::sync::Arc;
 use torquewise::external::ExternalOptions;
+use torquewise::payload::Place;
 
 /// External torque of a log: rows of t, n torques and n thresholds, how these were set and contacts as JSON.
 #[pyfunction]
@@ -60,22 +61,28 @@ pub(crate) fn contacts<'py>(
     Ok((PyArray2::from_owned_array(py, table), json(&thresholds)?, json(&found)?))
 }
 
-/// The load on the last link: JSON, hints, and the model of the arm that carries it.
+/// The load on a link: JSON, hints, and the model of the arm that carries it.
 #[pyfunction]
-#[pyo3(signature = (model, log, progress=None))]
+#[pyo3(signature = (model, log, link=None, center=None, progress=None))]
 pub(crate) fn payload(
     py: Python<'_>,
     model: &Model,
     log: &Log,
+    link: Option<&str>,
+    center: Option<[f64; 3]>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(String, Vec<String>, Model)> {
+    let Some(place) = Place::named(&model.model, link) else {
+        return wrong(format!("link: no link of the model is called {}", link.unwrap_or("")));
+    };
+    let place = place.with_center(center);
     let (model, log) = (Arc::clone(&model.model), log.log.clone());
     let (found, loaded) = work(py, progress, move |observer| {
-        let found = torquewise::payload::payload(&model, &log, observer)?;
+        let found = torquewise::payload::payload(&model, &log, place, observer)?;
         let loaded = found.added_to(&model)?;
         Ok((found, loaded))
     })?;
-    let hints = found.hints().into_iter().map(str::to_owned).collect();
+    let hints = found.hints();
     Ok((json(&found)?, hints, Model::new(loaded)))
 }
 
@@ -92,9 +99,12 @@ pub(crate) fn gains(
     if !(mass > 0.0 && mass <= 1e4) {
         return wrong("mass: expected a number above 0, at most 10000 kg".to_owned());
     }
+    let Some(place) = Place::named(&model.model, None) else {
+        return wrong("model: expected joints".to_owned());
+    };
     let (model, log) = (Arc::clone(&model.model), log.log.clone());
     let found = work(py, progress, move |observer| {
-        torquewise::payload::gains(&model, &log, mass, observer)
+        torquewise::payload::gains(&model, &log, place, mass, observer)
     })?;
     Ok((json(&found)?, found.hints()))
 }

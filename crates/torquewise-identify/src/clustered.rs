@@ -74,6 +74,18 @@ impl Stretches {
         }
     }
 
+    /// The same equations, each of them weighted so much more.
+    pub(crate) fn weighted(&self, by: f64) -> Self {
+        let weighted = |own: &NormalEquations| {
+            let NormalEquations { gram, cross, energy, rows } = own;
+            let energy = energy.iter().map(|energy| by * energy).collect();
+            let [gram, cross] = [gram, cross].map(|own| faer::Scale(by) * own);
+            NormalEquations { gram, cross, energy, rows: *rows }
+        };
+        let whole = self.whole.iter().map(weighted).collect();
+        Self { whole, rest: weighted(&self.rest), ..*self }
+    }
+
     /// Of each stretch.
     pub(crate) fn all(&self) -> impl Iterator<Item = &NormalEquations> {
         self.whole.iter().chain(Some(&self.rest).filter(|rest| rest.rows > 0.0))

@@ -243,7 +243,7 @@ impl fmt::Display for Finding {
             Self::Range { joint, range } => write!(
                 f,
                 "{joint} turns through {range:.2} rad only: gravity and inertia that depend on its \
-                 angle are guesses; swing it further"
+                 angle are guesses; swing it further, or say that it slides"
             ),
             Self::Speed { joint, peak } => write!(
                 f,

@@ -1,28 +1,29 @@
-//! The load on the last link, from a log and a model of the bare arm (E15).
+//! The load on a link, from a log and a model of the bare arm (E15).
 
 mod gains;
+mod pass;
 mod rows;
 
-use crate::clustered::{Stretches, scatter, score};
-use faer::{ColRef, Mat};
+use faer::Mat;
+use nalgebra::Vector3;
 use serde::Serialize;
 use torquewise_model::shaft_friction::Estimated;
 use torquewise_model::{LinkFrame, Model, ModelError, RigidChain};
 use torquewise_motion::Recording;
-use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_rigid::feasible::{Prior, Quadratic, curvature, minimise};
+use torquewise_rigid::feasible::{Quadratic, curvature};
 use torquewise_rigid::geometry::Placement;
-use torquewise_rigid::inertia::{plain_link, seen_from};
+use torquewise_rigid::inertia::seen_from;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 
 pub use gains::Gains;
-use rows::{Columns, Weights, WithLoad, state_of, visit};
+use pass::Pass;
+use rows::WithLoad;
 
-/// A body on the last link of an arm.
+/// A body on a link of an arm.
 ///
 /// It is in the frame of that link: as the URDF has it, where one gave the geometry; else z is the
-/// last axis and the origin where that is next to the axis before.
+/// axis of its joint and the origin where that is next to the axis before.
 #[derive(Clone, Debug, Serialize)]
 pub struct Payload {
     /// The link, as a URDF calls it.
@@ -35,10 +36,18 @@ pub struct Payload {
     pub inertia: [Estimated; 6],
     /// Rows it was found on.
     pub rows: usize,
+    /// What joints say of it apart, over what their errors allow: its errors are scaled by it. At
+    /// least 1.
+    pub disagreement: f64,
+    /// The link on which a load explains significantly more: as a URDF calls it, or its joint.
+    pub elsewhere: Option<String>,
     /// RMS of what the model without it leaves of the torque of each joint \[N·m\], n.
     pub residual_without: Vec<f64>,
     /// The same with it.
     pub residual_with: Vec<f64>,
+    /// The link, from 0.
+    #[serde(skip)]
+    on: usize,
     #[serde(skip)]
     inertial: [f64; PER_BODY],
     /// Covariance that the log makes, 10×10.
@@ -49,25 +58,60 @@ pub struct Payload {
     followed: Mat<f64>,
 }
 
-/// Stretches of time at most, and rows of each at least: a log for a load is short.
-const STRETCHES: (usize, usize) = (256, 128);
-/// Spread of a nominal load \[m\], and its least mass \[kg\].
-const NOMINAL: (f64, f64) = (0.05, 1e-3);
+/// Where a load is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    link: usize,
+    center: Option<[f64; 3]>,
+}
+
+impl Place {
+    /// On the link of a name, as the URDF that gave the geometry calls it or its joint; the last if
+    /// none. `None` if the model has no such link.
+    #[must_use]
+    pub fn named(model: &Model, name: Option<&str>) -> Option<Self> {
+        let robot = model.chain.as_ref().and_then(|chain| chain.robot.as_ref());
+        let mut links = robot.iter().flat_map(|robot| robot.links.iter().enumerate());
+        let mut joints = model.joints.iter().enumerate();
+        let link = match name {
+            None => model.n_joints().checked_sub(1)?,
+            Some(name) => {
+                links
+                    .find(|(_, link)| *link == name)
+                    .or_else(|| joints.find(|(_, joint)| *joint == name))?
+                    .0
+            }
+        };
+        Some(Self { link, center: None })
+    }
+
+    /// With its centre of mass in the frame of the link \[m\], where that is known: nothing else tells
+    /// the mass of a load that turns about a point and is not lifted.
+    #[must_use]
+    pub fn with_center(self, center: Option<[f64; 3]>) -> Self {
+        Self { center, ..self }
+    }
+}
+
 /// How strongly a load is held at the nominal one, in squares of the noise: alone it leaves a mass
 /// uncertain by more than half of it.
 const STRENGTH: f64 = 0.1;
 /// A mass is told where its standard error is below this part of it, a centre where it is below so
 /// many \[m\].
 const TOLD: (f64, f64) = (0.3, 0.02);
+/// Joints that disagree about a load by more than so many of their errors are told of.
+const DISAGREE: f64 = 2.0;
 /// A step of the inertial parameters to differentiate by, in standard errors.
 const STEP: f64 = 1e-4;
 
 impl Payload {
-    /// Estimates the load by what a model leaves of the torque: τ − τ̂ = Yₙ(q, q̇, q̈) β, linear in
-    /// the ten inertial parameters β of the load, solved as \[E11\] among the bodies that can be
-    /// \[E14\]. Errors count the scatter over blocks of time and what is uncertain of the arm.
+    /// Estimates the load by what a model leaves of the torque: τ − τ̂ = Yₖ(q, q̇, q̈) β, linear in
+    /// the ten inertial parameters β of the load on link k, solved as \[E11\] among the bodies that
+    /// can be \[E14\]. Errors count the scatter over blocks of time, what is uncertain of the arm,
+    /// and how far joints disagree about the load.
     ///
     /// - `recording`: rows filtered as those of the model were
+    /// - `place`: where the load is
     ///
     /// # Errors
     /// [`IdentifyError::Model`] if the model is no rigid chain or of another arm,
@@ -75,46 +119,66 @@ impl Payload {
     pub fn find(
         model: &Model,
         recording: &(impl Recording + ?Sized),
+        Place { link, center }: Place,
     ) -> Result<Self, IdentifyError> {
         let chain = chain_of(model)?;
         model.check_joints(recording.joints())?;
-        let pass = Pass::over(model, chain, recording)?;
-        let NormalEquations { gram: information, cross: right, .. } = pass.total();
-        let right = right.col_as_slice(0);
-        let cost = Quadratic { hessian: &information, right };
-        let prior = Prior { bodies: vec![pass.nominal(&information, right)], ..Prior::default() };
-        let solution = minimise(cost, &prior, STRENGTH, &prior.bodies[0])?;
-        let factor = curvature(cost, &prior, STRENGTH, &solution)?;
-
-        let mut middle = pass.scatter(&solution);
-        prior.add_slopes(&solution, STRENGTH, &mut [0.0; PER_BODY], &mut middle);
-        let own = factor.sandwiched(&middle);
-        let inertial: [f64; PER_BODY] = std::array::from_fn(|k| solution[k]);
-        let ones = vec![1.0; model.n_joints()];
-        let with = WithLoad::over(model, chain, recording, (&inertial, &ones))?;
-        let p = chain.n_parameters(model.friction.len());
-        let arm = with.arm.iter().fold(Mat::zeros(PER_BODY, p), |sum, own| sum + own);
-        let followed = factor.solve_matrix(&arm);
-        let mut covariance = own.clone();
-        if !chain.covariance.is_empty() {
-            covariance += &followed * chain.covariance_matrix() * followed.transpose();
-        }
+        let passes = Pass::over(model, chain, recording)?;
+        let pass = passes.get(link).ok_or(ModelError::NoChain)?;
         let robot = chain.robot.as_ref();
-        let (link, frame) = robot
-            .map(|robot| (robot.links.last().cloned(), robot.frames.last().copied()))
-            .unwrap_or_default();
+        let frame = robot.and_then(|robot| robot.frames.get(link)).map(placed);
+        let center = center
+            .map(Vector3::from)
+            .map(|center| frame.map_or(center, |own| own.rotation.tr_mul(&(center - own.origin))));
+        let (ones, of_arm) = (vec![1.0; model.n_joints()], chain.covariance_matrix());
+        let is_uncertain = !chain.covariance.is_empty();
+        let with = |load: &[f64]| WithLoad::over(model, chain, recording, (link, load, &ones));
+        let seen = |with: &WithLoad, joint: usize, counts: f64| {
+            let arm = faer::Scale(counts) * &with.arm[joint];
+            is_uncertain.then(|| &arm * &of_arm * arm.transpose())
+        };
+        // How certain each joint is takes a load to say.
+        let (first, ..) = pass.solved(center)?;
+        let at_first = with(&first)?;
+        let counts = pass.counts(&first, &|joint| seen(&at_first, joint, 1.0));
+        let pass = pass.weighted(&counts);
+        let (solution, prior, information) = pass.solved(center)?;
+        let with = with(&solution)?;
+        let nominal = prior.bodies[0];
+        // At the solution the divergence would hold a load that hardly can be, and hide its errors.
+        let cost = Quadratic { hessian: &information, right: &[] };
+        let factor = curvature(cost, &prior, STRENGTH, &nominal)?;
+        let mut middle = pass.scatter(&solution);
+        prior.add_slopes(&nominal, STRENGTH, &mut [0.0; PER_BODY], &mut middle);
+        let p = chain.n_parameters(model.friction.len());
+        let arm = with.arm.iter().zip(&counts);
+        let arm = arm.fold(Mat::zeros(PER_BODY, p), |sum, (own, by)| sum + faer::Scale(*by) * own);
+        let followed = factor.solve_matrix(&arm);
+        let seen = |joint: usize| seen(&with, joint, counts[joint]);
+        let disagreement = pass.disagreement(&solution, &seen);
+        let own = factor.sandwiched(&middle) * faer::Scale(disagreement.powi(2));
+        let mut covariance = own.clone();
+        if is_uncertain {
+            let arm = &followed * &of_arm * followed.transpose();
+            covariance += arm * faer::Scale(disagreement.powi(2));
+        }
+        let inertial: [f64; PER_BODY] = std::array::from_fn(|k| solution[k]);
         let [mass, center, inertia] = central(&inertial, &covariance, frame);
         let rms = |squares: &[f64]| -> Vec<f64> {
             squares.iter().map(|sum| (sum / pass.rows.max(1) as f64).sqrt()).collect()
         };
+        let name = |link: usize| robot.map_or(&model.joints[link], |robot| &robot.links[link]);
         Ok(Self {
-            link,
+            link: robot.map(|_| name(link).clone()),
             mass: mass[0],
             center: std::array::from_fn(|k| center[k]),
             inertia: std::array::from_fn(|k| inertia[k]),
             rows: pass.rows,
+            disagreement,
+            elsewhere: Pass::better(&passes, link).map(|link| name(link).clone()),
             residual_without: rms(&pass.squares),
             residual_with: rms(&with.squares),
+            on: link,
             inertial,
             own,
             followed,
@@ -122,19 +186,33 @@ impl Payload {
     }
 
     /// What the log does not determine, and which motion would.
-    pub fn hints(&self) -> Vec<&'static str> {
+    pub fn hints(&self) -> Vec<String> {
         let mut hints = Vec::new();
+        if let Some(link) = &self.elsewhere {
+            hints.push(format!(
+                "a load on {link} explains the torque better: say which link carries it"
+            ));
+        }
+        if self.disagreement > DISAGREE {
+            hints.push(format!(
+                "joints disagree about the load by {:.1} times their errors, by which ± is scaled: \
+                 it may hang elsewhere, or the arm differ from its model",
+                self.disagreement
+            ));
+        }
         let is_told = self.mass.std_error < TOLD.0 * self.mass.value;
         if !is_told {
             hints.push(
                 "the mass is not told from zero: hold the load in many poses, with the arm \
-                 stretched and folded",
+                 stretched and folded, or give its centre"
+                    .to_owned(),
             );
         }
         if is_told && self.center.iter().any(|center| center.std_error > TOLD.1) {
             hints.push(
                 "the centre of mass is uncertain by more than 2 cm: turn the last joints, so that \
-                 gravity pulls at the load from three sides",
+                 gravity pulls at the load from three sides"
+                    .to_owned(),
             );
         }
         hints
@@ -148,8 +226,8 @@ impl Payload {
         let mut model = model.clone();
         chain_of(&model)?;
         let Some(chain) = &mut model.chain else { return Ok(model) };
-        let first = PER_BODY * (chain.n_joints() - 1);
-        if let Some(link) = chain.links.last_mut() {
+        let first = PER_BODY * self.on;
+        if let Some(link) = chain.links.get_mut(self.on) {
             link.iter_mut().zip(self.inertial).for_each(|(own, load)| *own += load);
         }
         if !chain.covariance.is_empty() {
@@ -177,98 +255,17 @@ fn chain_of(model: &Model) -> Result<&RigidChain, IdentifyError> {
     Ok(model.chain.as_ref().ok_or(ModelError::NoChain)?)
 }
 
-/// What one pass over the rows adds up to.
-struct Pass {
-    /// Of Y β = what the model leaves, ten columns, for each joint, n.
-    sums: Vec<Stretches>,
-    /// Squares of what the model leaves of each joint, n.
-    squares: Vec<f64>,
-    rows: usize,
-}
-
-impl Pass {
-    fn over(
-        model: &Model,
-        chain: &RigidChain,
-        recording: &(impl Recording + ?Sized),
-    ) -> Result<Self, IdentifyError> {
-        let n = model.n_joints();
-        let (weights, mut columns) = (Weights::of(model), Columns::of(chain)?);
-        let (most, rows) = STRETCHES;
-        let mut pass = Self {
-            sums: vec![Stretches::new(PER_BODY, most, rows); n],
-            squares: vec![0.0; n],
-            rows: 0,
-        };
-        let mut y = Mat::zeros(n, PER_BODY);
-        visit(model, recording, &mut |block, left, _| {
-            for row in 0..block.n_rows() {
-                let state = state_of(block, row);
-                columns.at(state.each_ref().map(Vec::as_slice), &mut y);
-                for joint in 0..n {
-                    let weight = weights.square(joint, state[1][joint]);
-                    let (error, own) = (left[(row, joint)], y.row(joint));
-                    pass.squares[joint] += error * error;
-                    let own: [f64; PER_BODY] = std::array::from_fn(|k| own[k]);
-                    pass.sums[joint].add(&own, error, weight);
-                }
-                pass.rows += 1;
-            }
-            Ok(())
-        })?;
-        Ok(pass)
-    }
-
-    /// All joints together, stretch by stretch.
-    fn stretches(&self) -> impl Iterator<Item = NormalEquations> {
-        let all: Vec<Vec<&NormalEquations>> =
-            self.sums.iter().map(|own| own.all().collect()).collect();
-        let count = all.first().map_or(0, Vec::len);
-        (0..count).map(move |k| all.iter().map(|stretches| stretches[k]).sum())
-    }
-
-    fn total(&self) -> NormalEquations {
-        self.stretches().collect::<Vec<_>>().iter().sum()
-    }
-
-    fn scatter(&self, load: &[f64]) -> Mat<f64> {
-        scatter(self.stretches().map(|own| score(&own, ColRef::from_slice(load).as_mat())))
-    }
-
-    /// A load that may well be: of the mass and centre that least squares say, if they say any, and
-    /// of no less mass than they are uncertain by.
-    fn nominal(&self, information: &Mat<f64>, right: &[f64]) -> [f64; PER_BODY] {
-        // Gravity tells mass and first moment; a little of each keeps what it does not tell at zero.
-        let ridge = |k: usize| 1e-9 * information[(k, k)] + 1e-12 * information[(0, 0)] + 1e-30;
-        let first =
-            Mat::from_fn(4, 4, |i, j| information[(i, j)] + if i == j { ridge(i) } else { 0.0 });
-        let own = Quadratic { hessian: &first, right: &right[..4] };
-        let mut found = vec![0.0; PER_BODY];
-        let mut uncertain = 0.0;
-        if let Ok(factor) = curvature(own, &Prior::default(), 0.0, &[0.0; 4]) {
-            found[..4].copy_from_slice(&factor.solve(&right[..4]));
-            let scatter = self.scatter(&found).submatrix(0, 0, 4, 4).to_owned();
-            uncertain = factor.sandwiched(&scatter)[(0, 0)].max(0.0).sqrt();
-        }
-        let mass = found[0].max(uncertain).max(NOMINAL.1);
-        let center = |k: usize| (found[k] / mass).clamp(-1.0, 1.0);
-        let origin = nalgebra::Vector3::new(center(1), center(2), center(3));
-        let spread = NOMINAL.0;
-        let round = plain_link(mass, &nalgebra::Vector3::zeros(), spread);
-        seen_from(&round, &Placement { rotation: nalgebra::Matrix3::identity(), origin })
-    }
+fn placed(LinkFrame { rotation, origin }: &LinkFrame) -> Placement {
+    let rotation = nalgebra::Matrix3::from_fn(|i, j| rotation[i][j]);
+    Placement { rotation, origin: (*origin).into() }
 }
 
 /// Mass, centre and moments about the centre with their standard errors, seen from a frame.
 fn central(
     inertial: &[f64; PER_BODY],
     covariance: &Mat<f64>,
-    frame: Option<LinkFrame>,
+    frame: Option<Placement>,
 ) -> [Vec<Estimated>; 3] {
-    let frame = frame.map(|LinkFrame { rotation, origin }| Placement {
-        rotation: nalgebra::Matrix3::from_fn(|i, j| rotation[i][j]),
-        origin: origin.into(),
-    });
     let values = |p: &[f64]| -> [f64; PER_BODY] {
         let p = frame.as_ref().map_or_else(|| p.to_vec(), |frame| seen_from(p, frame).to_vec());
         let [m, hx, hy, hz] = [p[0], p[1], p[2], p[3]];

@@ -7,6 +7,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
+use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{Form, Model, RigidChain, Torque};
 use torquewise_motion::{Motion, Signals};
 use torquewise_regression::SparseError;
@@ -14,10 +15,14 @@ use torquewise_stepwise::error::IdentifyError;
 
 /// Sweeps of the chain of draws between two models that are kept: they forget where they began.
 const SWEEPS: usize = 10;
-/// What changes the torque by less, in parts of what changes it most, changes nothing but rounding.
+/// What changes the torque's squares by less, in parts of what changes them most, changes nothing but
+/// rounding; and a parameter that changes the torque by less.
 const UNTOLD: f64 = 1e-8;
 /// Rows of states, in parts of the parameters.
 const STATES: usize = 4;
+/// Speeds that friction is looked at, in each direction, each so much slower than the one before.
+const SPEEDS: i32 = 40;
+const SLOWER: f64 = 0.8;
 
 /// How the parameters of a chain scatter: a square root of their covariance.
 pub(crate) struct Scatter {
@@ -50,8 +55,14 @@ impl Scatter {
 ///
 /// What changes no torque is left as it is: masses may move from link to link by kilograms, and a
 /// place that the log tells would have to follow them along a curve.
+/// Friction scatters as a whole: states apart tell nothing of what it does within a short travel.
 fn directions(model: &Model, chain: &RigidChain) -> Result<Mat<f64>, IdentifyError> {
+    let (training, n) = (&model.training, model.n_joints());
     let p = chain.n_parameters(model.friction.len());
+    let known = [training.torque_std.len(), training.q_range.len(), training.dq_peak.len()];
+    if known != [n; 3] || training.ddq_peak.len() != n {
+        return Err(IdentifyError::NoScatter);
+    }
     let states = trained_states(model, p)?;
     let laws = Torque::new(model).laws(&states)?;
     let mut gram = Mat::<f64>::zeros(p, p);
@@ -60,24 +71,32 @@ fn directions(model: &Model, chain: &RigidChain) -> Result<Mat<f64>, IdentifyErr
         let state = [states.q(), states.dq(), states.ddq()].map(of);
         let friction = (&model.friction[..], &of(laws.as_ref())[..]);
         let rows = chain.sensitivities(friction, state.each_ref().map(|signal| &signal[..]))?;
-        for (row, std) in rows.row_iter().zip(&model.training.torque_std) {
+        for (row, std) in rows.row_iter().zip(&training.torque_std) {
             if *std > 0.0 {
                 gram += row.transpose() * row * faer::Scale(std.powi(-2));
             }
         }
     }
     let size: Vec<f64> = (0..p).map(|k| gram[(k, k)].sqrt()).collect();
-    let least = UNTOLD * size.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let size: Vec<f64> = size.iter().map(|size| size.max(least)).collect();
-    let units = Mat::from_fn(p, p, |i, j| gram[(i, j)] / (size[i] * size[j]));
-    let (values, vectors) = eigen(&units)?;
+    let most = size.iter().copied().fold(0.0, f64::max);
+    if most == 0.0 {
+        return Err(IdentifyError::NoScatter);
+    }
+    let size: Vec<f64> = size.iter().map(|size| size.max(UNTOLD * most)).collect();
+    let last = p - chain.fitted.len();
+    let rubs = |k: usize| (last - model.friction.len()..last).contains(&k);
+    let unit = |i: usize, j: usize| {
+        let is_whole = rubs(i) || rubs(j);
+        if is_whole { f64::from(u8::from(i == j)) } else { gram[(i, j)] / (size[i] * size[j]) }
+    };
+    let (values, vectors) = eigen(&Mat::from_fn(p, p, unit))?;
     let told: Vec<usize> = (0..p).filter(|&k| values[k] > UNTOLD * values[p - 1]).collect();
     let told = Mat::from_fn(p, told.len(), |i, k| vectors[(i, told[k])]);
     let scaled = Mat::from_fn(p, told.ncols(), |i, k| size[i] * told[(i, k)]);
     let (values, vectors) = eigen(&(scaled.transpose() * chain.covariance_matrix() * &scaled))?;
     let along = told * vectors;
-    let long = |(i, k): (usize, usize)| along[(i, k)] * values[k].max(0.0).sqrt() / size[i];
-    Ok(Mat::from_fn(p, along.ncols(), |i, k| long((i, k))))
+    let long = |i, k| along[(i, k)] * f64::max(values[k], 0.0).sqrt() / size[i];
+    Ok(Mat::from_fn(p, along.ncols(), long))
 }
 
 /// Eigenvalues, the smallest first, and vectors.
@@ -109,8 +128,8 @@ fn trained_states(model: &Model, p: usize) -> Result<Motion, IdentifyError> {
 }
 
 /// Draws models whose parameters scatter around those of a learned chain by their covariance,
-/// of those that an arm can have: links are bodies, no rotor is negative, friction brakes where it
-/// did. They are draws of a Markov chain, by slices through ellipses, one direction at a time:
+/// of those that an arm can have: links are bodies, no rotor is negative, friction brakes. They are
+/// draws of a Markov chain, by slices through ellipses, one direction at a time:
 /// what ends soon at arms that cannot be does not hold the others.
 ///
 /// - `returns`: models without a covariance of their own
@@ -123,14 +142,15 @@ pub fn samples(model: &Model, count: usize, seed: u64) -> Result<Vec<Model>, Ide
     let chain = model.chain.as_ref().filter(|chain| !chain.covariance.is_empty());
     let chain = chain.filter(|chain| chain.is_feasible()).ok_or(IdentifyError::NoScatter)?;
     let (along, friction) = (directions(model, chain)?, model.friction.len());
+    let chain = &RigidChain { covariance: Vec::new(), ..chain.clone() };
     let centre = chain.parameters(&model.friction);
     let first = centre.len() - friction - chain.fitted.len();
+    let powers = Powers::of(model);
     let at =
         |change: &[f64]| -> Vec<f64> { centre.iter().zip(change).map(|(x, d)| x + d).collect() };
     let is_arm = |change: &[f64]| {
         let moved = at(change);
-        let brakes = |k: usize| moved[k] * centre[k] >= 0.0;
-        (first..first + friction).all(brakes) && chain.at(&moved, friction).is_feasible()
+        powers.brake(&moved[first..first + friction]) && chain.at(&moved, friction).is_feasible()
     };
     let wanted = match &model.form {
         Form::Energy(terms) => Some(Wanted::of(terms.iter().map(|own| &own.term))),
@@ -146,6 +166,62 @@ pub fn samples(model: &Model, count: usize, seed: u64) -> Result<Vec<Model>, Ide
             model_at(model, chain, (&at(&point), first), wanted.as_ref())
         })
         .collect()
+}
+
+/// What friction of coefficient 1 takes of a shaft, at speeds in both directions: laws of one shaft
+/// and load together, offsets left aside.
+struct Powers {
+    /// For each shaft: places of its laws, and the power of each at each speed \[W\].
+    shafts: Vec<(Vec<usize>, Vec<Vec<f64>>)>,
+    /// The least that the model itself takes of each, where that is below zero.
+    least: Vec<f64>,
+}
+
+impl Powers {
+    fn of(model: &Model) -> Self {
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        let term = |k: usize| &model.friction[k].term;
+        let offers = (0..model.friction.len()).filter(|&k| term(k).law != FrictionLaw::Offset);
+        for k in offers {
+            let alike = |own: &&mut Vec<usize>| {
+                (&term(own[0]).shaft, term(own[0]).load) == (&term(k).shaft, term(k).load)
+            };
+            match groups.iter_mut().find(alike) {
+                Some(own) => own.push(k),
+                None => groups.push(vec![k]),
+            }
+        }
+        let shafts = groups.into_iter().map(|laws| {
+            let peaks = term(laws[0]).shaft.iter().zip(&model.training.dq_peak);
+            let peak: f64 = peaks.map(|(part, peak)| part.abs() * peak).sum();
+            let speeds = (0..SPEEDS).flat_map(|k| {
+                let speed = peak * SLOWER.powi(k);
+                [speed, -speed]
+            });
+            let at = |v: f64| laws.iter().map(|&k| term(k).at_speed(v) * v).collect();
+            let powers = speeds.map(at).collect();
+            (laws, powers)
+        });
+        let mut powers = Self { shafts: shafts.collect(), least: Vec::new() };
+        let own: Vec<f64> = model.friction.iter().map(|own| own.coefficient).collect();
+        powers.least = powers.taken(&own).map(|power| power.min(0.0)).collect();
+        powers
+    }
+
+    /// The least power that each shaft takes at coefficients of all laws \[W\].
+    fn taken<'a>(&'a self, coefficients: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        self.shafts.iter().map(|(laws, powers)| {
+            let at = |own: &Vec<f64>| -> f64 {
+                own.iter().zip(laws).map(|(power, &k)| power * coefficients[k]).sum()
+            };
+            powers.iter().map(at).fold(f64::INFINITY, f64::min)
+        })
+    }
+
+    /// Whether friction takes power at all speeds, or hardly less than that of the model.
+    fn brake(&self, coefficients: &[f64]) -> bool {
+        self.taken(coefficients).zip(&self.least).all(|(power, least)| power >= *least)
+    }
 }
 
 /// Draws anew how far a point is along each direction, of what is allowed there.
@@ -190,7 +266,7 @@ fn model_at(
     wanted: Option<&Wanted>,
 ) -> Result<Model, IdentifyError> {
     let mut model = model.clone();
-    let chain = RigidChain { covariance: Vec::new(), ..chain.at(parameters, model.friction.len()) };
+    let chain = chain.at(parameters, model.friction.len());
     for (law, coefficient) in model.friction.iter_mut().zip(&parameters[first..]) {
         (law.coefficient, law.std_error) = (*coefficient, 0.0);
     }

@@ -42,6 +42,15 @@ pub struct Quadratic<'a> {
     pub right: &'a [f64],
 }
 
+impl Quadratic<'_> {
+    /// At x.
+    pub fn value(&self, x: &[f64]) -> f64 {
+        let hx = self.hessian * ColRef::from_slice(x);
+        let pairs = x.iter().zip(hx.iter()).zip(self.right);
+        pairs.map(|((x, hx), b)| x * (0.5 * hx - b)).sum()
+    }
+}
+
 impl Positive {
     fn value(&self, x: &[f64]) -> f64 {
         self.terms.iter().map(|&(k, weight)| weight * x[k]).sum::<f64>() - self.least
@@ -128,13 +137,7 @@ pub fn minimise(
     strength: f64,
     start: &[f64],
 ) -> Result<Vec<f64>, ChainError> {
-    let value = |x: &[f64]| {
-        prior.value(x).map(|psi| {
-            let hx = cost.hessian * ColRef::from_slice(x);
-            let pairs = x.iter().zip(hx.iter()).zip(cost.right);
-            pairs.map(|((x, hx), b)| x * (0.5 * hx - b)).sum::<f64>() + strength * psi
-        })
-    };
+    let value = |x: &[f64]| prior.value(x).map(|psi| cost.value(x) + strength * psi);
     let mut x = start.to_vec();
     let mut current = value(&x).ok_or(ChainError::Singular)?;
     for _ in 0..ROUNDS {

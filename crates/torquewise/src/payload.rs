@@ -1,4 +1,4 @@
-//! The load on the last link of an arm whose model is known.
+//! The load on a link of an arm whose model is known.
 
 use crate::error::Result;
 use crate::evaluate::prepare;
@@ -6,9 +6,11 @@ use crate::log::Log;
 use crate::observe::{Observer, Watched};
 use torquewise_model::Model;
 
-pub use torquewise_identify::payload::{Gains, Payload};
+pub use torquewise_identify::payload::{Gains, Payload, Place};
 
-/// Estimates the load on the last link from a log with it, by a model of the arm without it (E15).
+/// Estimates the load on a link from a log with it, by a model of the arm without it (E15).
+///
+/// - `place`: where it is, as [`Place::named`] says
 ///
 /// # Errors
 /// `Error::Model` if the model is no chain of rigid bodies or of another arm,
@@ -16,30 +18,38 @@ pub use torquewise_identify::payload::{Gains, Payload};
 ///
 /// ```no_run
 /// # fn main() -> Result<(), torquewise::Error> {
-/// use torquewise::{Log, Model, observe::NOBODY, payload::payload};
+/// use torquewise::{Log, Model, observe::NOBODY, payload::{Place, payload}};
 ///
 /// let arm = Model::load("arm.json")?;
-/// let load = payload(&arm, &Log::open("with_tool.csv")?, NOBODY)?;
+/// let Some(flange) = Place::named(&arm, None) else { return Ok(()) };
+/// let load = payload(&arm, &Log::open("with_tool.csv")?, flange, NOBODY)?;
 /// println!("{:.3} ± {:.3} kg", load.mass.value, load.mass.std_error);
 /// load.added_to(&arm)?.save("arm_with_tool.json")?;
 /// # Ok(())
 /// # }
 /// ```
-pub fn payload(model: &Model, log: &Log, observer: Observer<'_>) -> Result<Payload> {
+pub fn payload(model: &Model, log: &Log, place: Place, observer: Observer<'_>) -> Result<Payload> {
     let log = prepare(model, log)?;
     let watched = Watched::new(log.rows(), observer, "weighing", log.rows_hint());
-    Ok(Payload::find(model, &watched)?)
+    Ok(Payload::find(model, &watched, place)?)
 }
 
 /// Finds what a unit of each torque column is worth, from a log with a load of known mass and a model
 /// of the bare arm that was learned from the same columns (E15).
 ///
+/// - `place`: where the load is
 /// - `mass`: \[kg\]
 ///
 /// # Errors
 /// Those of [`payload`].
-pub fn gains(model: &Model, log: &Log, mass: f64, observer: Observer<'_>) -> Result<Gains> {
+pub fn gains(
+    model: &Model,
+    log: &Log,
+    place: Place,
+    mass: f64,
+    observer: Observer<'_>,
+) -> Result<Gains> {
     let log = prepare(model, log)?;
     let watched = Watched::new(log.rows(), observer, "weighing", log.rows_hint());
-    Ok(Gains::find(model, &watched, mass)?)
+    Ok(Gains::find(model, &watched, place, mass)?)
 }

@@ -91,7 +91,7 @@ residuals = contacts
 
 @dataclass
 class Payload:
-    """A body on the last link of an arm; each error is one standard error."""
+    """A body on a link of an arm; each error is one standard error."""
 
     mass: float
     """[kg]"""
@@ -103,8 +103,12 @@ class Payload:
     """Moments about the centre [kg·m²]: xx, yy, zz, xy, xz, yz."""
     inertia_error: NDArray[np.float64]
     link: str | None
-    """As a URDF calls it, if one gave the geometry; else z is the last axis."""
+    """As a URDF calls it, if one gave the geometry; else z is the axis of its joint."""
     rows: int
+    disagreement: float
+    """What joints say of it apart, over what their errors allow: errors are scaled by it."""
+    elsewhere: str | None
+    """The link on which a load explains significantly more."""
     residual_without: NDArray[np.float64]
     """RMS of what is left of the torque of each joint without the load [N·m]."""
     residual_with: NDArray[np.float64]
@@ -116,15 +120,22 @@ class Payload:
 
 @explicit(LogOptions)
 def payload(
-    model: Model, log: Any = None, *, progress: Progress = None, **options: Unpack[LogOptions]
+    model: Model,
+    log: Any = None,
+    *,
+    link: str | None = None,
+    center: tuple[float, float, float] | None = None,
+    progress: Progress = None,
+    **options: Unpack[LogOptions],
 ) -> Payload:
-    """Mass, centre and inertia of what hangs on the last link, from seconds of motion.
+    """Mass, centre and inertia of what hangs on a link, from seconds of motion.
 
-    model is of the arm without it, learned as a chain.
+    model is of the arm without it, learned as a chain; link, or its joint, the last if none;
+    center [m], in the frame of the link, where it is known: it tells a mass that motion does not.
     """
     log = read_log(log, **options)
     with shown(progress) as told:
-        found, hints, loaded = _core.payload(model, log, told)
+        found, hints, loaded = _core.payload(model, log, link, None if center is None else list(center), told)
     found = json.loads(found)
 
     def values(key: str, own: str) -> NDArray[np.float64]:
@@ -139,6 +150,8 @@ def payload(
         inertia_error=values("inertia", "std_error"),
         link=found["link"],
         rows=found["rows"],
+        disagreement=found["disagreement"],
+        elsewhere=found["elsewhere"],
         residual_without=np.array(found["residual_without"]),
         residual_with=np.array(found["residual_with"]),
         hints=hints,

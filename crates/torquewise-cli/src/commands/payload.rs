@@ -1,7 +1,7 @@
-//! `payload`: the load on the last link of an arm whose model is known.
+//! `payload`: the load on a link of an arm whose model is known.
 
 use crate::arguments::parsed;
-use crate::error::Result;
+use crate::error::{CliError, Result};
 use crate::files::{check_files, read_model, staged, write_whole};
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
@@ -14,9 +14,9 @@ use torquewise::Log;
 use torquewise::logs::{Profile, is_bag};
 use torquewise::model::shaft_friction::Estimated;
 use torquewise::model::{Model, number};
-use torquewise::payload::{gains, payload};
+use torquewise::payload::{Place, gains, payload};
 
-/// Estimate the load on the last link from seconds of motion, with a model of the bare arm
+/// Estimate the load on a link from seconds of motion, with a model of the bare arm
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
     /// Model of the arm without the load
@@ -28,6 +28,13 @@ pub(crate) struct Arguments {
     /// which the torque columns are in N·m
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Link that carries the load: as the URDF calls it, or its joint [default: the last]
+    #[arg(long, value_name = "NAME")]
+    link: Option<String>,
+    /// Centre of mass of the load in m, in the frame of the link, where it is known
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true,
+        value_parser = meters, conflicts_with = "known_mass")]
+    center: Option<Vec<f64>>,
     /// Mass of the load in kg, where torque columns are currents or of unknown gain: finds what a unit
     /// of each is worth, with a model that was learned from the same columns
     #[arg(long, value_name = "KG", value_parser = mass)]
@@ -43,6 +50,10 @@ const ROWS: [(&[&str], &str); 3] = [
     (&["Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"], "kg m2"),
 ];
 
+fn meters(text: &str) -> Result<f64, String> {
+    parsed(text, |x: &f64| x.abs() <= 100.0, "expected a length in m, at most 100")
+}
+
 fn mass(text: &str) -> Result<f64, String> {
     parsed(text, |kg| *kg > 0.0 && *kg <= 1e4, "expected a mass above 0, at most 10000 kg")
 }
@@ -51,11 +62,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let inputs = arguments.logs.iter().chain([&arguments.model]);
     check_files(inputs, arguments.output.iter().map(|file| (file.as_path(), &[][..])))?;
     let model = read_model(&arguments.model)?;
+    let center = match arguments.center.as_deref() {
+        None => None,
+        Some(&[x, y, z]) => Some([x, y, z]),
+        Some(_) => return Err(CliError::Usage("--center expects three numbers in m".to_owned())),
+    };
+    let place = Place::named(&model, arguments.link.as_deref()).ok_or_else(|| {
+        let (name, joints) = (arguments.link.as_deref().unwrap_or(""), model.joints.join(", "));
+        CliError::Usage(format!("no link of the model is called {name}; its joints are {joints}"))
+    })?;
+    let place = place.with_center(center);
     let log = arguments.signals.open(&arguments.logs)?;
     if let Some(mass) = arguments.known_mass {
-        return run_gains(arguments, &model, &log, mass);
+        return run_gains(arguments, &model, &log, (place, mass));
     }
-    let found = payload(&model, &log, &watch())?;
+    let found = payload(&model, &log, place, &watch())?;
     let mut table = Table::new(["load", "value", "±", "unit"]);
     let all = std::iter::once(found.mass).chain(found.center).chain(found.inertia);
     let names = ROWS.iter().flat_map(|(names, unit)| names.iter().map(move |name| (name, unit)));
@@ -64,7 +85,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         table.row(name, [number(value), number(std_error), (*unit).to_owned()]);
     }
     let frame = found.link.as_ref().map_or_else(
-        || "z along the last axis, origin where it is next to the axis before".to_owned(),
+        || "z along the axis of its joint, origin where it is next to the axis before".to_owned(),
         |link| format!("frame of {link}"),
     );
     let mut text = format!(
@@ -85,12 +106,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         text.extend([format!("\nmodel of the arm with its load: {file}\n")]);
         json["file"] = json!(file);
     }
-    let warnings = found.hints().into_iter().map(str::to_owned).collect();
-    Ok(Outcome { text, json, warnings, ..Outcome::default() })
+    Ok(Outcome { text, json, warnings: found.hints(), ..Outcome::default() })
 }
 
-fn run_gains(arguments: &Arguments, model: &Model, log: &Log, mass: f64) -> Result<Outcome> {
-    let found = gains(model, log, mass, &watch())?;
+fn run_gains(
+    arguments: &Arguments,
+    model: &Model,
+    log: &Log,
+    (place, mass): (Place, f64),
+) -> Result<Outcome> {
+    let found = gains(model, log, place, mass, &watch())?;
     let told = found.told();
     let mut table = Table::new(["gain", "N m per unit", "±"]);
     for (joint, gain) in model.joints.iter().zip(&found.gains) {

@@ -137,6 +137,29 @@ fn a_load_is_weighed_and_added_to_a_model_of_its_own() {
 }
 
 #[test]
+fn a_load_that_hangs_on_another_link_is_said_to() {
+    let terminal = fitted();
+    let strapped = "<link name=\"weight\"><inertial><mass value=\"0.5\"/><inertia ixx=\"1e-4\" ixy=\"0\" \
+                    ixz=\"0\" iyy=\"1e-4\" iyz=\"0\" izz=\"1e-4\"/></inertial></link><joint name=\"strap\" \
+                    type=\"fixed\"><parent link=\"upper\"/><child link=\"weight\"/><origin \
+                    xyz=\"0 0 0.4\"/></joint></robot>";
+    terminal.write("strapped.urdf", &robot(0.1).replace("</robot>", strapped));
+    terminal
+        .done("simulate strapped.urdf -o strapped.csv --seconds 20 --rate 50 --case 2 --seed 3");
+
+    let misplaced = terminal.json("payload arm.json strapped.csv");
+
+    assert_eq!(misplaced["elsewhere"], "upper", "{misplaced}");
+    // The link turns about a level axis alone, so that motion does not tell its mass from its lever.
+    let placed = terminal.json("payload arm.json strapped.csv --link upper --center 0,0,0.4");
+    assert!(placed["elsewhere"].is_null() && placed["link"] == "upper", "{placed}");
+    let [value, error] = ["value", "std_error"].map(|key| placed["mass"][key].as_f64().unwrap());
+    assert!((value - 0.5).abs() < 0.02 && (value - 0.5).abs() < 3.0 * error, "{placed}");
+    terminal.misused("payload arm.json strapped.csv --link hand", &["hand", "shoulder, elbow"]);
+    terminal.misused("payload arm.json strapped.csv --center 0,1", &["three numbers in m"]);
+}
+
+#[test]
 fn a_known_mass_says_what_an_ampere_is_worth() {
     let terminal = Terminal::new();
     terminal.write("loaded.urdf", &robot(1.6));

@@ -1,13 +1,14 @@
 //! Gains of the torque columns, from a load of known mass (E15).
 
+use super::pass::Pass;
 use super::rows::WithLoad;
-use super::{Pass, STRENGTH, chain_of};
+use super::{Place, STRENGTH, chain_of};
 use crate::clustered::{Stretches, scatter, score};
 use crate::excitation::list;
 use faer::{ColRef, Mat};
 use serde::Serialize;
-use torquewise_model::Model;
 use torquewise_model::shaft_friction::Estimated;
+use torquewise_model::{Model, ModelError};
 use torquewise_motion::Recording;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_rigid::feasible::{Prior, Quadratic, curvature, minimise};
@@ -128,6 +129,7 @@ impl Gains {
     /// mass \[E15\]. Errors count the scatter over blocks of time and what is uncertain of the arm.
     ///
     /// - `recording`: rows of the arm with the load, filtered as those of the model were
+    /// - `place`: where the load is
     /// - `mass`: of the load \[kg\]
     ///
     /// # Errors
@@ -135,21 +137,22 @@ impl Gains {
     pub fn find(
         model: &Model,
         recording: &(impl Recording + ?Sized),
+        Place { link, .. }: Place,
         mass: f64,
     ) -> Result<Self, IdentifyError> {
         let chain = chain_of(model)?;
         model.check_joints(recording.joints())?;
-        let pass = Pass::over(model, chain, recording)?;
-        let all = pass.total();
-        let free = pass.nominal(&all.gram, all.right());
+        let passes = Pass::over(model, chain, recording)?;
+        let pass = passes.get(link).ok_or(ModelError::NoChain)?;
+        let (_, prior, _) = pass.solved(None)?;
+        let free = prior.bodies[0];
         let nominal = free.map(|own| own * mass / free[0]);
         let prior = Prior { bodies: vec![nominal], ..Prior::default() };
         let sums: Vec<NormalEquations> = pass.sums.iter().map(Stretches::total).collect();
         let at = best(&sums, &prior, mass)?;
-        let mut middle = at.scatter(&pass);
+        let mut middle = at.scatter(pass);
         if !chain.covariance.is_empty() {
-            let inertial: [f64; PER_BODY] = std::array::from_fn(|k| at.load[k]);
-            let with = WithLoad::over(model, chain, recording, (&inertial, &at.per))?;
+            let with = WithLoad::over(model, chain, recording, (link, &at.load, &at.per))?;
             let arm = at.felt(&|joint| with.arm[joint].clone());
             middle += &arm * chain.covariance_matrix() * arm.transpose();
         }

@@ -50,32 +50,26 @@ impl Weights {
     }
 }
 
-/// Columns of the last body at a state, n×10.
-pub(super) struct Columns<'a> {
+/// Columns of all bodies at a state, n×10n.
+pub(super) struct Columns {
     kinematics: Kinematics,
     inertial: Vec<f64>,
-    chain: &'a RigidChain,
     moved: Moved<f64>,
     torque: Vec<f64>,
 }
 
-impl<'a> Columns<'a> {
-    pub(super) fn of(chain: &'a RigidChain) -> Result<Self, IdentifyError> {
+impl Columns {
+    pub(super) fn of(chain: &RigidChain) -> Result<Self, IdentifyError> {
         let kinematics = Kinematics::new(&chain.axes()?);
         let (inertial, torque) = (chain.inertial(), vec![0.0; chain.n_joints()]);
-        Ok(Self { kinematics, inertial, chain, moved: Moved::default(), torque })
+        Ok(Self { kinematics, inertial, moved: Moved::default(), torque })
     }
 
     pub(super) fn at(&mut self, [q, dq, ddq]: [&[f64]; 3], out: &mut Mat<f64>) {
         let state = State { q, dq, ddq };
         self.kinematics.inverse_dynamics(state, &self.inertial, &mut self.moved, &mut self.torque);
         out.fill(0.0);
-        let first = PER_BODY * (self.chain.n_joints() - 1);
-        self.moved.regressor(|joint, parameter, value| {
-            if let Some(own) = parameter.checked_sub(first) {
-                out[(joint, own)] = value;
-            }
-        });
+        self.moved.regressor(|joint, parameter, value| out[(joint, parameter)] = value);
     }
 }
 
@@ -115,28 +109,30 @@ pub(super) struct WithLoad {
 }
 
 impl WithLoad {
-    /// - `load`, `per`: its inertial parameters, and how much of its torque each column shows, n
+    /// - `link`, `load`, `per`: what carries it, its inertial parameters, and how much of its torque
+    ///   each column shows, n
     pub(super) fn over(
         model: &Model,
         chain: &RigidChain,
         recording: &(impl Recording + ?Sized),
-        (load, per): (&[f64; PER_BODY], &[f64]),
+        (link, load, per): (usize, &[f64], &[f64]),
     ) -> Result<Self, IdentifyError> {
         let n = model.n_joints();
         let (weights, mut columns) = (Weights::of(model), Columns::of(chain)?);
         let mut loaded = chain.clone();
-        if let Some(link) = loaded.links.last_mut() {
+        if let Some(link) = loaded.links.get_mut(link) {
             link.iter_mut().zip(load).for_each(|(own, load)| *own += load);
         }
         let p = chain.n_parameters(model.friction.len());
         let mut all = Self { squares: vec![0.0; n], arm: vec![Mat::zeros(PER_BODY, p); n] };
-        let (mut y, mut rows) = (Mat::zeros(n, PER_BODY), 0_usize);
+        let (mut all_y, mut rows) = (Mat::zeros(n, PER_BODY * n), 0_usize);
         visit(model, recording, &mut |block, left, laws| {
             for row in 0..block.n_rows() {
                 let state = state_of(block, row);
                 let at = state.each_ref().map(Vec::as_slice);
-                columns.at(at, &mut y);
-                let loads = &y * ColRef::from_slice(load);
+                columns.at(at, &mut all_y);
+                let y = all_y.subcols(PER_BODY * link, PER_BODY);
+                let loads = y * ColRef::from_slice(load);
                 for joint in 0..n {
                     all.squares[joint] += (left[(row, joint)] - per[joint] * loads[joint]).powi(2);
                 }
