@@ -21,8 +21,8 @@ const UNTOLD: f64 = 1e-8;
 /// Rows of states, in parts of the parameters.
 const STATES: usize = 4;
 /// Speeds that friction is looked at, in each direction, each so much slower than the one before.
-const SPEEDS: i32 = 40;
-const SLOWER: f64 = 0.8;
+const SPEEDS: i32 = 60;
+const SLOWER: f64 = 0.9;
 
 /// How the parameters of a chain scatter: a square root of their covariance.
 pub(crate) struct Scatter {

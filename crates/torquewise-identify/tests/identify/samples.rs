@@ -4,6 +4,7 @@
 use crate::support::{chain, fit, noisy, reference_arm, row_of, states_of};
 use torquewise_identify::plan::FrictionKind;
 use torquewise_identify::samples;
+use torquewise_model::checks::driving_friction;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::Motion;
 use torquewise_sim::MotionKind;
@@ -16,7 +17,7 @@ fn motion(kind: MotionKind, seconds: f64, seed: u64) -> Motion {
 
 fn learned() -> Model {
     let log = noisy(&motion(MotionKind::Moves, 60.0, 1), 2, 1);
-    fit(&log, &chain(FrictionKind::Linear)).model
+    fit(&log, &chain(FrictionKind::Stribeck)).model
 }
 
 #[test]
@@ -25,6 +26,9 @@ fn drawn_models_are_physical_and_scatter_as_the_covariance_says() {
     let drawn = samples(&model, COUNT, 0).unwrap();
 
     assert!(drawn.iter().all(|own| own.chain.as_ref().unwrap().is_feasible()));
+    // Between the speeds that are looked at friction that is none may drive by less than a milliwatt.
+    let driven = |own: &Model| driving_friction(own).map_or(0.0, |found| -found.power);
+    assert!(drawn.iter().map(driven).fold(driven(&model), f64::max) < 1e-3);
     assert_eq!(drawn, samples(&model, COUNT, 0).unwrap());
     assert_ne!(drawn, samples(&model, COUNT, 1).unwrap());
     let others = motion(MotionKind::Sines, 4.0, 9);
