@@ -9,13 +9,24 @@ the page as it stands.
 """
 
 import argparse
+import json
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import torquewise
-from public_logs import ARMS, PlainFriction, Regressor, band, cut, geometric, joined, kinematics, rms
+from public_logs import (
+    ARMS,
+    PlainFriction,
+    Regressor,
+    band,
+    cut,
+    geometric,
+    joined,
+    kinematics,
+    rms,
+)
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
 
@@ -84,6 +95,14 @@ def write_arm(page, name, arm, runs):
     write_choices(page, name, runs[0])
 
 
+def told(model):
+    """Terms of the equations that can be told from zero, and laws of friction."""
+    model = json.loads(model.to_json())
+    terms = model["form"]["energy"]
+    sure = [own for own in terms if abs(own["coefficient"]) >= 2 * own["std_error"]]
+    return len(sure) + len(model.get("friction", []))
+
+
 def write_choices(page, name, run):
     """The row of what was chosen on held-out rows of the training log."""
     found, same = run.fit.summary(), band(run.fit.model)
@@ -97,7 +116,7 @@ def write_choices(page, name, run):
     page.row(
         "| arm | rows, raw",
         f"| {name} | {run.raw} → {found['rows']} | {same['filter']:.2f} | {1e3 * same['delay']:.1f} |"
-        f" {run.fit.model.complexity} | {', '.join(laws)} | {'; '.join(beside) or 'none'} |"
+        f" {told(run.fit.model)} | {', '.join(laws)} | {'; '.join(beside) or 'none'} |"
         f" {chosen['strength of the physical prior']} |",
     )
     print(*run.fit.warnings, sep="\n")
@@ -169,7 +188,9 @@ def write_further(page, name, folder):
     ours = ""
     if name == "xmate7p":  # the filter of its notebooks
         ours = ", ".join(of_norm(below(tracks, 2.5, 3)))
-        page.replace("Of the torque of xmate7p as it was measured: ", ", ".join(of_norm(tracks)) + " %.")
+        page.replace(
+            "Of the torque of xmate7p as it was measured: ", ", ".join(of_norm(tracks)) + " %."
+        )
     if name == "youbot":  # 10 Hz where its notebooks take 1 000 rows per second, of 100
         missed = [own[1] for own in below(tracks, 1.0, 2)]
         each = ", ".join(f"{(own**2).mean():.2f}" for own in missed)

@@ -135,7 +135,9 @@ def payload(
     """
     log = read_log(log, **options)
     with shown(progress) as told:
-        found, hints, loaded = _core.payload(model, log, link, None if center is None else list(center), told)
+        found, hints, loaded = _core.payload(
+            model, log, link, None if center is None else list(center), told
+        )
     found = json.loads(found)
 
     def values(key: str, own: str) -> NDArray[np.float64]:
