@@ -342,8 +342,11 @@ pub fn drifts(
     windows(model, recording, longest, &mut |windows| {
         let ends = |window: &Window<'_>| {
             let of = |simulator| window.simulated(simulator, horizons, &mut |_, _| ());
-            let others = others.iter().map(of).collect::<Result<Vec<_>, ModelError>>()?;
-            Ok((of(&simulator)?, others))
+            let own = of(&simulator)?;
+            // A drawn arm whose inertia is next to nothing in some direction runs away.
+            let away = |_| vec![vec![f64::NAN; n]; horizons.len()];
+            let others = others.iter().map(|other| of(other).unwrap_or_else(away));
+            Ok((own, others.collect::<Vec<_>>()))
         };
         let ends = windows.par_iter().map(ends).collect::<Result<Vec<_>, ModelError>>()?;
         for (window, (ends, others)) in windows.iter().zip(ends) {
