@@ -181,7 +181,7 @@ class Regressor:
         self.robot, self.data, self.drives = robot, robot.createData(), drives
         m = len(motion["t"])
         picked = np.arange(min(m, MOST_ROWS)) * m // min(m, MOST_ROWS)
-        columns, tau = self.columns(motion)[picked], motion["tau"][picked]
+        columns, tau = self.columns(motion, picked), motion["tau"][picked]
         weights = 1 / tau.std(axis=0)
         for _ in range(3):  # weighings of the joints by their residual
             rows = (weights[:, None] * columns).reshape(-1, columns.shape[-1])
@@ -196,11 +196,11 @@ class Regressor:
         """Columns of the bodies at a state, n×10n."""
         return pinocchio.computeJointTorqueRegressor(self.robot, self.data, q, dq, ddq)
 
-    def columns(self, motion):
-        """Columns of all rows and joints, m×n×p."""
-        states = zip(*(motion[key] for key in ("q", "dq", "ddq")))
+    def columns(self, motion, rows=slice(None)):
+        """Columns of rows, all by default, and joints, m×n×p; drives remember the rows before."""
+        states = zip(*(motion[key][rows] for key in ("q", "dq", "ddq")))
         bodies = np.array([self.bodies(*state).copy() for state in states])
-        return np.concatenate([bodies, self.drives(motion)], axis=-1)
+        return np.concatenate([bodies, self.drives(motion)[rows]], axis=-1)
 
     def torque(self, motion):
         return self.columns(motion) @ self.coefficients

@@ -30,24 +30,22 @@ def between(t, x, at):
     return np.stack([np.interp(at, t, column) for column in x.T], axis=-1)
 
 
-def windows(trajectories, horizon=HORIZON, overlap=0.5):
+def windows(trajectories):
     """All windows of some trajectories that were filtered."""
     found = []
     for own in trajectories:
         t = own["t"]
         breaks = np.flatnonzero(np.diff(t) >= GAP * (t[1] - t[0])) + 1
         for rows in np.split(np.arange(len(t)), breaks):
-            if t[rows[-1]] - t[rows[0]] < horizon:
+            if t[rows[-1]] - t[rows[0]] < HORIZON:
                 continue
-            apart = max(
-                (1 - overlap) * horizon, (t[rows[-1]] - t[rows[0]] - horizon) / MOST_WINDOWS
-            )
+            apart = max(0.5 * HORIZON, (t[rows[-1]] - t[rows[0]] - HORIZON) / MOST_WINDOWS)
             after = t[rows[0]]
             for row in rows:
-                if t[row] >= after and t[row] + horizon <= t[rows[-1]]:
-                    middles = t[row] + STEP * (np.arange(round(horizon / STEP)) + 0.5)
+                if t[row] >= after and t[row] + HORIZON <= t[rows[-1]]:
+                    middles = t[row] + STEP * (np.arange(round(HORIZON / STEP)) + 0.5)
                     tau = between(t, own["tau"], middles)
-                    end = between(t, own["q"], [t[row] + horizon])[0]
+                    end = between(t, own["q"], [t[row] + HORIZON])[0]
                     found.append(Window(own["q"][row], own["dq"][row], tau, end))
                     after = t[row] + apart
     return found

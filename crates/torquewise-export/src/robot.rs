@@ -209,7 +209,7 @@ fn losses(
     let n = model.n_joints();
     let mut own = vec![Losses::default(); n];
     let mut shared: Vec<(Vec<f64>, Losses)> = Vec::new();
-    let (mut left_out, mut offsets) = (Vec::new(), vec![0.0; n]);
+    let mut left_out = Vec::new();
     let mut at = |shaft: &[f64], change: &dyn Fn(&mut Losses)| {
         let mut turning = (0..n).filter(|&joint| shaft[joint] != 0.0);
         if let (Some(joint), None) = (turning.next(), turning.next())
@@ -232,17 +232,19 @@ fn losses(
     }
     for shaft in ShaftFriction::all(model) {
         let [damping, friction] = shaft.line();
-        at(shaft.shaft(), &|own| (own.damping, own.friction) = (damping, friction));
+        let offset = shaft.laws().find(|(_, term)| term.law == FrictionLaw::Offset);
+        let held =
+            offset.zip(shaft.joint()).map_or(0.0, |((k, _), _)| model.friction[k].coefficient);
+        at(shaft.shaft(), &|own| {
+            (own.damping, own.friction, own.offset) = (damping, friction, held);
+        });
         let laws = || shaft.laws().map(|(_, term)| term);
         let name = shaft.name();
         if laws().any(|term| term.load) {
             left_out.push(format!("friction of {name} under load"));
         }
-        if let Some((k, _)) = shaft.laws().find(|(_, term)| term.law == FrictionLaw::Offset) {
-            match shaft.joint() {
-                Some(joint) => offsets[joint] += model.friction[k].coefficient,
-                None => left_out.push(format!("the offset torque of {name}")),
-            }
+        if offset.is_some() && shaft.joint().is_none() {
+            left_out.push(format!("the offset torque of {name}"));
         }
         let bends = |law: FrictionLaw| {
             matches!(law, FrictionLaw::Stribeck { .. } | FrictionLaw::Dahl { .. })
@@ -253,7 +255,6 @@ fn losses(
             ));
         }
     }
-    own.iter_mut().zip(offsets).for_each(|(own, offset)| own.offset = offset);
     (own, shared, left_out)
 }
 

@@ -35,8 +35,8 @@ pub fn to_urdf(model: &Model, version: &str) -> Result<RobotFile> {
 
 /// The MJCF of a model: bodies with inertia and capsules between the axes, hinges without limits,
 /// which the log does not tell, with `armature`, `damping` and `frictionloss`, a motor for each,
-/// which holds the offset of its torque by itself; shafts that several joints turn are fixed tendons. A comment says where the log leaves an axis
-/// open, as in a URDF.
+/// which holds the offset of its torque by itself; shafts that several joints turn are fixed
+/// tendons. A comment says where the log leaves an axis open, as in a URDF.
 ///
 /// # Errors
 /// As [`to_urdf`].

@@ -7,13 +7,14 @@ use crate::estimate::{Linearisation, Solved};
 use crate::excitation::Finding;
 use crate::prune::prune;
 use crate::reconstruction::{Progress, Reconstruction, Watch};
-use crate::samples::Scatter;
+use crate::samples::eigen;
 use crate::torque_kind::{TorqueKind, torque_kind};
 use crate::unseen::{Errors, HeldOut, geometric_mean, held_out, regions, whole_logs};
 use crate::warning::Warning;
-use faer::Mat;
+use faer::{ColRef, Mat};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_model::{
@@ -258,11 +259,17 @@ fn draws(
     friction: &[Weighted<FrictionTerm>],
     seed: u64,
 ) -> Result<Vec<RigidChain>, IdentifyError> {
-    let (scatter, known) = (Scatter::of(chain)?, chain.parameters(friction));
+    let (values, vectors) = eigen(&chain.covariance_matrix())?;
+    let known = chain.parameters(friction);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut draw = || {
-        let moved = scatter.draw(DRAW_SIZE, &mut random);
-        let parameters: Vec<f64> = known.iter().zip(moved).map(|(x, d)| x + d).collect();
+        let unit = |variance: &f64| {
+            let unit: f64 = StandardNormal.sample(&mut random);
+            DRAW_SIZE * variance.max(0.0).sqrt() * unit
+        };
+        let units: Vec<f64> = values.iter().map(unit).collect();
+        let moved = &vectors * ColRef::from_slice(&units);
+        let parameters: Vec<f64> = known.iter().zip(moved.iter()).map(|(x, d)| x + d).collect();
         chain.at(&parameters, friction.len())
     };
     Ok((0..DRAWS).map(|_| draw()).collect())

@@ -2,12 +2,12 @@
 //! physical. What a simulator randomises a robot by, and what errors are propagated with.
 
 use crate::basis::Wanted;
-use faer::{ColRef, Mat, MatRef};
-use rand::{Rng, RngExt, SeedableRng};
+use faer::{Mat, MatRef};
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
-use torquewise_model::friction::FrictionLaw;
+use torquewise_model::checks::laws_of_shafts;
 use torquewise_model::{Form, Model, RigidChain, Torque};
 use torquewise_motion::{Motion, Signals};
 use torquewise_regression::SparseError;
@@ -23,32 +23,6 @@ const STATES: usize = 4;
 /// Speeds that friction is looked at, in each direction, each so much slower than the one before.
 const SPEEDS: i32 = 60;
 const SLOWER: f64 = 0.9;
-
-/// How the parameters of a chain scatter: a square root of their covariance.
-pub(crate) struct Scatter {
-    vectors: Mat<f64>,
-    deviations: Vec<f64>,
-}
-
-impl Scatter {
-    /// # Errors
-    /// [`IdentifyError::Sparse`] if the covariance has no eigenvalues.
-    pub(crate) fn of(chain: &RigidChain) -> Result<Self, IdentifyError> {
-        let (values, vectors) = eigen(&chain.covariance_matrix())?;
-        let deviations = values.iter().map(|value| value.max(0.0).sqrt()).collect();
-        Ok(Self { vectors, deviations })
-    }
-
-    /// Changes of all parameters, `size` standard deviations large, p.
-    pub(crate) fn draw(&self, size: f64, random: &mut impl Rng) -> Vec<f64> {
-        let unit = |deviation: &f64| {
-            let unit: f64 = StandardNormal.sample(random);
-            size * deviation * unit
-        };
-        let units: Vec<f64> = self.deviations.iter().map(unit).collect();
-        (&self.vectors * ColRef::from_slice(&units)).iter().copied().collect()
-    }
-}
 
 /// Independent directions, a standard deviation long, in which the parameters of a chain scatter
 /// and its torque changes where it was trained, p×r.
@@ -100,7 +74,7 @@ fn directions(model: &Model, chain: &RigidChain) -> Result<Mat<f64>, IdentifyErr
 }
 
 /// Eigenvalues, the smallest first, and vectors.
-fn eigen(of: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), IdentifyError> {
+pub(crate) fn eigen(of: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), IdentifyError> {
     let eigen = of.self_adjoint_eigen(faer::Side::Lower).map_err(|_| SparseError::NotSolvable)?;
     Ok((eigen.S().column_vector().iter().copied().collect(), eigen.U().to_owned()))
 }
@@ -179,21 +153,8 @@ struct Powers {
 
 impl Powers {
     fn of(model: &Model) -> Self {
-        let mut groups: Vec<Vec<usize>> = Vec::new();
         let term = |k: usize| &model.friction[k].term;
-        let offers = (0..model.friction.len()).filter(|&k| term(k).law != FrictionLaw::Offset);
-        for k in offers {
-            let alike = |own: &&mut Vec<usize>| {
-                (&term(own[0]).shaft, term(own[0]).load) == (&term(k).shaft, term(k).load)
-            };
-            match groups.iter_mut().find(alike) {
-                Some(own) => own.push(k),
-                None => groups.push(vec![k]),
-            }
-        }
-        let shafts = groups.into_iter().map(|laws| {
-            let peaks = term(laws[0]).shaft.iter().zip(&model.training.dq_peak);
-            let peak: f64 = peaks.map(|(part, peak)| part.abs() * peak).sum();
+        let shafts = laws_of_shafts(model).into_iter().map(|(laws, peak)| {
             let speeds = (0..SPEEDS).flat_map(|k| {
                 let speed = peak * SLOWER.powi(k);
                 [speed, -speed]

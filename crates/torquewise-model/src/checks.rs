@@ -108,12 +108,26 @@ const USUAL_PEAK: f64 = 1.0;
 ///
 /// Constant offsets are left aside: they are of the sensor or of a load, and drive one way.
 pub fn driving_friction(model: &Model) -> Option<DrivingFriction> {
+    let hardest = laws_of_shafts(model).into_iter().filter_map(|(places, peak)| {
+        let laws: Vec<_> = places.into_iter().map(|place| &model.friction[place]).collect();
+        let powers = speeds(peak).map(|v| (v, power(&laws, v)));
+        let (speed, power) = powers.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let shaft = laws[0].term.shaft.clone();
+        (power < 0.0).then_some(DrivingFriction { shaft, speed, power })
+    });
+    hardest.min_by(|a, b| a.power.total_cmp(&b.power))
+}
+
+/// What brakes each shaft, without load and under it: the places of its laws in the model, constant
+/// offsets left aside, and the speed that it reached in training \[rad/s\].
+pub fn laws_of_shafts(model: &Model) -> Vec<(Vec<usize>, f64)> {
     let alike = |a: &FrictionTerm, b: &FrictionTerm| (&a.shaft, a.load) == (&b.shaft, b.load);
-    let mut shafts: Vec<Vec<&Weighted<FrictionTerm>>> = Vec::new();
-    for law in model.friction.iter().filter(|law| law.term.law != FrictionLaw::Offset) {
-        match shafts.iter_mut().find(|laws| alike(&laws[0].term, &law.term)) {
-            Some(laws) => laws.push(law),
-            None => shafts.push(vec![law]),
+    let term = |place: usize| &model.friction[place].term;
+    let mut shafts: Vec<Vec<usize>> = Vec::new();
+    for place in (0..model.friction.len()).filter(|&k| term(k).law != FrictionLaw::Offset) {
+        match shafts.iter_mut().find(|laws| alike(term(laws[0]), term(place))) {
+            Some(laws) => laws.push(place),
+            None => shafts.push(vec![place]),
         }
     }
     let peak = |shaft: &[f64]| -> f64 {
@@ -123,13 +137,11 @@ pub fn driving_friction(model: &Model) -> Option<DrivingFriction> {
         };
         shaft.iter().enumerate().map(of).sum()
     };
-    let hardest = shafts.iter().filter_map(|laws| {
-        let shaft = &laws[0].term.shaft;
-        let powers = speeds(peak(shaft)).map(|v| (v, power(laws, v)));
-        let (speed, power) = powers.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        (power < 0.0).then(|| DrivingFriction { shaft: shaft.clone(), speed, power })
-    });
-    hardest.min_by(|a, b| a.power.total_cmp(&b.power))
+    let with_peak = |laws: Vec<usize>| {
+        let peak = peak(&term(laws[0]).shaft);
+        (laws, peak)
+    };
+    shafts.into_iter().map(with_peak).collect()
 }
 
 /// Even speeds \[rad/s\] up to a peak, in both directions.
