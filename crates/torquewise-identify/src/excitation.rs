@@ -89,7 +89,7 @@ pub enum Finding {
 }
 
 /// Below these a joint is hardly excited: rad, rad/s, rad/s².
-const LEAST_RANGE: f64 = 0.35;
+pub(crate) const LEAST_RANGE: f64 = 0.35;
 const LEAST_SPEED: f64 = 0.2;
 const LEAST_ACCELERATION: f64 = 0.5;
 /// A direction with fewer of the moving rows than this is missing.

@@ -2,6 +2,7 @@
 
 use super::{ChainLearner, DriveTerm, ROUNDS, TRIAL_ROWS, UNRESOLVED, Watch, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
+use crate::excitation::LEAST_RANGE;
 use rayon::prelude::*;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Choice;
@@ -17,9 +18,10 @@ use torquewise_stepwise::friction::FrictionKind;
 const LONGEST_SLIDE: f64 = 2.0;
 /// Starts of a first look, and its rows.
 const GLANCE: (usize, usize) = (3, 120);
-/// Slides must lower the error by this part: a joint that turned by little fits either way, and most
-/// joints turn.
+/// Slides must lower the error by this part, since most joints turn; but for joints of so little
+/// travel \[rad or m\] that few would turn it: they slide where that errs less at all.
 const WORTH_OF_SLIDES: f64 = 0.1;
+const SHORT: f64 = LEAST_RANGE;
 
 /// A slide is turned the other way for a positive mass where that costs this part at most.
 const SIGN_OF_MASS: f64 = 0.05;
@@ -31,7 +33,7 @@ pub(crate) fn sliding(
     watch: Watch<'_>,
 ) -> Result<Option<JointKinds>, IdentifyError> {
     let (learner, n) = (ChainLearner::new(motion, watch), motion.n_joints());
-    let short = learner.short_joints();
+    let short = learner.joints_within(LONGEST_SLIDE);
     if short.is_empty() {
         return Ok(None);
     }
@@ -73,7 +75,7 @@ impl ChainLearner<'_> {
     ) -> Result<(ChainSpec, Chain, Vec<Choice>), IdentifyError> {
         let (mut turning, mut own) = (at(JointKinds::default()), Vec::new());
         let chain = self.geometry(&mut turning, None, &mut own)?;
-        let short = self.short_joints();
+        let short = self.joints_within(LONGEST_SLIDE);
         if short.is_empty() {
             return Ok((turning, chain, own));
         }
@@ -95,7 +97,10 @@ impl ChainLearner<'_> {
             } else {
                 ([turning_error, sliding_error], 1)
             };
-            if record_worth("kinds of joints", &trials, WORTH_OF_SLIDES, choices) == slides {
+            let likely = self.joints_within(SHORT);
+            let is_likely = (0..n).all(|joint| !kinds.slides(joint) || likely.contains(&joint));
+            let worth = if is_likely { 0.0 } else { WORTH_OF_SLIDES };
+            if record_worth("kinds of joints", &trials, worth, choices) == slides {
                 self.leave_untold(&kinds, &untold, choices);
                 return Ok((sliding, slid, made));
             }
@@ -132,8 +137,8 @@ impl ChainLearner<'_> {
         upright(spec, searched)
     }
 
-    /// Joints that moved so little that they may slide.
-    fn short_joints(&self) -> Vec<usize> {
+    /// Joints of this travel \[rad or m\] at most.
+    fn joints_within(&self, most: f64) -> Vec<usize> {
         let travel = |joint: usize| {
             let q = self.motion.q();
             let ends = q.col(joint).iter().fold([f64::INFINITY, f64::NEG_INFINITY], |ends, q| {
@@ -141,7 +146,7 @@ impl ChainLearner<'_> {
             });
             ends[1] - ends[0]
         };
-        (0..self.motion.n_joints()).filter(|&joint| travel(joint) <= LONGEST_SLIDE).collect()
+        (0..self.motion.n_joints()).filter(|&joint| travel(joint) <= most).collect()
     }
 
     /// The kinds that a first look at few rows is best with, one joint changed after another as long
@@ -159,21 +164,24 @@ impl ChainLearner<'_> {
             let (glance_rows, search) = (count, spec.search.clone());
             Ok(glance(&rows, &Search { starts, glance_rows, ..search }, &watch))
         };
+        let likely = self.joints_within(SHORT);
         let mut kinds = JointKinds::default();
         let mut least = left(&kinds)?;
         loop {
+            let worth = |joint: usize| {
+                let is_likely = likely.contains(&joint) && !kinds.slides(joint);
+                if is_likely { -WORTH_OF_SLIDES } else { WORTH_OF_SLIDES }
+            };
             let other = |joint: usize| {
                 let kind = JointKind::ALL.into_iter().find(|kind| *kind != kinds.of(joint));
                 kinds.with(joint, kind.unwrap_or_default(), n)
             };
             let tried = short.par_iter().map(|&joint| Ok((left(&other(joint))?, joint)));
             let tried = tried.collect::<Result<Vec<(f64, usize)>, IdentifyError>>()?;
-            let best = tried.iter().min_by(|a, b| a.0.total_cmp(&b.0));
-            match best {
-                Some(&(best, joint)) if best < (1.0 - WORTH_OF_SLIDES) * least => {
-                    (least, kinds) = (best, other(joint));
-                }
-                _ => {
+            let worthy = tried.iter().filter(|(left, joint)| *left < (1.0 - worth(*joint)) * least);
+            match worthy.min_by(|a, b| a.0.total_cmp(&b.0)) {
+                Some(&(best, joint)) => (least, kinds) = (best, other(joint)),
+                None => {
                     let is_near = |left: f64| left < (1.0 + UNRESOLVED) * least;
                     let near = tried.iter().filter(|(left, _)| is_near(*left));
                     let untold: Vec<usize> = near.map(|(_, joint)| *joint).collect();
