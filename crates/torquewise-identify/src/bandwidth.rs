@@ -1,8 +1,8 @@
 //! Cut-off of the filter and delay of the torque: where a learned chain predicts held-out raw torque
 //! best (E12) (E19).
 
-use crate::plan::Plan;
-use crate::reconstruct::{Solution, solve};
+use crate::plan::{Method, Plan};
+use crate::reconstruct::surveyed;
 use crate::reconstruction::{Progress, Watch};
 use crate::rounds::Request;
 use crate::summary::summarise;
@@ -20,8 +20,6 @@ const ALIKE: f64 = 0.005;
 /// The first search is made so much above the first cut-off: what is friction at a reversal is
 /// seen in a wide band only.
 const WIDER: f64 = 2.5;
-/// Chains that are searched at most.
-const SEARCHES: usize = 2;
 /// A chain that was searched at a bandwidth this little worse than the best need not be searched
 /// again there.
 const NEAR: f64 = 0.02;
@@ -54,9 +52,9 @@ struct Tried {
 /// Each candidate filters the motion by itself, the chain's parameters are fitted to the torque of
 /// the other blocks at that bandwidth, and what they predict is compared with the torque as it was
 /// measured. A low cut-off loses torque, a high one lets noise into q̇ and q̈. Where the best is far
-/// from where the chain was searched, it is searched again halfway: a geometry needs more rows than
-/// a narrow band has, and less noise than a wide one. A delay is taken only for a clear gain, and
-/// the chain searched again with it.
+/// from where the chain was searched, it is searched again halfway, what its joints are taken as found:
+/// a geometry needs more rows than a narrow band has, and less noise than a wide one. A delay is taken
+/// only for a clear gain, and the chain searched again with it.
 ///
 /// - `plan`: for a chain
 ///
@@ -70,23 +68,23 @@ pub fn tune<L: RawRecording>(
     let widest = logs.cutoffs().last().copied().unwrap_or_else(|| logs.first_cutoff());
     let mut cutoff = (WIDER * logs.first_cutoff()).min(widest);
     let mut delay = no_delay(logs);
-    let mut searches = 0;
+    let Method::Chain(options) = &plan.method else { return Err(IdentifyError::NoLibrary) };
+    let mut before = None;
     loop {
         let recording = logs.filtered(cutoff, delay).map_err(IdentifyError::Read)?;
         let summary = summarise(&recording, plan, "", watch)?;
-        let Solution::Request(request) = solve(summary, plan, watch)? else {
-            return Err(IdentifyError::NoLibrary);
-        };
-        searches += 1;
+        let (of_logs, is_second) = ((summary.settings().filtered, plan.seed), before.is_some());
+        let request = Request::first(&surveyed(&summary)?, options, of_logs, before, watch)?;
         Progress::Bandwidth.tell(watch)?;
         let Some(grid) = Grid::of(logs, &request, watch)? else {
-            return Ok(Tuned { recording, request: *request, choices: Vec::new() });
+            return Ok(Tuned { recording, request, choices: Vec::new() });
         };
         let is_last = grid.is_near(cutoff) && is_same(grid.delay, delay);
         (cutoff, delay) = ((cutoff * grid.cutoff).sqrt(), grid.delay);
-        if is_last || searches == SEARCHES {
-            return grid.tuned(logs, *request);
+        if is_last || is_second {
+            return grid.tuned(logs, request);
         }
+        before = Some(request);
     }
 }
 

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use std::ops::ControlFlow;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
+use torquewise_rigid::coupling::Coupling;
 use torquewise_rigid::search::{Stage, all_parameters};
 use torquewise_rigid::{Chain, ChainError, Geometry, JointKinds, Rows, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
@@ -39,6 +40,15 @@ pub(crate) struct Learned {
     pub(crate) laws: FrictionLibrary,
     /// How often the geometry was found, where it was searched.
     pub(crate) found: Option<GeometryFound>,
+}
+
+/// What the joints of an arm were found to be at another bandwidth: kinds, what is coupled, and how
+/// that was chosen.
+#[derive(Debug)]
+pub(crate) struct Joints {
+    pub(crate) kinds: JointKinds,
+    pub(crate) coupling: Coupling,
+    pub(crate) choices: Vec<Choice>,
 }
 
 /// No axis is farther \[rad\] than this from the nearest right angle.
@@ -75,12 +85,12 @@ const SAME: f64 = 1e-3;
 pub(crate) fn learn(
     motion: &Motion,
     options: &ChainOptions,
-    seed: u64,
+    (seed, joints): (u64, Option<Joints>),
     watch: Watch<'_>,
 ) -> Result<Learned, IdentifyError> {
     let (n, friction) = (motion.n_joints(), options.friction);
     let balanced = balanced(motion, &options.counterbalanced)?;
-    let mut learner = ChainLearner::new(motion, watch);
+    let mut learner = ChainLearner { joints, ..ChainLearner::new(motion, watch) };
     let known = |kinds: &JointKinds| -> Vec<DriveTerm> {
         let springs =
             balanced.iter().flat_map(|&joint| DriveTerm::counterbalance(n, joint, kinds.of(joint)));
@@ -180,6 +190,8 @@ struct ChainLearner<'a> {
     motion: &'a Motion,
     /// Friction that is offered.
     laws: FrictionLibrary,
+    /// What the joints are, if that was found before.
+    joints: Option<Joints>,
     /// How often the geometry was found.
     found: Option<GeometryFound>,
     watch: Watch<'a>,
@@ -191,7 +203,7 @@ impl<'a> ChainLearner<'a> {
             motion.dq().col(joint).iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()))
         };
         let laws = FrictionLibrary::new((0..motion.n_joints()).map(speed).collect());
-        Self { motion, laws, found: None, watch }
+        Self { motion, laws, joints: None, found: None, watch }
     }
 
     fn rows(&self, spec: &ChainSpec, count: usize) -> Result<Rows, IdentifyError> {

@@ -102,9 +102,7 @@ fn solve_refined(
     refined: &Refined<'_>,
     watch: Watch<'_>,
 ) -> Result<Solution, IdentifyError> {
-    let survey = summary.survey()?;
-    survey.sample.require_tau()?;
-    require_rows(&survey)?;
+    let survey = surveyed(&summary)?;
     match &plan.method {
         Method::Library(options) => {
             let sums = summary.library_sums()?;
@@ -127,7 +125,8 @@ fn by_chain(
 ) -> Result<Solution, IdentifyError> {
     let settings = summary.settings();
     let Some(pass) = summary.pass.as_ref() else {
-        let request = Request::first(&survey, options, settings.filtered, seed, watch)?;
+        let of_logs = (settings.filtered, seed);
+        let request = Request::first(&survey, options, of_logs, None, watch)?;
         return Ok(Solution::Request(Box::new(request)));
     };
     Progress::Refit.tell(watch)?;
@@ -153,10 +152,13 @@ fn by_chain(
 /// Fewer rows cannot be told from chance.
 const LEAST_ROWS: usize = 50;
 
-fn require_rows(survey: &Survey) -> Result<(), IdentifyError> {
-    let joints = survey.joints.len();
+/// The survey of enough rows with torque.
+pub(crate) fn surveyed(summary: &Summary) -> Result<Survey, IdentifyError> {
+    let survey = summary.survey()?;
+    survey.sample.require_tau()?;
     if survey.rows >= LEAST_ROWS {
-        return Ok(());
+        return Ok(survey);
     }
-    Err(IdentifyError::TooFewRows { rows: survey.rows, needed: LEAST_ROWS, joints })
+    let (rows, joints) = (survey.rows, survey.joints.len());
+    Err(IdentifyError::TooFewRows { rows, needed: LEAST_ROWS, joints })
 }

@@ -5,6 +5,7 @@ use crate::excitation::Finding;
 use crate::learn::kinds::sliding;
 use crate::library_errors::held_out_rms;
 use crate::residual_shape::shapes;
+use crate::rough::shows_its_friction;
 use crate::torque_sign::{SignTest, swapped};
 use crate::verdict::grave;
 use crate::warning::Warning;
@@ -111,16 +112,22 @@ impl Reconstruction {
         {
             return Ok(());
         }
-        if let Ok(Some(pair)) = swapped(&self.survey.sample, &missed, seed, watch) {
+        // What shows the friction of its own shaft is that joint's torque, and its sign is right.
+        let doubtful: Vec<usize> = (0..self.survey.joints.len())
+            .filter(|&joint| !shows_its_friction(&self.survey.sample, joint))
+            .collect();
+        if let Ok(Some(pair)) = swapped(&self.survey.sample, (&missed, &doubtful), seed, watch) {
             let joints = pair.map(|joint| self.survey.joints[joint].clone());
             self.warnings.push(Warning::Excitation(Finding::Swapped { joints }));
             return Ok(());
         }
-        // An arm of which no chain is found, for rows or joints, has nothing to compare with.
-        let Ok(chain) = chain(&self.survey) else { return Ok(()) };
-        for joint in chain.wrong_signs(&self.survey.sample, watch)? {
-            let joint = self.survey.joints[joint].clone();
-            self.warnings.push(Warning::Excitation(Finding::WrongSign { joint }));
+        if !doubtful.is_empty() {
+            // An arm of which no chain is found, for rows or joints, has nothing to compare with.
+            let Ok(chain) = chain(&self.survey) else { return Ok(()) };
+            for joint in chain.wrong_signs(&self.survey.sample, &doubtful, watch)? {
+                let joint = self.survey.joints[joint].clone();
+                self.warnings.push(Warning::Excitation(Finding::WrongSign { joint }));
+            }
         }
         if grave(&self.warnings).is_empty() {
             let shapes = shapes(&self.model, &self.survey.sample, &missed)?;

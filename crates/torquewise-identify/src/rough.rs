@@ -1,7 +1,8 @@
-//! A rough linear model of each joint, good for any arm: does its torque follow its motion?
+//! A rough linear model of each joint, good for any arm: does its torque follow its motion, and show
+//! its friction?
 
 use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use faer::{ColRef, Mat, Side};
 use torquewise_motion::Motion;
 use torquewise_stepwise::survey::thinned;
 
@@ -14,6 +15,9 @@ const RIDGE: f64 = 1e-8;
 /// Dry friction is smooth below this part of the peak speed.
 const SLOW: f64 = 0.02;
 
+/// Friction that lowers what is left of a torque by this part is seen in it.
+const SEEN: f64 = 0.2;
+
 /// Part of the deviation of the torque of a joint that a linear model leaves: of 1, its speed and
 /// the sign of it, all accelerations, and sines and cosines of each angle, twice each angle and each
 /// two neighbours together.
@@ -21,36 +25,67 @@ const SLOW: f64 = 0.02;
 /// `None` for a joint at rest, or if there are too few rows.
 pub(crate) fn unexplained_part(motion: &Motion, joint: usize) -> Option<f64> {
     let motion = thinned(motion, ROWS);
+    Some(fit(&motion, joint, &friction(&motion, joint)?)?.0)
+}
+
+/// Whether the torque of a joint shows the friction of its own shaft, more than that of any other,
+/// and against its motion: it is no other joint's torque, and its sign is right.
+pub(crate) fn shows_its_friction(motion: &Motion, joint: usize) -> bool {
+    let motion = thinned(motion, ROWS);
+    let seen = || -> Option<bool> {
+        let without = fit(&motion, joint, &[])?.0;
+        let own = friction(&motion, joint)?;
+        let (left, coefficients) = fit(&motion, joint, &own)?;
+        let load =
+            |row: usize| -> f64 { own.iter().zip(&coefficients).map(|(x, b)| x[row] * b).sum() };
+        let power: f64 = own[0].iter().enumerate().map(|(row, dq)| load(row) * dq).sum();
+        let others = (0..motion.n_joints()).filter(|other| *other != joint);
+        let with_others =
+            others.filter_map(|other| fit(&motion, joint, &friction(&motion, other)?));
+        let least = with_others.map(|(left, _)| left).fold((1.0 - SEEN) * without, f64::min);
+        Some(left < least && power > 0.0)
+    };
+    seen().unwrap_or(false)
+}
+
+/// Speed of a joint and the sign of it, m each; `None` for a joint at rest.
+fn friction(motion: &Motion, joint: usize) -> Option<[Vec<f64>; 2]> {
+    let dq: Vec<f64> = motion.dq().col(joint).iter().copied().collect();
+    let peak = dq.iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()));
+    let sign = dq.iter().map(|dq| (dq / (SLOW * peak)).tanh()).collect();
+    (peak > 0.0).then_some([dq, sign])
+}
+
+/// The part of the deviation of a joint's torque that is left, and the coefficients of `friction`.
+fn fit(motion: &Motion, joint: usize, friction: &[Vec<f64>]) -> Option<(f64, Vec<f64>)> {
     let tau = motion.tau()?;
     let tau = Mat::from_fn(motion.n_rows(), 1, |row, _| tau[(row, joint)]);
-    let mut columns = columns(&motion, joint)?;
+    let mut columns = columns(motion, friction);
     let (m, p) = (columns.nrows(), columns.ncols());
     if m < ROWS_PER_COLUMN * p {
         return None;
     }
-    for column in columns.col_iter_mut() {
-        let length = column.norm_l2().max(f64::MIN_POSITIVE);
+    let length = |column: ColRef<'_, f64>| column.norm_l2().max(f64::MIN_POSITIVE);
+    let lengths: Vec<f64> = columns.col_iter().map(length).collect();
+    for (column, length) in columns.col_iter_mut().zip(&lengths) {
         column.iter_mut().for_each(|x| *x /= length);
     }
     let mut gram = columns.transpose() * &columns;
     (0..p).for_each(|k| gram[(k, k)] += RIDGE);
-    let fitted = &columns * gram.llt(Side::Lower).ok()?.solve(columns.transpose() * &tau);
+    let coefficients = gram.llt(Side::Lower).ok()?.solve(columns.transpose() * &tau);
+    let fitted = &columns * &coefficients;
     let mean = tau.sum() / m as f64;
     let variance = (tau.squared_norm_l2() / m as f64 - mean * mean).max(f64::MIN_POSITIVE);
-    Some(((&tau - fitted).squared_norm_l2() / m as f64 / variance).sqrt())
+    let left = ((&tau - fitted).squared_norm_l2() / m as f64 / variance).sqrt();
+    Some((left, (0..friction.len()).map(|k| coefficients[(k, 0)] / lengths[k]).collect()))
 }
 
-/// The regressors of that model, m×p; `None` for a joint at rest.
-fn columns(motion: &Motion, joint: usize) -> Option<Mat<f64>> {
-    let (q, dq, ddq) = (motion.q(), motion.dq(), motion.ddq());
-    let peak = dq.col(joint).iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()));
-    let (m, n) = (motion.n_rows(), motion.n_joints());
-    if peak <= 0.0 {
-        return None;
-    }
+/// The regressors of that model, friction first, m×p.
+fn columns(motion: &Motion, friction: &[Vec<f64>]) -> Mat<f64> {
+    let (q, ddq, n) = (motion.q(), motion.ddq(), motion.n_joints());
     let row = |row: usize| -> Vec<f64> {
-        let own = dq[(row, joint)];
-        let mut values = vec![1.0, own, (own / (SLOW * peak)).tanh()];
+        let mut values: Vec<f64> = friction.iter().map(|x| x[row]).collect();
+        values.push(1.0);
         values.extend((0..n).map(|k| ddq[(row, k)]));
         for k in 0..n {
             let before = k.checked_sub(1).map(|before| q[(row, before)] + q[(row, k)]);
@@ -60,7 +95,6 @@ fn columns(motion: &Motion, joint: usize) -> Option<Mat<f64>> {
         }
         values
     };
-    let rows: Vec<Vec<f64>> = (0..m).map(row).collect();
-    let p = rows.first()?.len();
-    Some(Mat::from_fn(m, p, |row, k| rows[row][k]))
+    let rows: Vec<Vec<f64>> = (0..motion.n_rows()).map(row).collect();
+    Mat::from_fn(rows.len(), rows.first().map_or(0, Vec::len), |row, k| rows[row][k])
 }

@@ -6,7 +6,7 @@
 use crate::drive_terms::AT_REST;
 use crate::estimate::{Linearisation, Next, Passes, Sizes, Structure, refine, weights};
 use crate::fitted::Fitted;
-use crate::learn::{LAST_ROWS, Learned, learn};
+use crate::learn::{Joints, LAST_ROWS, Learned, learn};
 use crate::plan::ChainOptions;
 use crate::reconstruction::{Progress, Watch};
 use crate::regions::Regions;
@@ -52,17 +52,20 @@ pub(crate) enum Round {
 impl Request {
     /// Searches a chain on the sample of a survey, and refines it there.
     ///
+    /// - `before`: of the same arm at another bandwidth, whose joints are of the same kinds
+    ///
     /// # Errors
     /// [`IdentifyError::Chain`] if no chain can be fitted, [`IdentifyError::NoSuchJoint`].
     pub(crate) fn first(
         survey: &Survey,
         options: &ChainOptions,
-        filtered: bool,
-        seed: u64,
+        (filtered, seed): (bool, u64),
+        before: Option<Self>,
         watch: Watch<'_>,
     ) -> Result<Self, IdentifyError> {
         Progress::Geometry.tell(watch)?;
-        let learned = learn(&survey.sample, options, seed, watch)?;
+        let joints = before.map(Self::into_joints);
+        let learned = learn(&survey.sample, options, (seed, joints), watch)?;
         Progress::Refit.tell(watch)?;
         let sizes = Sizes { torque: survey.torque_std.clone(), speed: survey.dq_peak.clone() };
         let sample = thinned(&survey.sample, LAST_ROWS);
@@ -76,6 +79,11 @@ impl Request {
         let Learned { residual_rms: searched_rms, choices, found, .. } = learned;
         let joints = survey.joints.clone();
         Ok(Self { joints, passes, sizes, choices, found, searched_rms })
+    }
+
+    fn into_joints(self) -> Joints {
+        let Structure { kinds, coupling, .. } = self.passes.at.structure;
+        Joints { kinds, coupling, choices: self.choices }
     }
 
     /// The same for logs of so many rows.

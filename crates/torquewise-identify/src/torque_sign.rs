@@ -78,8 +78,8 @@ impl SignTest {
 
     /// Joints whose torque, turned round, lets a chain explain the torques of all joints far better.
     ///
-    /// All signs are tried at these axes, and each joint alone with axes that move; then all again
-    /// where the axes are now. Friction that drives a shaft counts as left unexplained; where a set
+    /// All signs of the joints in doubt are tried at these axes, and each joint alone with axes that
+    /// move; then all again where the axes are now. Friction that drives a shaft counts as left unexplained; where a set
     /// of joints and the rest fit alike, kinetic energy is positive.
     ///
     /// # Errors
@@ -87,6 +87,7 @@ impl SignTest {
     pub(crate) fn wrong_signs(
         mut self,
         sample: &Motion,
+        doubtful: &[usize],
         watch: Watch<'_>,
     ) -> Result<Vec<usize>, IdentifyError> {
         let motion = thinned(sample, ROWS);
@@ -105,6 +106,8 @@ impl SignTest {
         };
         let as_it_is = tried(0, &self.geometry, &self.free);
         let all_turned = (1_u32 << n) - 1;
+        let in_doubt: u32 = doubtful.iter().map(|joint| 1 << joint).sum();
+        let ways: Vec<u32> = (0..=all_turned).filter(|signs| signs & !in_doubt == 0).collect();
         // Without friction a motion and its torque turned round fit alike: kinetic energy tells.
         let is_mirrored =
             as_it_is.chain.as_ref().is_some_and(|chain| self.kinetic_energy(chain, &motion) < 0.0);
@@ -112,16 +115,16 @@ impl SignTest {
         let mut geometry = self.geometry.clone();
         for look in 0..LOOKS {
             let all: Vec<Tried> =
-                (0..1_u32 << n).into_par_iter().map(|signs| tried(signs, &geometry, &[])).collect();
+                ways.par_iter().map(|&signs| tried(signs, &geometry, &[])).collect();
             let best = self.best(&all, &motion).signs;
             if look > 0 && best == found {
                 break;
             }
             // Axes that were found with the signs as they are may lie elsewhere.
-            let alone = (0..n).map(|joint| 1 << joint).filter(|_| look == 0);
-            let ways: Vec<u32> = std::iter::once(best).chain(alone).collect();
+            let alone = doubtful.iter().map(|joint| 1 << joint).filter(|_| look == 0);
+            let moved: Vec<u32> = std::iter::once(best).chain(alone).collect();
             let moved: Vec<Tried> =
-                ways.into_par_iter().map(|signs| tried(signs, &geometry, &self.free)).collect();
+                moved.into_par_iter().map(|signs| tried(signs, &geometry, &self.free)).collect();
             let Some(Tried { signs, left, chain: Some(chain) }) = moved.into_iter().min_by(least)
             else {
                 return Ok(Vec::new());
@@ -145,10 +148,11 @@ impl SignTest {
     /// the rest those with which kinetic energy is positive.
     fn best<'a>(&self, tried: &'a [Tried], motion: &Motion) -> &'a Tried {
         let best = tried.iter().min_by(|a, b| least(a, b)).unwrap_or(&tried[0]);
-        let rest = &tried[!(best.signs as usize) & (tried.len() - 1)];
         let is_negative =
             best.chain.as_ref().is_some_and(|chain| self.kinetic_energy(chain, motion) < 0.0);
-        if is_negative && rest.left <= ALIKE * best.left { rest } else { best }
+        let all_turned = (1 << motion.n_joints()) - 1;
+        let rest = tried.iter().find(|rest| is_negative && rest.signs == best.signs ^ all_turned);
+        rest.filter(|rest| rest.left <= ALIKE * best.left).unwrap_or(best)
     }
 
     /// Product over joints of the mean square that a chain leaves, or that friction adds which drives
@@ -204,20 +208,24 @@ impl SignTest {
 /// Two joints whose torques stand in each other's place: a first look at few rows finds a chain that
 /// explains far more of all torques with these two changed over. The pair that does best, if any.
 ///
-/// - `missed`: joints whose torque a model misses: one of the pair or both
+/// - `missed`, `doubtful`: joints whose torque a model misses: one of the pair or both; and those whose
+///   torque may be another's: both
 ///
 /// # Errors
 /// [`IdentifyError::Chain`] if rows are too few.
 pub(crate) fn swapped(
     sample: &Motion,
-    missed: &[usize],
+    (missed, doubtful): (&[usize], &[usize]),
     seed: u64,
     watch: Watch<'_>,
 ) -> Result<Option<[usize; 2]>, IdentifyError> {
     let (motion, n) = (thinned(sample, FEW), sample.n_joints());
     let pairs = (0..n).flat_map(|a| (a + 1..n).map(move |b| [a, b]));
-    let pairs: Vec<[usize; 2]> =
-        pairs.filter(|pair| pair.iter().any(|joint| missed.contains(joint))).collect();
+    let is_likely = |pair: &[usize; 2]| {
+        pair.iter().any(|joint| missed.contains(joint))
+            && pair.iter().all(|joint| doubtful.contains(joint))
+    };
+    let pairs: Vec<[usize; 2]> = pairs.filter(is_likely).collect();
     if pairs.is_empty() {
         return Ok(None);
     }

@@ -167,7 +167,7 @@ mod tests {
         let options = ChainOptions { friction: FrictionKind::Linear, ..ChainOptions::default() };
         let sums = summary::summarise(&log, &Plan::from(options.clone()), "", UNWATCHED).unwrap();
         let survey = sums.survey().unwrap();
-        let request = Request::first(&survey, &options, false, 0, UNWATCHED).unwrap();
+        let request = Request::first(&survey, &options, (false, 0), None, UNWATCHED).unwrap();
         let mut at = request.linearisation().clone();
         let rotor = 30;
         at.linear[rotor] += 0.05;

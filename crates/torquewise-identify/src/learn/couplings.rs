@@ -9,6 +9,8 @@ use torquewise_rigid::search::glance;
 use torquewise_rigid::{Chain, Search};
 use torquewise_stepwise::error::IdentifyError;
 
+/// As the model file has it.
+pub(super) const COUPLING: &str = "coupling";
 /// Coupled joints at most.
 const MOST_COUPLED: usize = 2;
 /// Starts of a first look at a coupling, and its rows.
@@ -44,7 +46,7 @@ impl ChainLearner<'_> {
                 trial(label, &with, &rows, &found, ROUNDS, &searching(self.watch))?,
             ];
             if trials[1].error() > COUPLING_GAIN * trials[0].error()
-                || record_worth("coupling", &trials, 0.0, choices) == 0
+                || record_worth(COUPLING, &trials, 0.0, choices) == 0
             {
                 break;
             }

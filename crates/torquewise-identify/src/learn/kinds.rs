@@ -1,6 +1,7 @@
 //! Which joints turn and which slide, by held-out rows (E26).
 
-use super::{ChainLearner, DriveTerm, ROUNDS, TRIAL_ROWS, UNRESOLVED, Watch, searching};
+use super::couplings::COUPLING;
+use super::{ChainLearner, DriveTerm, Joints, ROUNDS, TRIAL_ROWS, UNRESOLVED, Watch, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::excitation::LEAST_RANGE;
 use rayon::prelude::*;
@@ -22,6 +23,10 @@ const GLANCE: (usize, usize) = (3, 120);
 /// travel \[rad or m\] that few would turn it: they slide where that errs less at all.
 const WORTH_OF_SLIDES: f64 = 0.1;
 const SHORT: f64 = LEAST_RANGE;
+
+/// As the model file has them.
+const KINDS: &str = "kinds of joints";
+const KIND_OF: &str = "kind of";
 
 /// A slide is turned the other way for a positive mass where that costs this part at most.
 const SIGN_OF_MASS: f64 = 0.05;
@@ -49,7 +54,7 @@ pub(crate) fn sliding(
 
 impl ChainLearner<'_> {
     /// Searches the geometry of joints of given kinds; or of joints that all turn, then looks for those
-    /// that rather slide. Then it looks for coupled ones.
+    /// that rather slide. Then it looks for coupled ones. What was found of the joints before stays.
     ///
     /// - `at`: the specification for joints of some kinds
     pub(super) fn moving_geometry(
@@ -58,6 +63,13 @@ impl ChainLearner<'_> {
         at: &(impl Fn(JointKinds) -> ChainSpec + Sync),
         choices: &mut Vec<Choice>,
     ) -> Result<(ChainSpec, Chain), IdentifyError> {
+        if let Some(Joints { kinds, coupling, choices: before }) = self.joints.take() {
+            choices.extend(before.into_iter().filter(is_of_joints));
+            let mut spec = upright(at(kinds.clone()), &kinds);
+            spec.search.coupling = coupling;
+            let chain = self.geometry(&mut spec, None, choices)?;
+            return Ok((spec, chain));
+        }
         if let Some(kinds) = given {
             let (mut spec, mut own) = (upright(at(kinds.clone()), &kinds), Vec::new());
             let chain = self.geometry(&mut spec, None, &mut own)?;
@@ -100,7 +112,7 @@ impl ChainLearner<'_> {
             let likely = self.joints_within(SHORT);
             let is_likely = (0..n).all(|joint| !kinds.slides(joint) || likely.contains(&joint));
             let worth = if is_likely { 0.0 } else { WORTH_OF_SLIDES };
-            if record_worth("kinds of joints", &trials, worth, choices) == slides {
+            if record_worth(KINDS, &trials, worth, choices) == slides {
                 self.leave_untold(&kinds, &untold, choices);
                 return Ok((sliding, slid, made));
             }
@@ -149,8 +161,8 @@ impl ChainLearner<'_> {
         (0..self.motion.n_joints()).filter(|&joint| travel(joint) <= most).collect()
     }
 
-    /// The kinds that a first look at few rows is best with, one joint changed after another as long
-    /// as that is worth it; and the joints that fit nearly as well as the other kind.
+    /// The kinds that a first look at few rows is best with, one joint after another made to slide as
+    /// long as that is worth it; and the joints that fit nearly as well as the other kind.
     fn promising_kinds(
         &self,
         at: &(impl Fn(JointKinds) -> ChainSpec + Sync),
@@ -169,8 +181,10 @@ impl ChainLearner<'_> {
         let mut least = left(&kinds)?;
         loop {
             let worth = |joint: usize| {
-                let is_likely = likely.contains(&joint) && !kinds.slides(joint);
-                if is_likely { -WORTH_OF_SLIDES } else { WORTH_OF_SLIDES }
+                if likely.contains(&joint) { -UNRESOLVED } else { WORTH_OF_SLIDES }
+            };
+            let is_worth = |left: f64, joint: usize| {
+                left < (1.0 - worth(joint)) * least && !kinds.slides(joint)
             };
             let other = |joint: usize| {
                 let kind = JointKind::ALL.into_iter().find(|kind| *kind != kinds.of(joint));
@@ -178,30 +192,34 @@ impl ChainLearner<'_> {
             };
             let tried = short.par_iter().map(|&joint| Ok((left(&other(joint))?, joint)));
             let tried = tried.collect::<Result<Vec<(f64, usize)>, IdentifyError>>()?;
-            let worthy = tried.iter().filter(|(left, joint)| *left < (1.0 - worth(*joint)) * least);
-            match worthy.min_by(|a, b| a.0.total_cmp(&b.0)) {
-                Some(&(best, joint)) => (least, kinds) = (best, other(joint)),
-                None => {
-                    let is_near = |left: f64| left < (1.0 + UNRESOLVED) * least;
-                    let near = tried.iter().filter(|(left, _)| is_near(*left));
-                    let untold: Vec<usize> = near.map(|(_, joint)| *joint).collect();
-                    let alike = like_the_others(&kinds, &untold, n);
-                    let fits = alike != kinds && is_near(left(&alike)?);
-                    return Ok((if fits { alike } else { kinds }, untold));
-                }
+            let worthy = tried.iter().filter(|(left, joint)| is_worth(*left, *joint));
+            if let Some(&(best, joint)) = worthy.min_by(|a, b| a.0.total_cmp(&b.0)) {
+                (least, kinds) = (best, other(joint));
+                continue;
             }
+            let is_near = |left: f64| left < (1.0 + UNRESOLVED) * least;
+            let near = tried.iter().filter(|(left, _)| is_near(*left));
+            let untold: Vec<usize> = near.map(|(_, joint)| *joint).collect();
+            let alike = like_the_others(&kinds, &untold, n);
+            let fits = alike != kinds && is_near(left(&alike)?);
+            return Ok((if fits { alike } else { kinds }, untold));
         }
     }
 
     /// Warns of joints whose kind the log does not determine.
     fn leave_untold(&self, kinds: &JointKinds, joints: &[usize], choices: &mut Vec<Choice>) {
         choices.extend(joints.iter().map(|&joint| Choice {
-            what: format!("kind of {}", self.motion.joints()[joint]),
+            what: format!("{KIND_OF} {}", self.motion.joints()[joint]),
             chosen: kinds.of(joint).name().to_owned(),
             rule: "not told by the log: the other kind fits nearly as well".to_owned(),
             from: Vec::new(),
         }));
     }
+}
+
+/// Whether a choice is of what the joints are, slides or coupled ones.
+fn is_of_joints(choice: &Choice) -> bool {
+    [KINDS, COUPLING].contains(&choice.what.as_str()) || choice.what.starts_with(KIND_OF)
 }
 
 /// Whether friction is no offset of a slide whose direction is searched: gravity explains that as
