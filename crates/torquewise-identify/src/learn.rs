@@ -183,6 +183,9 @@ fn balanced(motion: &Motion, names: &[String]) -> Result<Vec<usize>, IdentifyErr
     Ok(places)
 }
 
+/// A chain by its error on held-out rows, with what was fitted.
+type Judged = (CvScore, ChainSpec, Chain);
+
 const AXES: &str = "axes at right angles";
 
 /// The log in the hands of the learner.
@@ -260,18 +263,28 @@ impl<'a> ChainLearner<'a> {
         starts.extend(known);
         let rows = self.rows(spec, TRIAL_ROWS)?;
         let watch = searching(self.watch);
-        let best = |label: &str, angle: f64, starts: &[Chain]| -> Result<_, IdentifyError> {
-            let judged = |start: &Chain| {
-                let (geometry, free) = start.geometry.snapped(angle);
-                let (spec, start) =
-                    (ChainSpec { free, ..spec.clone() }, Chain { geometry, ..start.clone() });
-                Ok((trial(label.to_owned(), &spec, &rows, &start, ROUNDS, &watch)?, spec, start))
-            };
-            let all = starts.par_iter().map(judged).collect::<Result<Vec<_>, IdentifyError>>()?;
+        let judged = |label: &str, angle: f64, start: &Chain| -> Result<Judged, IdentifyError> {
+            let (geometry, free) = start.geometry.snapped(angle);
+            let (spec, start) =
+                (ChainSpec { free, ..spec.clone() }, Chain { geometry, ..start.clone() });
+            Ok((trial(label.to_owned(), &spec, &rows, &start, ROUNDS, &watch)?, spec, start))
+        };
+        let best = |all: Vec<Judged>| {
             let best = all.into_iter().min_by(|a, b| a.0.error().total_cmp(&b.0.error()));
             best.ok_or(IdentifyError::Chain(ChainError::Singular))
         };
-        let mut ways = vec![best("held", ANY_ANGLE, &starts)?, best("free", OBLIQUE, &starts)?];
+        let held: Result<Vec<Judged>, _> =
+            starts.par_iter().map(|start| judged("held", ANY_ANGLE, start)).collect();
+        let held = held?;
+        let free = starts.par_iter().zip(&held).map(|(start, held)| {
+            if start.geometry.snapped(OBLIQUE) != start.geometry.snapped(ANY_ANGLE) {
+                return judged("free", OBLIQUE, start);
+            }
+            let (trial, spec, start) = held.clone();
+            Ok((CvScore { label: "free".to_owned(), ..trial }, spec, start))
+        });
+        let free = free.collect::<Result<Vec<Judged>, IdentifyError>>()?;
+        let mut ways = vec![best(held)?, best(free)?];
         let trials: Vec<CvScore> = ways.iter().map(|(trial, ..)| trial.clone()).collect();
         let place = record_worth(AXES, &trials, WORTH_OF_ANGLES, choices);
         let angle = [ANY_ANGLE, OBLIQUE][place];
@@ -285,7 +298,8 @@ impl<'a> ChainLearner<'a> {
             let turned = start.geometry.turned_across(joint).into_iter();
             let turned: Vec<Chain> =
                 turned.map(|geometry| Chain { geometry, ..start.clone() }).collect();
-            let across = best(&least.label, angle, &turned)?;
+            let turned = turned.par_iter().map(|turned| judged(&least.label, angle, turned));
+            let across = best(turned.collect::<Result<Vec<_>, IdentifyError>>()?)?;
             if across.0.error() < (1.0 + UNRESOLVED) * least.error() {
                 unresolved.push(joint);
             }
