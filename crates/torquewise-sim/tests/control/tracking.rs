@@ -1,6 +1,4 @@
 //! Controllers on plants: what knowledge of the arm buys, and what bad input is told.
-#![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
-
 use faer::Mat;
 use std::f64::consts::FRAC_PI_2;
 use torquewise_model::friction::FrictionLaw;
