@@ -1,7 +1,5 @@
 //! From three recordings of an arm with friction to its terms and its friction curve, stepwise.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use crate::support::{
     State, executed, fit, motion, percent, reference_arm, states_of, with_torque,
 };
@@ -111,7 +109,7 @@ fn three_recordings_give_the_terms_and_the_friction_curve() {
     let found = learned(LibraryKind::Energy { interaction: None }, FrictionKind::Auto);
 
     let Form::Energy(terms) = &found.model.form else { panic!("an energy model was asked for") };
-    let truth = truth::energies(&arm);
+    let truth = truth::true_energies(&arm);
     let missing: Vec<String> = (truth.keys())
         .filter(|term| !terms.iter().any(|w| w.term == **term))
         .map(torquewise_model::EnergyTerm::name)

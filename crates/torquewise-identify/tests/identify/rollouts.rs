@@ -1,7 +1,5 @@
 //! A chain refined by rollouts moves more like the arm, and says its torque as well.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use crate::support;
 use crate::support::reference_arm;
 use faer::Mat;

@@ -1,10 +1,8 @@
 //! Chains fitted on every row: intervals, longer logs, physics, rounds through files.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use crate::chain::{FRICTION, linear, rubbing};
 use crate::support::{chain, fit, motion, noisy, reference_arm};
-use crate::truth::projected;
+use crate::truth::energies_in;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -95,7 +93,7 @@ static TRUTH: LazyLock<BTreeMap<String, f64>> = LazyLock::new(|| {
                 basis.iter().filter(move |f| place != Place::Potential || **f != Term::one(3));
             known.map(move |function| EnergyTerm { place, function: function.clone() })
         });
-        let found = projected(&reference_arm(), functions);
+        let found = energies_in(&reference_arm(), functions.collect());
         truth.extend(found.into_iter().map(|(term, weight)| (term.name(), weight)));
     }
     truth

@@ -1,7 +1,5 @@
 //! Arms, motions and fits that the tests share.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use faer::{Mat, MatRef};
 use torquewise_identify::plan::{ChainOptions, FrictionKind};
 use torquewise_identify::{Plan, Reconstruction, UNWATCHED, reconstruct, score};
