@@ -1,7 +1,5 @@
 //! From models to torque, text and back: two-link arm in closed form, files whole and broken.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use torquewise_model::print::{latex, text, with_error};
 use torquewise_model::selection::Selection;
 use torquewise_model::{

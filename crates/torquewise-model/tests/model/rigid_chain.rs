@@ -1,7 +1,5 @@
 //! A rigid chain as parameters: its derivatives, its covariance, what can be a body.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use faer::Mat;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::momentum_observer::MomentumObserver;
