@@ -1,12 +1,11 @@
 //! From three recordings of an arm with friction to its terms and its friction curve, stepwise.
 
 use crate::support::{
-    State, executed, fit, motion, percent, reference_arm, states_of, with_torque,
+    State, executed, fit, motion, normals, percent, reference_arm, states_of, with_torque,
 };
 use crate::truth;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use torquewise_identify::plan::{FrictionKind, LibraryOptions};
 use torquewise_identify::{LibraryKind, Reconstruction};
 use torquewise_model::{Form, Torque};
@@ -68,12 +67,11 @@ fn recordings(arm: &Arm) -> Motion {
 }
 
 fn rubbing(arm: &Arm, states: &[State], noise: f64) -> Motion {
-    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let mut normal = normals(7);
     let t = (0..states.len()).map(|row| 0.01 * row as f64).collect();
     with_torque(executed(arm, t, states), |[_, dq, _], tau| {
         for ((tau, curve), &dq) in tau.iter_mut().zip(&CURVES).zip(dq) {
-            let unit: f64 = StandardNormal.sample(&mut random);
-            *tau += truth_of(curve, dq) + noise * unit;
+            *tau += truth_of(curve, dq) + noise * normal();
         }
     })
 }
