@@ -1,10 +1,11 @@
 //! Small valid files of every format, made by the program or by the libraries of the formats.
 
 use crate::made_bags::{KIND, Made, joint_state, write, write_mcap};
+use crate::made_mats::{compressed, doubles, mat_of};
 use anyhow::{Context, Result};
-use flate2::Compression;
-use flate2::write::ZlibEncoder;
 use mcap::WriteOptions;
+use ndarray::Array2;
+use ndarray_npy::WriteNpyExt;
 use std::fs;
 use std::io::{Cursor, Write};
 use std::iter;
@@ -67,17 +68,8 @@ fn framed(parts: &[Vec<u8>]) -> Vec<u8> {
 }
 
 /// The header of a MAT file and its elements, each of which is compressed.
-fn compressed(parts: &[Vec<u8>]) -> Vec<u8> {
-    let mut bytes = parts[0].clone();
-    for element in &parts[1..] {
-        let mut packed = ZlibEncoder::new(Vec::new(), Compression::fast());
-        let packed = packed.write_all(element).and_then(|()| packed.finish());
-        let packed = packed.unwrap_or_default();
-        bytes.extend(15_u32.to_le_bytes());
-        bytes.extend(u32::try_from(packed.len()).unwrap_or(u32::MAX).to_le_bytes());
-        bytes.extend(packed);
-    }
-    bytes
+fn packed(parts: &[Vec<u8>]) -> Vec<u8> {
+    parts[1..].iter().fold(parts[0].clone(), |bytes, element| [bytes, compressed(element)].concat())
 }
 
 /// The seeds of a reader, the same every time.
@@ -114,18 +106,18 @@ pub fn seeds(reader: &str) -> Result<Vec<Seed>> {
             found
         }
         "npz" => {
-            let parts = ARRAYS.map(|name| npy(30, array_columns(name))).to_vec();
+            let npy = |name| {
+                let mut bytes = Vec::new();
+                array(array_columns(name)).write_npy(&mut bytes).map(|()| bytes)
+            };
+            let parts = ARRAYS.into_iter().map(npy).collect::<Result<_, _>>()?;
             let seed = Seed { parts, pack: zipped };
             vec![Seed::whole(seed.bytes()), seed]
         }
         "mat" => {
-            let mut header = format!("{:<116}", "MATLAB 5.0 MAT-file").into_bytes();
-            header.extend([0; 8]);
-            header.extend([0, 1]);
-            header.extend(b"IM");
-            let elements = ARRAYS.map(|name| matrix(name, 30, array_columns(name)));
-            let parts: Vec<Vec<u8>> = iter::once(header).chain(elements).collect();
-            vec![Seed::whole(parts.concat()), Seed { parts, pack: compressed }]
+            let elements = ARRAYS.map(|name| doubles(name, &array(array_columns(name))));
+            let parts: Vec<Vec<u8>> = iter::once(mat_of(&[])).chain(elements).collect();
+            vec![Seed::whole(parts.concat()), Seed { parts, pack: packed }]
         }
         "model" => {
             let chain = FitOptions {
@@ -196,34 +188,7 @@ fn messages() -> Vec<Made> {
     (1..40).map(state).collect()
 }
 
-/// An array of NumPy, version 1.0: rows × columns of doubles.
-fn npy(rows: usize, columns: usize) -> Vec<u8> {
-    let head =
-        format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({rows}, {columns}), }}");
-    let head = format!("{head:<117}\n");
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend(u16::try_from(head.len()).unwrap_or(u16::MAX).to_le_bytes());
-    bytes.extend(head.bytes());
-    bytes.extend((0..rows * columns).flat_map(|k| (0.01 * k as f64).to_le_bytes()));
-    bytes
-}
-
-/// A matrix of MATLAB, version 5: rows × columns of doubles.
-fn matrix(name: &str, rows: usize, columns: usize) -> Vec<u8> {
-    let element = |kind: u32, content: Vec<u8>| {
-        let mut bytes = kind.to_le_bytes().to_vec();
-        bytes.extend(u32::try_from(content.len()).unwrap_or(u32::MAX).to_le_bytes());
-        bytes.extend(content);
-        bytes.resize(bytes.len().next_multiple_of(8), 0);
-        bytes
-    };
-    let sizes = [rows, columns].map(|size| u32::try_from(size).unwrap_or(0).to_le_bytes());
-    let values = (0..rows * columns).flat_map(|k| (0.01 * k as f64).to_le_bytes()).collect();
-    let parts = [
-        element(6, vec![6, 0, 0, 0, 0, 0, 0, 0]),
-        element(5, sizes.concat()),
-        element(1, name.as_bytes().to_vec()),
-        element(9, values),
-    ];
-    element(14, parts.concat())
+/// An array of as many rows as a log of arrays has.
+fn array(columns: usize) -> Array2<f64> {
+    Array2::from_shape_fn((30, columns), |(row, column)| 0.01 * (row * columns + column) as f64)
 }

@@ -2,10 +2,13 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "../../crates/torquewise-logs/tests/logs/shared.rs"]
+mod shared;
+
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use shared::shared;
 use std::fs;
-use std::path::Path;
 use std::time::{Duration, Instant};
 use torquewise_fuzz::reader::{READERS, takes};
 use torquewise_fuzz::seeds::seeds;
@@ -69,17 +72,8 @@ fn every_seed_is_taken_and_no_mutation_does_harm() {
 /// Files that once did harm, where they are at hand.
 #[test]
 fn what_once_did_harm_does_none() {
-    let shared = std::env::var_os("TORQUEWISE_SHARED").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared"),
-        std::path::PathBuf::from,
-    );
-    let folder = shared.join("repro");
-    let Ok(entries) = fs::read_dir(&folder) else {
-        assert!(std::env::var_os("TORQUEWISE_SHARED_REQUIRED").is_none(), "no {folder:?}");
-        eprintln!("skipped: no {}", folder.display());
-        return;
-    };
-    for file in entries.map(|entry| entry.unwrap().path()) {
+    let Some(folder) = shared("repro") else { return };
+    for file in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
         let bytes = fs::read(&file).unwrap();
         let ending = file.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
         let readers: &[&str] = match ending {

@@ -127,14 +127,8 @@ impl Log {
                 Some(model) => log.prepare_as(model.training.filter, Rows::Every)?,
                 None => log.prepare(Rows::Filtered)?,
             };
-            let mut all: Vec<(usize, Motion)> = Vec::new();
-            Watched::new(rows.rows(), observer, "reading", rows.rows_hint()).read(
-                &mut |trajectory, block| {
-                    all.push((trajectory, block.clone()));
-                    Ok(())
-                },
-            )?;
-            joined(all)
+            let (hint, rows) = (rows.rows_hint(), rows.rows());
+            Ok(Watched::new(rows, observer, "reading", hint).trajectories()?)
         })?;
         let dicts = blocks.iter().map(|motion| motion_dict(py, motion));
         PyList::new(py, dicts.collect::<PyResult<Vec<_>>>()?)
@@ -143,21 +137,6 @@ impl Log {
     fn __repr__(&self) -> String {
         format!("Log({}; {} joints)", self.files().join(", "), self.log.joints().len())
     }
-}
-
-fn joined(blocks: Vec<(usize, Motion)>) -> Result<Vec<Motion>, torquewise::Error> {
-    let mut all: Vec<(usize, Vec<Motion>)> = Vec::new();
-    for (trajectory, block) in blocks {
-        match all.last_mut() {
-            Some((own, blocks)) if *own == trajectory => blocks.push(block),
-            _ => all.push((trajectory, vec![block])),
-        }
-    }
-    let whole = |(_, blocks): (usize, Vec<Motion>)| {
-        let joints = blocks.first().map(|block| block.joints().to_vec()).unwrap_or_default();
-        Motion::joined(&joints, &blocks).map_err(|error| torquewise::Error::Read(Box::new(error)))
-    };
-    all.into_iter().map(whole).collect()
 }
 
 pub(crate) fn motion_dict<'py>(py: Python<'py>, motion: &Motion) -> PyResult<Bound<'py, PyDict>> {

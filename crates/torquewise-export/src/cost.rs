@@ -1,7 +1,10 @@
 //! Cost of a call: counted operations, and about how long they take.
 
+use crate::error::Result;
 use crate::graph::{Function, Graph, Id, Node};
+use crate::program::{Program, Quantity};
 use std::fmt;
+use torquewise_model::Model;
 
 /// Time of an addition or multiplication of compiled code on the reference processor \[s\].
 ///
@@ -52,4 +55,18 @@ impl fmt::Display for Cost {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(to, "{} + - * /, {} sin cos exp tanh", self.operations, self.functions)
     }
+}
+
+/// Cost of the torque of a model as it was after each step, and of the whole last.
+///
+/// A model that was not found stepwise has one entry. What friction that remembers the path takes
+/// to follow it is not counted.
+///
+/// # Errors
+/// Those of [`Program::of`].
+pub fn torque_costs(model: &Model) -> Result<Vec<Cost>> {
+    let whole = Model { stages: Vec::new(), ..model.clone() };
+    let cost = |model: &Model| Ok(Program::of(model)?.cost(Quantity::Torque));
+    let steps = (1..=model.stages.len()).map(|step| cost(&model.after_step(step)?));
+    steps.chain(std::iter::once_with(|| cost(&whole))).collect()
 }

@@ -7,7 +7,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
 use torquewise_model::friction::FrictionLaw;
-use torquewise_model::learned::{JointGeometry, Measured, joint_geometry};
+use torquewise_model::learned::{JointGeometry, joint_geometry};
+use torquewise_model::shaft_friction::Estimated;
 use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::{Drive, JointKind, Model, RigidChain, Torque, number};
 use torquewise_rigid::geometry::Placement;
@@ -166,7 +167,7 @@ impl Robot {
 
 /// What the log does not tell of where an axis lies; nothing of one that it tells.
 fn unresolved(joint: &JointGeometry) -> Option<String> {
-    let Measured { value, std_error } = joint.distance_to_previous_m?;
+    let Estimated { value, std_error } = joint.distance_to_previous_m?;
     (!joint.resolved).then(|| {
         let (value, error) = (number(value), number(std_error));
         format!(

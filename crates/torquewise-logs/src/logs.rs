@@ -2,6 +2,7 @@
 
 use crate::blocks::Blocks;
 use crate::error::{LogError, Result};
+use crate::format::is_bag;
 use crate::frame::Frame;
 use crate::joints;
 use crate::log_input::LogInput;
@@ -312,10 +313,7 @@ fn files_of(path: &Path) -> Result<Vec<PathBuf>> {
     let mut files: Vec<PathBuf> = entries
         .map(|entry| entry.map(|entry| entry.path()).map_err(LogError::read(path)))
         .collect::<Result<_, _>>()?;
-    files.retain(|file| {
-        let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        matches!(ending.as_deref(), Some("db3" | "mcap"))
-    });
+    files.retain(|file| is_bag(file));
     let number = |file: &PathBuf| -> u64 {
         let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let digits = stem.rsplit(|c: char| !c.is_ascii_digit()).next();

@@ -5,6 +5,7 @@ use crate::model::{GeometryFound, Model, Training};
 use crate::print::with_error;
 use crate::rigid_chain::{Drive, JointKind, RigidChain};
 use crate::selection::Selection;
+use crate::shaft_friction::Estimated;
 use serde::Serialize;
 use torquewise_rigid::base_parameters::base_parameters;
 use torquewise_rigid::recursion::PER_BODY;
@@ -36,15 +37,6 @@ pub fn axes(chain: &RigidChain) -> Result<Vec<Axis>, ModelError> {
     Ok(frames.into_iter().map(axis).collect())
 }
 
-/// A number with its standard error, 0 where it was given or put to a right angle.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Measured {
-    /// The number.
-    pub value: f64,
-    /// Its standard error.
-    pub std_error: f64,
-}
-
 /// Where an axis lies at q = 0, and how in respect of the one before.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct JointGeometry {
@@ -56,10 +48,10 @@ pub struct JointGeometry {
     pub axis: [f64; 3],
     /// A point on it \[m\].
     pub point: [f64; 3],
-    /// Angle to the axis before \[°\]; none of the first.
-    pub angle_to_previous_deg: Option<Measured>,
+    /// Angle to the axis before \[°\], certain where it was put to a right angle; none of the first.
+    pub angle_to_previous_deg: Option<Estimated>,
     /// Distance of both as lines \[m\]; none of the first, nor where one of them slides.
-    pub distance_to_previous_m: Option<Measured>,
+    pub distance_to_previous_m: Option<Estimated>,
     /// Whether the log tells where it lies: the search found it often enough, its torque on held-out
     /// rows is followed, no other right angle does nearly as well, and its distance is certain.
     pub resolved: bool,
@@ -78,11 +70,11 @@ pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
     let found = model.training.geometry_found.as_ref();
     let errors = model.training.held_out_errors().unwrap_or_default();
     let of = |(joint, axis): (usize, &Axis)| -> Result<JointGeometry, ModelError> {
-        let relative = |of: fn(&Axis, &Axis) -> f64| -> Result<Option<Measured>, ModelError> {
+        let relative = |of: fn(&Axis, &Axis) -> f64| -> Result<Option<Estimated>, ModelError> {
             let Some(before) = joint.checked_sub(1) else { return Ok(None) };
             let value = of(&lines[before], axis).abs();
             let std_error = geometry_error(chain, |axes| of(&axes[before], &axes[joint]))?;
-            Ok(Some(Measured { value, std_error }))
+            Ok(Some(Estimated { value, std_error }))
         };
         // A slide has a direction alone, and no place.
         let has_distance = chain.kinds.of(joint).turns()
@@ -123,12 +115,12 @@ pub fn geometry(model: &Model, selection: &Selection) -> Result<Table, ModelErro
         if !selection.has_joint(joint) {
             continue;
         }
-        let relative = |measured: Option<Measured>| match measured {
+        let relative = |measured: Option<Estimated>| match measured {
             None => DASH.to_owned(),
-            Some(Measured { value, std_error }) if std_error < 1e-12 => {
+            Some(Estimated { value, std_error }) if std_error < 1e-12 => {
                 format!("{}", (1e6 * value).round() / 1e6)
             }
-            Some(Measured { value, std_error }) => with_error(value, std_error),
+            Some(Estimated { value, std_error }) => with_error(value, std_error),
         };
         let triple = |triple: [f64; 3]| {
             // No minus before what rounds to zero.

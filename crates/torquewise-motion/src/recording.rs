@@ -31,6 +31,21 @@ pub trait Recording {
     /// The reader's own, or the first that `visit` returns.
     fn read(&self, visit: Visit<'_>) -> ReadResult;
 
+    /// Its trajectories, whole: for recordings that fit in memory.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    fn trajectories(&self) -> ReadResult<Vec<Motion>> {
+        let mut all: Vec<Vec<Motion>> = Vec::new();
+        self.read(&mut |trajectory, block| {
+            all.resize_with(trajectory + 1, Vec::new);
+            all[trajectory].push(block.clone());
+            Ok(())
+        })?;
+        let filled = all.iter().filter(|blocks| !blocks.is_empty());
+        filled.map(|blocks| Ok(Motion::joined(self.joints(), blocks)?)).collect()
+    }
+
     /// Whether its signals went through a filter, so that their noise is not white.
     fn is_filtered(&self) -> bool {
         false

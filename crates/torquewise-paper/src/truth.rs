@@ -23,8 +23,12 @@ const SEED: u64 = 20;
 /// Exact up to rounding, since the library holds all that a serial arm of revolute joints can need.
 /// Checked against: Pinocchio, by way of the arm, and the reference arm's known 23 terms.
 pub(crate) fn true_energies(arm: &Arm) -> BTreeMap<EnergyTerm, f64> {
+    energies_in(arm, energy_library(arm.n_joints(), None))
+}
+
+/// The energies of an arm in a library that holds them.
+pub(crate) fn energies_in(arm: &Arm, library: Vec<EnergyTerm>) -> BTreeMap<EnergyTerm, f64> {
     let n = arm.n_joints();
-    let library = energy_library(n, None);
     // The potential is known up to a constant, which no torque shows.
     let mut functions = vec![Term::one(n)];
     functions.extend(library.iter().map(|term| term.function.clone()));

@@ -1,9 +1,8 @@
 //! The inertial parameters of a chain that torque determines.
 
 use crate::geometry::Geometry;
-use crate::inertia::{inertial_of, pseudo_inertia};
+use crate::inertia::seen_from;
 use crate::recursion::PER_BODY;
-use nalgebra::Matrix4;
 
 /// The same chain with mass, first moment along the axis and Iyy of each link counted into the link
 /// before it, which does not notice the turn between the two; those of the first link turn nothing.
@@ -32,10 +31,7 @@ pub fn base_parameters(geometry: &Geometry, inertial: &[f64]) -> Vec<f64> {
         };
         base[own..].iter_mut().zip(round).for_each(|(own, round)| *own -= round);
         if let Some(before) = own.checked_sub(PER_BODY) {
-            let mut place = Matrix4::identity();
-            place.fixed_view_mut::<3, 3>(0, 0).copy_from(&placements[link].rotation);
-            place.fixed_view_mut::<3, 1>(0, 3).copy_from(&placements[link].origin);
-            let moved = inertial_of(&(place * pseudo_inertia(&round) * place.transpose()));
+            let moved = seen_from(&round, &placements[link]);
             base[before..].iter_mut().zip(moved).for_each(|(own, moved)| *own += moved);
         }
     }

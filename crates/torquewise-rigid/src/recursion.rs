@@ -377,6 +377,3 @@ impl<T: Scalar> Wrench<T> {
         Self { force, moment: body.rotation * self.moment + body.origin.cross(&force) }
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -74,14 +74,4 @@ mod tests {
             assert_eq!(arm.n_joints(), summary.joints);
         }
     }
-
-    #[test]
-    fn an_unknown_name_is_answered_with_the_names_there_are() {
-        let error = Arm::builtin("puma").unwrap_err();
-
-        assert!(matches!(error, SimError::UnknownArm { .. }));
-        for summary in arms() {
-            assert!(error.told().contains(summary.name));
-        }
-    }
 }

@@ -1,11 +1,10 @@
-//! Torque, regressor, mass matrix, energy and acceleration of rigid bodies and their rotors.
+//! Torque, mass matrix, energy and acceleration of rigid bodies and their rotors.
 
 use crate::arm::Arm;
 use crate::error::{Result, SimError, check_joints};
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::linalg::solvers::Solve;
 use faer::{ColRef, Mat, Side};
-use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Moved, State};
 
 /// Equations of motion, method.md (1). Slices hold n numbers: `q` \[rad\], `dq` \[rad/s\], `ddq`
@@ -35,34 +34,6 @@ impl Arm {
     pub fn gravity_torque(&self, q: &[f64]) -> Vec<f64> {
         let still = vec![0.0; self.n_joints()];
         self.inverse_dynamics(q, &still, &still)
-    }
-
-    /// Centrifugal and Coriolis torque C(q, q̇) q̇ \[N·m\], n, without gravity.
-    pub fn coriolis_torque(&self, q: &[f64], dq: &[f64]) -> Vec<f64> {
-        self.check_lengths(&[("q", q), ("dq", dq)]);
-        let (ddq, mut tau) = (vec![0.0; self.n_joints()], vec![0.0; self.n_joints()]);
-        let weightless = self.kinematics.clone().without_gravity();
-        let state = State { q, dq, ddq: &ddq };
-        weightless.inverse_dynamics(state, &self.inertial, &mut Moved::default(), &mut tau);
-        tau
-    }
-
-    /// Y of τ = Y(q, q̇, q̈) π, n×10n: what each inertial parameter of each body adds to each torque,
-    /// of each body m, m·c (3), and the moments about the origin of its frame, xx, yy, zz, xy, xz,
-    /// yz.
-    ///
-    /// The masses of the arm are not used, its kinematics are. Rotors are not among the parameters.
-    /// The frame of a body turns with its joint about z.
-    ///
-    /// Source: C. Atkeson, C. An, J. Hollerbach, Int. J. Robotics Research 5 (1986). Checked
-    /// against: [`Arm::inverse_dynamics`].
-    pub fn regressor(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Mat<f64> {
-        self.check_lengths(&[("q", q), ("dq", dq), ("ddq", ddq)]);
-        let mut regressor = Mat::zeros(self.n_joints(), PER_BODY * self.n_joints());
-        let mut moved = Moved::default();
-        self.kinematics.move_into(State { q, dq, ddq }, &mut moved);
-        moved.regressor(|joint, parameter, value| regressor[(joint, parameter)] = value);
-        regressor
     }
 
     /// Joint-space inertia M(q) \[kg·m²\], n×n, symmetric: what τ answers to q̈.

@@ -86,18 +86,6 @@ fn limits_of_the_torque_are_kept_for_a_urdf_and_for_a_learned_model() {
 }
 
 #[test]
-fn a_plan_is_read_back_as_a_log() {
-    let terminal = Terminal::new();
-    terminal.run(&format!("excite planar-2 -o a {QUICK} --seed 7"));
-
-    let logs = "a/standstill.csv a/uniform.csv a/variable.csv";
-    let found = terminal.json(&format!("inspect {logs}"));
-    assert_eq!(found["missing"], serde_json::json!(["tau"]));
-    let rows = each(&found["patterns"], "rows");
-    assert!(rows.iter().all(|rows| *rows > 100.0), "all three patterns: {}", found["patterns"]);
-}
-
-#[test]
 fn what_cannot_be_planned_is_refused_and_leaves_no_folder() {
     let terminal = Terminal::new();
     terminal.write("two.urdf", URDF);

@@ -62,30 +62,3 @@ fn what_does_not_add_up_is_refused() {
     );
     terminal.refused("merge none.moments -o c.moments", &["none.moments", "exists"]);
 }
-
-#[cfg(unix)]
-#[test]
-fn an_interrupted_command_leaves_nothing_behind() {
-    use std::process::{Command, Stdio};
-    use std::time::{Duration, Instant};
-
-    let terminal = Terminal::new();
-    let folder = terminal.path("");
-    let mut simulate = Command::new(env!("CARGO_BIN_EXE_torquewise"))
-        .args(["simulate", "puma560-3", "-o", "long.csv", "--seconds", "1000000", "--rate", "50"])
-        .current_dir(&folder)
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let begun = Instant::now();
-    while terminal.files().is_empty() && begun.elapsed() < Duration::from_secs(60) {
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    assert_eq!(terminal.files().len(), 1, "a file on its way");
-
-    let killed = Command::new("kill").args(["-INT", &simulate.id().to_string()]).status();
-    assert!(killed.unwrap().success());
-
-    assert_eq!(simulate.wait().unwrap().code(), Some(130));
-    assert_eq!(terminal.files(), Vec::<String>::new());
-}

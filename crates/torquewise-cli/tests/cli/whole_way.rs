@@ -12,19 +12,6 @@ fn nrmse_percent(tau: &[f64], tau_hat: &[f64]) -> f64 {
 }
 
 #[test]
-fn a_model_of_a_clean_log_predicts_a_motion_it_has_not_seen() {
-    let terminal = Terminal::with_model();
-    terminal.done("simulate planar-2 -o new.csv --motion sines --seconds 20 --rate 50 --seed 9");
-
-    let scores = terminal.json("evaluate model.json new.csv");
-
-    assert_eq!(scores["rows"], 1000);
-    let joints = &scores["joints"];
-    assert!(each(joints, "nrmse_percent").iter().all(|percent| *percent < 0.01), "{joints}");
-    assert!(each(joints, "r2").iter().all(|r2| *r2 > 0.999_999), "{joints}");
-}
-
-#[test]
 fn evaluate_notes_where_a_log_leaves_the_range_of_the_fit() {
     let terminal = Terminal::with_model();
     let turned = Table::of(&terminal, "log.csv").with("q1", |_, q1, _| q1 + 3.0);
@@ -130,31 +117,6 @@ fn rows_are_labelled_as_they_truly_move() {
     assert_eq!((truth.lines().count(), labels.lines().count()), (6001, 6001));
     assert!(right > 5880, "{right} of 6001 lines agree");
     assert_eq!(each(&found["patterns"], "rows").iter().sum::<f64>().to_bits(), 6000_f64.to_bits());
-}
-
-#[test]
-fn the_same_line_gives_the_same_bytes() {
-    let terminal = Terminal::new();
-    for name in ["a", "b"] {
-        let simulate = "simulate planar-2 --seconds 60 --rate 50 --seed 5 --noise-db inf,45,-3";
-        terminal.done(&format!("{simulate} -o {name}.csv"));
-        terminal.run(&format!("fit {name}.csv -o {name}.json --seed 4"));
-    }
-
-    assert_eq!(terminal.read("a.csv"), terminal.read("b.csv"));
-    assert_eq!(terminal.read("a.json"), terminal.read("b.json"));
-}
-
-#[test]
-fn a_model_is_shown_as_text_and_latex_and_passes_its_check() {
-    let terminal = Terminal::with_model();
-
-    let text = terminal.done("show model.json --check");
-    let latex = terminal.done("show model.json --format latex");
-
-    assert!(text.contains("M11 =") && text.contains("tau2 = [joint2]"), "{text}");
-    assert!(text.contains("M(q) positive definite  yes"), "{text}");
-    assert!(latex.starts_with("\\begin{align*}") && latex.contains("\\tau_{2}"), "{latex}");
 }
 
 #[test]

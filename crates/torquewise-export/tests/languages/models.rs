@@ -141,9 +141,7 @@ pub(crate) fn chain(n: usize, skew: bool, seed: u64) -> Model {
     let function = Term::one(n).times(Trig::Cos, 1, 1, 1);
     let term = EnergyTerm { place: Place::Potential, function };
     let drives = rotors.chain([Drive::Energy { term: term.clone(), coefficient: -4.0 }]).collect();
-    let (coupling, covariance) = (Coupling::default(), Vec::new());
-    let chain =
-        RigidChain { geometry, links, drives, coupling, covariance, ..RigidChain::default() };
+    let chain = RigidChain { geometry, links, drives, ..RigidChain::default() };
     let form = Form::Energy(vec![Weighted::new(term, 1.0)]);
     Model { chain: Some(chain), ..model(n, form, friction(n), Vec::new()) }
 }

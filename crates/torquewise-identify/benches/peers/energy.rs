@@ -6,7 +6,7 @@ use std::path::Path;
 use torquewise_identify::plan::{ChainOptions, FrictionKind, LibraryOptions, Regression};
 use torquewise_identify::{LibraryKind, Plan, reconstruct};
 use torquewise_model::library::energy_library;
-use torquewise_model::{Form, Model, Training, Weighted, to_json};
+use torquewise_model::{Form, Model, Weighted, to_json};
 use torquewise_motion::Motion;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::select::lasso::{Lasso, lasso_path};
@@ -80,17 +80,10 @@ fn stacked(grams: &[NormalEquations], motion: &Motion) -> NormalEquations {
 fn write_files(folder: &Path, task: &str, motion: &Motion, test: &Motion) {
     write_motion(&folder.join(format!("{task}.f64")), motion);
     write_motion(&folder.join(format!("{task}_test.f64")), test);
-    let unit = |term| Weighted { term, coefficient: 1.0, std_error: 0.0, inclusion: None };
+    let unit = |term| Weighted::new(term, 1.0);
     let terms = energy_library(motion.n_joints(), None).into_iter().map(unit).collect();
-    let library = Model {
-        joints: motion.joints().to_vec(),
-        form: Form::Energy(terms),
-        friction: Vec::new(),
-        chain: None,
-        stages: Vec::new(),
-        training: Training::default(),
-        choices: Vec::new(),
-    };
+    let library =
+        Model { joints: motion.joints().to_vec(), form: Form::Energy(terms), ..Model::default() };
     let text = to_json(&library).expect("a model of this arm");
     std::fs::write(folder.join(format!("{task}.json")), text).expect("a folder");
 }

@@ -1,7 +1,5 @@
 //! LuGre friction, which is no law of the learner, is known at rest and at reversal.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use crate::support::{chain, fit, reference_arm};
 use torquewise_identify::Reconstruction;
 use torquewise_identify::plan::FrictionKind;

@@ -1,7 +1,5 @@
 //! Arms with and without payload, against the payload; arms alike, against silence.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use crate::support::{fit, motion, noisy, with_torque};
 use torquewise_identify::{Disagreement, Plan, disagreements};
 use torquewise_motion::{Motion, Signals};

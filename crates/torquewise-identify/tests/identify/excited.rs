@@ -1,22 +1,14 @@
 //! Limits → plan → torque of the reference arm → model: it predicts what it has not seen.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use crate::support::{executed, fit, outside, percent, reference_arm, states_of};
 use torquewise_identify::Plan as FitPlan;
-use torquewise_motion::{Motion, Pattern, Recording};
+use torquewise_motion::{Motion, Pattern};
 use torquewise_sim::Arm;
 use torquewise_sim::excite::{Plan, Planned, Wishes, excite, limits};
 
 /// The recording with the torque the arm needs for it.
 fn log(arm: &Arm, recording: &Planned) -> Motion {
-    let (mut t, mut states) = (Vec::new(), Vec::new());
-    let read = recording.read(&mut |_, block| {
-        t.extend_from_slice(block.t());
-        states.extend(states_of(block));
-        Ok(())
-    });
-    read.unwrap();
-    executed(arm, t, &states)
+    let motion = recording.motion().unwrap();
+    executed(arm, motion.t().to_vec(), &states_of(&motion))
 }
 
 #[test]

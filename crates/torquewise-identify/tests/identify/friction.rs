@@ -1,14 +1,11 @@
 //! From three recordings of an arm with friction to its terms and its friction curve, stepwise.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use crate::support::{
-    State, executed, fit, motion, percent, reference_arm, states_of, with_torque,
+    State, executed, fit, motion, normals, percent, reference_arm, states_of, with_torque,
 };
 use crate::truth;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use torquewise_identify::plan::{FrictionKind, LibraryOptions};
 use torquewise_identify::{LibraryKind, Reconstruction};
 use torquewise_model::{Form, Torque};
@@ -70,12 +67,11 @@ fn recordings(arm: &Arm) -> Motion {
 }
 
 fn rubbing(arm: &Arm, states: &[State], noise: f64) -> Motion {
-    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let mut normal = normals(7);
     let t = (0..states.len()).map(|row| 0.01 * row as f64).collect();
     with_torque(executed(arm, t, states), |[_, dq, _], tau| {
         for ((tau, curve), &dq) in tau.iter_mut().zip(&CURVES).zip(dq) {
-            let unit: f64 = StandardNormal.sample(&mut random);
-            *tau += truth_of(curve, dq) + noise * unit;
+            *tau += truth_of(curve, dq) + noise * normal();
         }
     })
 }
@@ -111,7 +107,7 @@ fn three_recordings_give_the_terms_and_the_friction_curve() {
     let found = learned(LibraryKind::Energy { interaction: None }, FrictionKind::Auto);
 
     let Form::Energy(terms) = &found.model.form else { panic!("an energy model was asked for") };
-    let truth = truth::energies(&arm);
+    let truth = truth::true_energies(&arm);
     let missing: Vec<String> = (truth.keys())
         .filter(|term| !terms.iter().any(|w| w.term == **term))
         .map(torquewise_model::EnergyTerm::name)

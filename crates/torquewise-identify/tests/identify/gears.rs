@@ -1,9 +1,6 @@
 //! From simulated log with gears that press harder under load to what was planted.
 
-use crate::support::{chain, fit, motion, reference_arm, with_torque};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use crate::support::{chain, fit, motion, normals, reference_arm, with_torque};
 use torquewise_identify::plan::FrictionKind;
 use torquewise_identify::{Reconstruction, score};
 use torquewise_model::friction::FrictionLaw;
@@ -18,14 +15,13 @@ const NOISE: f64 = 0.1;
 /// Motion of the arm with friction, and what a gear adds: joint, G \[N·m\], sign of motion.
 fn log(seed: u64, gear: impl Fn(usize, f64, f64) -> f64) -> Motion {
     let arm = reference_arm();
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut normal = normals(seed);
     with_torque(motion(&arm, MotionKind::Sines, 60.0, 50.0, seed), |[q, dq, _], tau| {
         let gravity = arm.gravity_torque(q);
         for (joint, tau) in tau.iter_mut().enumerate() {
             let sign = (dq[joint] / 0.01).tanh();
-            let unit: f64 = StandardNormal.sample(&mut random);
             let gear = gear(joint, gravity[joint], sign);
-            *tau += FRICTION.0 * sign + FRICTION.1 * dq[joint] + gear + NOISE * unit;
+            *tau += FRICTION.0 * sign + FRICTION.1 * dq[joint] + gear + NOISE * normal();
         }
     })
 }

@@ -1,4 +1,5 @@
 //! Reconstruction, summaries and memory, as a user of the crate sees them.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 mod bristles;
 mod chain;
@@ -13,11 +14,14 @@ mod recovery;
 mod rollouts;
 mod rounds;
 mod samples;
+#[path = "../../../torquewise-logs/tests/logs/shared.rs"]
+mod shared;
 mod six_joints;
 mod sliding;
 mod spoilt;
 mod summary;
 mod support;
 mod torque_sign;
+#[path = "../../../torquewise-paper/src/truth.rs"]
 mod truth;
 mod work;

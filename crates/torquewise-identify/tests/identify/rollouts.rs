@@ -1,13 +1,8 @@
 //! A chain refined by rollouts moves more like the arm, and says its torque as well.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use crate::support;
-use crate::support::reference_arm;
+use crate::support::{normals, reference_arm};
 use faer::Mat;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use torquewise_identify::plan::{ChainOptions, FrictionKind, Refine};
 use torquewise_identify::{IdentifyError, Plan, UNWATCHED, reconstruct};
 use torquewise_model::rollout::drifts;
@@ -22,11 +17,11 @@ fn motion(seconds: f64, seed: u64) -> Motion {
 /// The same seen by a differentiator that adds as much noise to accelerations as there is signal:
 /// inertias that are fitted to them are too small (E7).
 fn blurred(motion: &Motion) -> Motion {
-    let mut random = ChaCha8Rng::seed_from_u64(2);
+    let mut normal = normals(2);
     let rms = motion.ddq().norm_l2() / ((motion.n_rows() * motion.n_joints()) as f64).sqrt();
-    let mut noise = || -> f64 { rms * Distribution::<f64>::sample(&StandardNormal, &mut random) };
-    let ddq =
-        Mat::from_fn(motion.n_rows(), motion.n_joints(), |i, j| motion.ddq()[(i, j)] + noise());
+    let ddq = Mat::from_fn(motion.n_rows(), motion.n_joints(), |i, j| {
+        motion.ddq()[(i, j)] + rms * normal()
+    });
     Motion::new(Signals { ddq, ..motion.clone().into_signals() }).unwrap()
 }
 

@@ -1,13 +1,10 @@
 //! Chains fitted on every row: intervals, longer logs, physics, rounds through files.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use crate::chain::{FRICTION, linear, rubbing};
-use crate::support::{chain, fit, motion, noisy, reference_arm};
-use crate::truth::projected;
+use crate::support::{chain, fit, motion, noisy, normals, reference_arm};
+use crate::truth::energies_in;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::LazyLock;
@@ -95,7 +92,7 @@ static TRUTH: LazyLock<BTreeMap<String, f64>> = LazyLock::new(|| {
                 basis.iter().filter(move |f| place != Place::Potential || **f != Term::one(3));
             known.map(move |function| EnergyTerm { place, function: function.clone() })
         });
-        let found = projected(&reference_arm(), functions);
+        let found = energies_in(&reference_arm(), functions.collect());
         truth.extend(found.into_iter().map(|(term, weight)| (term.name(), weight)));
     }
     truth
@@ -129,15 +126,11 @@ fn fit_filtered(seed: u64) -> Reconstruction {
     let torque = with_friction(&clean);
     let q = add_noise(&clean, &Noise::from_db(70.0, f64::INFINITY, f64::INFINITY).unwrap(), seed);
     let (q, tau) = (q.unwrap(), torque.tau().unwrap());
-    let mut random = ChaCha8Rng::seed_from_u64(1_000 + seed);
+    let mut normal = normals(1_000 + seed);
     let mut text = String::from("t,q1,q2,q3,tau1,tau2,tau3\n");
     for row in 0..clean.n_rows() {
         let q = (0..3).map(|joint| q.q()[(row, joint)]);
-        let spread = [0.5, 2.0, 0.5];
-        let noise = spread.map(|spread| {
-            let unit: f64 = StandardNormal.sample(&mut random);
-            spread * unit
-        });
+        let noise = [0.5, 2.0, 0.5].map(|spread| spread * normal());
         let tau = (0..3).map(|joint| tau[(row, joint)] + noise[joint]);
         let values: Vec<String> =
             std::iter::once(clean.t()[row]).chain(q).chain(tau).map(|x| format!("{x:?}")).collect();

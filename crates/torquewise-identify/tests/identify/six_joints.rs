@@ -1,7 +1,5 @@
 //! Learned chains of six and seven joints predict other motion.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use crate::support::{chain, motion, noisy};
 use torquewise_identify::plan::FrictionKind;
 use torquewise_identify::{Reconstruction, score};

@@ -4,9 +4,8 @@
 //! A search takes most of the time: but for the worst cases the chain is that of the clean log, and
 //! conditioning, bandwidth and all passes are made anew.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
-use crate::support::{deviation, percent, with_torque};
+use crate::chain::rubbing;
+use crate::support::{deviation, percent};
 use faer::MatRef;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -185,17 +184,9 @@ fn error(model: &Model, test: &Motion) -> f64 {
 }
 
 fn noisy(motion: Motion) -> Motion {
-    let mut random = ChaCha8Rng::seed_from_u64(9);
-    let tau = motion.tau().unwrap();
-    let size: Vec<f64> = (0..tau.ncols()).map(|joint| NOISE.1 * deviation(tau, joint)).collect();
-    let joints = (1..=size.len()).map(|joint| format!("joint{joint}")).collect();
+    let joints = (1..=motion.n_joints()).map(|joint| format!("joint{joint}")).collect();
     let renamed = Motion::new(Signals { joints, ..motion.into_signals() }).unwrap();
-    with_torque(renamed, |_, tau| {
-        for (tau, size) in tau.iter_mut().zip(&size) {
-            let unit: f64 = StandardNormal.sample(&mut random);
-            *tau += size * unit;
-        }
-    })
+    rubbing(&renamed, &Vec::new(), NOISE.1)
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! Arms, motions and fits that the tests share.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use faer::{Mat, MatRef};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use torquewise_identify::plan::{ChainOptions, FrictionKind};
 use torquewise_identify::{Plan, Reconstruction, UNWATCHED, reconstruct, score};
 use torquewise_model::{Model, to_json};
@@ -28,6 +29,12 @@ pub(crate) fn outside(arm: &Arm) -> Motion {
 
 pub(crate) fn noisy(clean: &Motion, case: u8, seed: u64) -> Motion {
     add_noise(clean, &Noise::case(case).unwrap(), seed).unwrap()
+}
+
+/// Standard normal numbers.
+pub(crate) fn normals(seed: u64) -> impl FnMut() -> f64 {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    move || StandardNormal.sample(&mut random)
 }
 
 pub(crate) fn row_of(x: MatRef<'_, f64>, row: usize) -> Vec<f64> {

@@ -1,6 +1,4 @@
 //! Torques of the wrong sign are named, one and all.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use crate::support::{deviation, fit, motion, with_torque};
 use torquewise_identify::excitation::Finding;
 use torquewise_identify::{Plan, Warning};

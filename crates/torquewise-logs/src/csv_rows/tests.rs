@@ -5,7 +5,6 @@ use crate::error::{LogError, Result};
 use crate::plain::plain;
 use crate::rows::Rows;
 use crate::signal_rows::{Clock, SignalRows};
-use proptest::prelude::*;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
@@ -111,18 +110,4 @@ fn long_lines_and_fields_are_refused_without_holding_them() {
     assert!(matches!(line, Err(LogError::TooLong { part: "line", line: 2, .. })));
     assert!(matches!(name, Err(LogError::TooLong { part: "field", line: 1, .. })));
     assert!(matches!(field, Err(LogError::TooLong { part: "field", line: 2, .. })));
-}
-
-proptest! {
-    #[test]
-    fn random_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..600)) {
-        let _ = read(&bytes);
-    }
-
-    #[test]
-    fn random_bytes_under_a_header_never_panic(text in "[-+0-9.eE,\"#; \r\nna]{0,200}") {
-        if let Ok(rows) = read(format!("t,q1\n{text}").as_bytes()) {
-            prop_assert!(rows.iter().flatten().all(|value| value.is_finite()));
-        }
-    }
 }

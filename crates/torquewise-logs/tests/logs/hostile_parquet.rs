@@ -6,7 +6,6 @@ use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, FloatTy
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
-use proptest::prelude::*;
 use std::fs::File;
 use std::path::Path;
 use std::sync::LazyLock;
@@ -228,33 +227,5 @@ fn a4_pages_that_take_more_memory_than_stated_are_refused() {
 fn a_truncated_file_is_refused_wherever_it_ends() {
     for end in 0..VALID.len() {
         assert!(read_bytes(&VALID[..end]).is_err(), "{end} of {} bytes", VALID.len());
-    }
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
-
-    #[test]
-    fn a_damaged_file_never_panics(
-        changes in proptest::collection::vec((any::<proptest::sample::Index>(), any::<u8>()), 1..6),
-        to_footer in any::<bool>(),
-    ) {
-        let mut bytes = VALID.clone();
-        let start = if to_footer { bytes.len() * 2 / 3 } else { 0 };
-        for (place, value) in changes {
-            let place = start + place.index(bytes.len() - start);
-            bytes[place] = value;
-        }
-        if let Ok(parts) = read_bytes(&bytes) {
-            prop_assert!(parts.iter().all(|part| part.n_rows() <= 50));
-        }
-    }
-
-    #[test]
-    fn random_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
-        let framed = [&b"PAR1"[..], &bytes, &b"PAR1"[..]].concat();
-
-        prop_assert!(read_bytes(&bytes).is_err());
-        prop_assert!(read_bytes(&framed).is_err());
     }
 }

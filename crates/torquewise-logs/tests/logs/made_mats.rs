@@ -64,10 +64,14 @@ pub(crate) fn compressed(variable: &[u8]) -> Vec<u8> {
 
 pub(crate) fn mat(folder: &TempDir, variables: &[Vec<u8>]) -> PathBuf {
     let file = folder.path().join("log.mat");
+    std::fs::write(&file, mat_of(variables)).unwrap();
+    file
+}
+
+pub(crate) fn mat_of(variables: &[Vec<u8>]) -> Vec<u8> {
     let mut bytes = vec![b' '; 124];
     bytes[..19].copy_from_slice(b"MATLAB 5.0 MAT-file");
     bytes.extend([0, 1, b'I', b'M']);
     bytes.extend(variables.concat());
-    std::fs::write(&file, bytes).unwrap();
-    file
+    bytes
 }

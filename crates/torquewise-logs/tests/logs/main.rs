@@ -6,11 +6,11 @@ mod bags;
 mod hostile_parquet;
 mod made_bags;
 mod made_mats;
-mod oracle;
 mod profiles;
 mod real_robots;
 mod recording;
 mod round_trip;
+mod shared;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -47,18 +47,4 @@ fn read_both(file: &Path, options: &Options) -> Result<Vec<Motion>, LogError> {
 /// To read logs by a profile.
 fn with(profile: &str) -> Options {
     Options { profile: Some(Profile::from_toml(profile).unwrap()), ..Options::default() }
-}
-
-/// A folder of reference values or real logs; none where the test is to be skipped.
-fn shared(name: &str) -> Option<PathBuf> {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
-    let folder = std::env::var_os("TORQUEWISE_SHARED").map_or(default.into(), PathBuf::from);
-    let folder = folder.join(name);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    let required = std::env::var("TORQUEWISE_SHARED_REQUIRED").is_ok_and(|value| value == "1");
-    assert!(!required, "{} does not exist", folder.display());
-    println!("skipped: {} does not exist", folder.display());
-    None
 }

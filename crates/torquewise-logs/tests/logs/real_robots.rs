@@ -2,7 +2,7 @@
 //!
 //! First and last rows, in `real_robots.csv`, were worked out with numpy 2, scipy 1 and rosbags 0.11 in Python.
 
-use crate::shared;
+use crate::shared::shared;
 use faer::MatRef;
 use std::path::Path;
 use torquewise_logs::{Logs, Options, Profile, ReadReport};

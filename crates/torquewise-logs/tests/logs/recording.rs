@@ -1,5 +1,8 @@
 //! Several files are one recording, and what does not belong together is refused.
 use crate::Files;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 use std::path::PathBuf;
 use torquewise_logs::{ConditionedLogs, LogError, Logs};
 use torquewise_motion::signals::{Conditioning, Cutoff};
@@ -179,21 +182,12 @@ fn reading_stops_with_the_first_error_of_the_visitor() {
 
 /// A joint that swings, with white noise of 1e-3 in its position; no velocities.
 fn noisy_swing(rows: usize) -> String {
-    let mut state = 1_u64;
-    let mut unit = || -> f64 {
-        // Twelve uniform numbers are about normal together.
-        let mut sum = -6.0;
-        for _ in 0..12 {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695);
-            sum += (state >> 11) as f64 / (1_u64 << 53) as f64;
-        }
-        sum
-    };
-    let row = |k: usize| {
+    let unit = ChaCha8Rng::seed_from_u64(1).sample_iter(StandardNormal);
+    let row = |(k, noise): (usize, f64)| {
         let t = 0.01 * k as f64;
-        format!("{t:?},{:?},{:?}\n", (2.0 * t).sin() + 1e-3 * unit(), t.cos())
+        format!("{t:?},{:?},{:?}\n", (2.0 * t).sin() + 1e-3 * noise, t.cos())
     };
-    format!("t,q1,tau1\n{}", (0..rows).map(row).collect::<String>())
+    format!("t,q1,tau1\n{}", (0..rows).zip(unit).map(row).collect::<String>())
 }
 
 /// Rows of a log, and their noise.

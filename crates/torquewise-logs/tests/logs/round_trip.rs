@@ -2,7 +2,7 @@
 
 use faer::Mat;
 use proptest::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use torquewise_logs::{
     Column, ColumnKind, LogError, LogWriter, Logs, TableWriter, Values, write_motion,
 };
@@ -37,10 +37,6 @@ fn bits(motion: &Motion) -> Vec<u64> {
 
 fn read_back(file: &Path) -> Vec<Motion> {
     Logs::open(&[file.to_owned()]).unwrap().read_all().unwrap()
-}
-
-fn names_in(folder: &Path) -> Vec<PathBuf> {
-    std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect()
 }
 
 #[test]
@@ -84,26 +80,6 @@ fn a_motion_without_torque_cannot_fill_a_log_with_torque() {
     assert!(read_back(&file)[0].tau().is_none());
     let csv = std::fs::read_to_string(file).unwrap();
     assert_eq!(csv.lines().nth(1), Some("t,q1,dq1,ddq1"));
-}
-
-#[test]
-fn a_table_dropped_before_its_end_leaves_nothing_and_the_old_file_as_it_was() {
-    let folder = tempfile::tempdir().unwrap();
-    for name in FORMATS {
-        let file = folder.path().join(name);
-        std::fs::write(&file, "old").unwrap();
-
-        let columns = [Column::new("row", ColumnKind::Count)];
-        let mut table = TableWriter::create(&file, &columns).unwrap();
-        table.append(&[Values::Counts(&[1, 2])]).unwrap();
-        let while_open = names_in(folder.path()).len();
-        drop(table);
-
-        assert_eq!(while_open, 2);
-        assert_eq!(names_in(folder.path()), [file.as_path()]);
-        assert_eq!(std::fs::read_to_string(&file).unwrap(), "old");
-        std::fs::remove_file(file).unwrap();
-    }
 }
 
 #[test]

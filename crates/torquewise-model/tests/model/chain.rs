@@ -1,7 +1,5 @@
 //! The torque of a model that holds a rigid chain, at one state and over a motion.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use faer::Mat;
 use torquewise_model::rigid_chain::{Coupled, Coupling};
 use torquewise_model::{
@@ -21,9 +19,7 @@ fn model() -> Model {
         Drive::Energy { term: spring, coefficient: -4.0 },
     ];
     let links = [3.0, 2.0, 1.0].map(link).to_vec();
-    let (coupling, covariance) = (Coupling::default(), vec![]);
-    let chain =
-        RigidChain { geometry, links, drives, coupling, covariance, ..RigidChain::default() };
+    let chain = RigidChain { geometry, links, drives, ..RigidChain::default() };
     Model {
         joints: ["a", "b", "c"].map(String::from).to_vec(),
         form: Form::Energy(vec![]),
@@ -158,24 +154,6 @@ fn coefficients_of_terms_are_those_of_the_list() {
     for (term, found) in wanted.iter().zip(found) {
         let all = terms.iter().filter(|(own, _)| own == term).map(|(_, coefficient)| coefficient);
         assert!((all.sum::<f64>() - found).abs() < 1e-12, "{}", term.name());
-    }
-}
-
-#[test]
-fn four_states_at_once_are_four_states() {
-    let (torque, motion) = (Torque::new(&model()), motion());
-    let (tau, parts) = (torque.over(&motion).unwrap(), torque.parts(&motion).unwrap());
-
-    for row in 0..motion.n_rows() {
-        let state = |signal: faer::MatRef<'_, f64>| [0, 1, 2].map(|joint| signal[(row, joint)]);
-        let (q, dq, ddq) = (state(motion.q()), state(motion.dq()), state(motion.ddq()));
-        let alone = torque.at(&q, &dq, &ddq).unwrap();
-        let (gravity, coriolis) = (torque.gravity(&q).unwrap(), torque.coriolis(&q, &dq).unwrap());
-        for joint in 0..3 {
-            assert!((alone[joint] - tau[(row, joint)]).abs() < 1e-12);
-            assert!((gravity[joint] - parts.gravity[(row, joint)]).abs() < 1e-12);
-            assert!((coriolis[joint] - parts.coriolis[(row, joint)]).abs() < 1e-12);
-        }
     }
 }
 

@@ -1,4 +1,5 @@
 //! Models beside closed forms.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 mod chain;
 mod friction;

@@ -1,7 +1,5 @@
 //! From planted laws of friction to the parameters they were planted with, and their errors.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
 use faer::Mat;
 use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::print::{friction_tables, text};

@@ -114,4 +114,4 @@ pub(crate) fn quantisation(x: &[f64]) -> Option<Quantisation> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -137,7 +137,6 @@ mod tests {
     use super::*;
     use crate::html::chart::Series;
     use crate::html::colour::Colour;
-    use crate::html::thin::MOST_POINTS;
 
     fn spec(chart: &Chart) -> Value {
         serde_json::from_str(&spec_json(chart).unwrap()).unwrap()
@@ -156,16 +155,6 @@ mod tests {
             spec["series"].as_array().unwrap().iter().map(|s| &s["column"]).collect();
         assert_eq!(columns, [&json!(0), &json!(0), &json!(1)]);
         assert_eq!(spec["series"][1]["y"], json!([null, 4]));
-    }
-
-    #[test]
-    fn long_curves_are_thinned() {
-        let points = (0..50_000).map(|k| [f64::from(k), f64::from(k % 7)]).collect();
-
-        let spec = spec(&Chart { series: vec![Series::line("a", points)], ..Chart::default() });
-
-        let drawn = spec["columns"][0].as_array().unwrap().len();
-        assert!((1_000..=MOST_POINTS).contains(&drawn), "{drawn}");
     }
 
     #[test]

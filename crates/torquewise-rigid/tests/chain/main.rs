@@ -6,6 +6,6 @@ mod twins;
 mod dynamics;
 mod expansion;
 mod prismatic;
-mod recovery;
+mod recursion;
 mod tangent;
 mod bad_input;

@@ -9,12 +9,15 @@ use torquewise_rigid::inertia::seen_from;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Geometry, JointKinds, Kinematics, Moved, State};
 
-fn numbers(random: &mut ChaCha8Rng, count: usize) -> Vec<f64> {
+pub(crate) fn numbers(random: &mut ChaCha8Rng, count: usize) -> Vec<f64> {
     (0..count).map(|_| random.random_range(-1.5..1.5)).collect()
 }
 
-/// A random chain of such joints, the inertial parameters of its bodies, and a state of it.
-fn drawn(kinds: &str, random: &mut ChaCha8Rng) -> (Geometry, Vec<f64>, [Vec<f64>; 3]) {
+/// A chain, the inertial parameters of its bodies, and a state of it.
+pub(crate) type Drawn = (Geometry, Vec<f64>, [Vec<f64>; 3]);
+
+/// A random chain of such joints.
+pub(crate) fn drawn(kinds: &str, random: &mut ChaCha8Rng) -> Drawn {
     let n = kinds.len();
     let geometry = Geometry::new(&numbers(random, PER_BASE + PER_JOINT * (n - 1))).unwrap();
     let geometry = geometry.of_kinds(JointKinds::read(kinds).unwrap());
@@ -22,7 +25,11 @@ fn drawn(kinds: &str, random: &mut ChaCha8Rng) -> (Geometry, Vec<f64>, [Vec<f64>
     (geometry, numbers(random, PER_BODY * n), state)
 }
 
-fn torque_of(geometry: &Geometry, inertial: &[f64], [q, dq, ddq]: &[Vec<f64>; 3]) -> Vec<f64> {
+pub(crate) fn torque_of(
+    geometry: &Geometry,
+    inertial: &[f64],
+    [q, dq, ddq]: &[Vec<f64>; 3],
+) -> Vec<f64> {
     let mut torque = vec![0.0; q.len()];
     let state = State { q, dq, ddq };
     let mut moved = Moved::default();
@@ -30,7 +37,7 @@ fn torque_of(geometry: &Geometry, inertial: &[f64], [q, dq, ddq]: &[Vec<f64>; 3]
     torque
 }
 
-const ARMS: [&str; 6] = ["p", "rp", "pr", "ppp", "rrpr", "rrprrr"];
+pub(crate) const ARMS: [&str; 6] = ["p", "rp", "pr", "ppp", "rrpr", "rrprrr"];
 
 #[test]
 fn a_point_mass_on_a_turning_slide_obeys_its_closed_form() {
@@ -62,7 +69,7 @@ fn a_lift_holds_its_weight() {
 #[test]
 fn torque_follows_from_the_energies_by_lagrange() {
     let mut random = ChaCha8Rng::seed_from_u64(11);
-    for kinds in ARMS {
+    for kinds in ARMS.into_iter().chain(["rrrr"]) {
         let n = kinds.len();
         let (geometry, inertial, state) = drawn(kinds, &mut random);
         let [q, dq, ddq] = &state;
@@ -100,26 +107,6 @@ fn torque_follows_from_the_energies_by_lagrange() {
             let size = pushed.abs() + rate.abs() + slope.abs();
             assert_relative_eq!(torque[joint], pushed + rate - slope, epsilon = 1e-8 * size);
             assert_relative_eq!(at_once[joint], torque[joint], epsilon = 1e-12 * size);
-        }
-    }
-}
-
-#[test]
-fn regressor_times_parameters_is_the_torque() {
-    let mut random = ChaCha8Rng::seed_from_u64(1);
-    for kinds in ARMS {
-        let (geometry, inertial, state) = drawn(kinds, &mut random);
-        let [q, dq, ddq] = &state;
-        let mut moved = Moved::default();
-        Kinematics::new(&geometry).move_into(State { q, dq, ddq }, &mut moved);
-
-        let mut by_regressor = vec![0.0; kinds.len()];
-        moved.regressor(|joint, parameter, value: f64| {
-            by_regressor[joint] += inertial[parameter] * value;
-        });
-
-        for (a, b) in by_regressor.iter().zip(&torque_of(&geometry, &inertial, &state)) {
-            assert_relative_eq!(a, b, max_relative = 1e-11, epsilon = 1e-10);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What a chain leaves of rows, and its slopes, against its torque at moved parameters.
 
-use crate::twins::{arm, chain, drawn, sines};
+use crate::twins::{arm, drawn, sines};
 use faer::Mat;
 use torquewise_rigid::{Chain, Geometry, Rows};
 
@@ -14,7 +14,7 @@ fn share(row: usize, joint: usize) -> f64 {
 
 /// Rows of another arm than the chain, with two columns beside it.
 fn rows() -> Rows {
-    let motion = sines(&arm(&drawn(JOINTS, 8), [0.0, 0.0, -9.81]), 2.0, 5);
+    let motion = sines(&arm(&drawn(JOINTS, 8)), 2.0, 5);
     let (m, tau) = (motion.n_rows(), motion.require_tau().unwrap());
     let drive: Vec<Mat<f64>> = (0..JOINTS)
         .map(|joint| Mat::from_fn(m, 2, |row, k| (0.01 * (row * (k + joint + 1)) as f64).cos()))
@@ -24,7 +24,7 @@ fn rows() -> Rows {
 }
 
 fn other() -> Chain {
-    Chain { drive: vec![0.7, -1.3], ..chain(&drawn(JOINTS, 4), [0.1, -0.2]) }
+    Chain { drive: vec![0.7, -1.3], ..drawn(JOINTS, 4) }
 }
 
 /// Weighted torque of a chain, all rows of joint 1 first.

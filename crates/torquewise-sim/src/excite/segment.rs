@@ -159,12 +159,6 @@ mod tests {
         })
     }
 
-    fn stroke(speeds: [f64; 2], cruise: f64) -> Segment {
-        let ramp = ramp_seconds(&speeds, &LIMITS);
-        let travel = speeds.iter().map(|speed| speed * (ramp + cruise)).collect();
-        Segment::Stroke { from: vec![0.0; 2], travel, ramp, cruise }
-    }
-
     #[test]
     fn the_fastest_glide_just_reaches_a_limit() {
         let by_speed = glide(&[-1.0, 0.0], &[2.0, 0.1], &LIMITS);
@@ -178,18 +172,6 @@ mod tests {
                 assert!(speed <= limits.velocity && acceleration <= limits.acceleration);
             }
         }
-    }
-
-    #[test]
-    fn a_stroke_keeps_its_speed_and_its_limits() {
-        let stroke = stroke([0.8, -0.6], 1.5);
-
-        let middle = state(&stroke, stroke.seconds() / 2.0);
-        assert_relative_eq!(middle.dq[..], [0.8, -0.6][..], max_relative = 1e-12);
-        assert_eq!(middle.ddq.iter().map(|a| a.abs()).fold(0.0, f64::max).to_bits(), 0);
-        let [speed, acceleration] = peaks(&stroke, 1);
-        assert_relative_eq!(acceleration, 1.0, max_relative = 1e-6);
-        assert!(acceleration <= 1.0 && speed <= 0.6 * (1.0 + 1e-12));
     }
 
     #[test]

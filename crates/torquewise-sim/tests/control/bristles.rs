@@ -1,6 +1,4 @@
 //! Friction that remembers the path, in a closed loop: bristles of the arm, elements of a model.
-#![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
-
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{Form, FrictionTerm, Model, Torque, Weighted};
 use torquewise_motion::path::Path;

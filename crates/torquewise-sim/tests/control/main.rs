@@ -1,4 +1,5 @@
 //! Plants and controllers beside identities.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 mod bristles;
 mod plant;

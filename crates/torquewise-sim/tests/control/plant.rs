@@ -1,6 +1,4 @@
 //! Plants against closed forms and identities: energy, inverse dynamics, sticking.
-#![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
-
 use torquewise_sim::control::{Periodic, Plant, periodic, record};
 use torquewise_sim::{Arm, Friction, SimError, Stribeck};
 

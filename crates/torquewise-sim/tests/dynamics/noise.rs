@@ -1,6 +1,4 @@
 //! Noise: as strong as asked, independent of order, and none where nothing moves.
-#![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
-
 use faer::{Mat, MatRef};
 use torquewise_motion::{Motion, Signals};
 use torquewise_sim::{Arm, MotionPlan, Noise, SimError, add_noise, simulate};

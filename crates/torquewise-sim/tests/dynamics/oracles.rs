@@ -1,7 +1,5 @@
 //! From torques of an independent tool and closed forms to the same torques here.
-#![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
-
-use crate::shared;
+use crate::shared::shared;
 use std::path::Path;
 use torquewise_sim::Arm;
 

@@ -1,8 +1,6 @@
 //! URDF to the geometry of a fit and back: bodies put into the file move as they did.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
-use crate::shared;
+use crate::shared::shared;
 use approx::assert_relative_eq;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

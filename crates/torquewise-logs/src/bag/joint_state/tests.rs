@@ -1,7 +1,6 @@
 //! Messages written byte by byte, whole and cut short.
 
 use super::{JointState, Malformed};
-use proptest::prelude::*;
 
 /// A message of joints a and bc at 2 s and 3 ns; the numbers stand as `put` writes them.
 fn message(kind: u8, put: impl Fn(u64, usize) -> Vec<u8>, align_to: usize) -> Vec<u8> {
@@ -70,12 +69,4 @@ fn a_length_beyond_the_message_is_refused_before_anything_is_allocated() {
 
     assert_eq!(JointState::decode(&bytes), Err(Malformed::Short));
     assert_eq!(JointState::decode(&message(3, little, 8)), Err(Malformed::Encapsulation));
-}
-
-proptest! {
-    #[test]
-    fn random_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
-        let framed = [&[0, 1, 0, 0], &bytes[..]].concat();
-        let _ = JointState::decode(&framed);
-    }
 }

@@ -103,21 +103,6 @@ fn gaps_are_counted_wherever_blocks_are_cut() {
 }
 
 #[test]
-fn outliers_are_counted_once() {
-    let raw = log(90_000, 0.0);
-    let settings = Conditioning { cutoff: Cutoff::Hz(5.0), ..Default::default() };
-    let plan = Plan::new(&rows(&raw, 0, 20_000), &settings).unwrap();
-    let mut conditioner = Conditioner::new(plan);
-
-    conditioner.push(&raw).unwrap();
-
-    // Rows 50, 10023, 20023 … as far as the parts that were full reach.
-    let spikes: u64 = conditioner.repairs.spikes.values().sum();
-    assert!((12..=18).contains(&spikes), "{spikes}");
-    assert!(conditioner.waiting.t.len() < conditioner.part);
-}
-
-#[test]
 fn blocks_that_do_not_follow_are_refused() {
     let raw = log(1000, 0.0);
     let settings = Conditioning { cutoff: Cutoff::Hz(5.0), ..Default::default() };

@@ -6,8 +6,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-fn gaussian(n: usize, sigma: f64) -> Vec<f64> {
-    let mut rng = ChaCha8Rng::seed_from_u64(11);
+pub(crate) fn gaussian(n: usize, sigma: f64, seed: u64) -> Vec<f64> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let draw = |_| {
         let x: f64 = StandardNormal.sample(&mut rng);
         sigma * x
@@ -17,7 +17,7 @@ fn gaussian(n: usize, sigma: f64) -> Vec<f64> {
 
 #[test]
 fn noise_on_a_motion_is_found() {
-    let noise = gaussian(4000, 1e-3);
+    let noise = gaussian(4000, 1e-3, 11);
     let x: Vec<f64> = (0..4000).map(|k| (0.01 * f64::from(k)).sin()).collect();
     let x: Vec<f64> = x.iter().zip(&noise).map(|(x, e)| x + e).collect();
 
@@ -29,7 +29,7 @@ fn noise_on_a_motion_is_found() {
 
 #[test]
 fn noise_is_taken_from_standstill_where_there_is_some() {
-    let noise = gaussian(4000, 1.0);
+    let noise = gaussian(4000, 1.0, 11);
     let x: Vec<f64> = (0..4000).map(|k| if k < 2000 { 0.1 } else { 1.0 } * noise[k]).collect();
     let dq: Vec<f64> = (0..4000).map(|k| if k < 2000 { 0.001 } else { 0.5 }).collect();
 
@@ -73,7 +73,7 @@ fn a_step_that_never_occurs_alone_is_found() {
 
 #[test]
 fn a_continuous_signal_has_no_step() {
-    assert_eq!(quantisation(&gaussian(2000, 1.0)), None);
+    assert_eq!(quantisation(&gaussian(2000, 1.0, 11)), None);
     assert_eq!(quantisation(&[0.3; 50]), None);
     assert_eq!(quantisation(&[]), None);
 }

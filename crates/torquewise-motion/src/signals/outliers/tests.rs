@@ -1,9 +1,7 @@
 //! Spikes are found and taken out, motion and friction are left alone.
 
 use super::*;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use crate::signals::noise::tests::gaussian;
 use std::f64::consts::PI;
 
 fn times(n: usize) -> Vec<f64> {
@@ -46,12 +44,8 @@ fn sharp_peaks_of_a_fast_sine_are_left_alone() {
 #[test]
 fn spikes_of_one_to_three_rows_are_removed() {
     let t = times(3000);
-    let mut rng = ChaCha8Rng::seed_from_u64(5);
-    let mut noise = || {
-        let e: f64 = StandardNormal.sample(&mut rng);
-        0.05 * e
-    };
-    let clean: Vec<f64> = t.iter().map(|t| torque(*t) + noise()).collect();
+    let noise = gaussian(3000, 0.05, 5);
+    let clean: Vec<f64> = t.iter().zip(noise).map(|(t, noise)| torque(*t) + noise).collect();
     let mut x = clean.clone();
     // In the middle of smooth parts, found by hand.
     let places = [(405, 1), (906, 2), (1440, 3), (2207, 1)];
@@ -71,8 +65,7 @@ fn spikes_of_one_to_three_rows_are_removed() {
 
 #[test]
 fn white_noise_is_no_spike() {
-    let mut rng = ChaCha8Rng::seed_from_u64(9);
-    let mut x: Vec<f64> = (0..20_000).map(|_| StandardNormal.sample(&mut rng)).collect();
+    let mut x = gaussian(20_000, 1.0, 9);
 
     let scale = spike_scale(&x);
     let rows = replace_outliers(&times(20_000), &mut x, scale);

@@ -1,17 +1,13 @@
 //! Torque, regressor and derivatives agree with each other and balance the books.
 
-use super::{Kinematics, Lanes, MOST_JOINTS, Moved, PER_BODY, State};
-use crate::coupling::{Coupled, Coupling};
-use crate::geometry::{Geometry, PER_BASE, PER_JOINT};
-use crate::joint::JointKinds;
+use crate::prismatic::{ARMS, Drawn, drawn, numbers, torque_of};
 use approx::assert_relative_eq;
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use simba::simd::SimdValue;
-
-fn numbers(random: &mut ChaCha8Rng, count: usize) -> Vec<f64> {
-    (0..count).map(|_| random.random_range(-2.0..2.0)).collect()
-}
+use torquewise_rigid::coupling::{Coupled, Coupling};
+use torquewise_rigid::recursion::{Lanes, MOST_JOINTS, PER_BODY};
+use torquewise_rigid::{Geometry, Kinematics, Moved, State};
 
 /// Joints of which one turns with two coordinates before it, another with one.
 fn coupling() -> Coupling {
@@ -22,34 +18,25 @@ fn coupling() -> Coupling {
         })
 }
 
-/// A random chain, the inertial parameters of its bodies, and a state of it; one with an odd number
-/// of joints is coupled.
-fn drawn(n: usize, random: &mut ChaCha8Rng) -> (Geometry, Vec<f64>, [Vec<f64>; 3]) {
-    let geometry = Geometry::new(&numbers(random, PER_BASE + PER_JOINT * (n - 1))).unwrap();
+/// A random chain of joints that turn; one with an odd number of joints is coupled.
+fn turning(n: usize, random: &mut ChaCha8Rng) -> Drawn {
+    let (geometry, inertial, state) = drawn(&"r".repeat(n), random);
     let coupled = n > 2 && n % 2 == 1;
     let geometry = if coupled { geometry.coupled(coupling()) } else { geometry };
-    let state = std::array::from_fn(|_| numbers(random, n));
-    (geometry, numbers(random, PER_BODY * n), state)
-}
-
-fn torque_of(geometry: &Geometry, inertial: &[f64], [q, dq, ddq]: &[Vec<f64>; 3]) -> Vec<f64> {
-    let mut torque = vec![0.0; q.len()];
-    let state = State { q, dq, ddq };
-    let mut moved = Moved::default();
-    Kinematics::new(geometry).inverse_dynamics(state, inertial, &mut moved, &mut torque);
-    torque
+    (geometry, inertial, state)
 }
 
 #[test]
 fn regressor_times_parameters_is_the_torque() {
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    for n in (1..=7).chain([MOST_JOINTS]) {
-        let (geometry, inertial, state) = drawn(n, &mut random);
+    let turning: Vec<_> = (1..=7).chain([MOST_JOINTS]).map(|n| turning(n, &mut random)).collect();
+    let sliding = ARMS.map(|kinds| drawn(kinds, &mut random));
+    for (geometry, inertial, state) in turning.into_iter().chain(sliding) {
         let [q, dq, ddq] = &state;
         let mut moved = Moved::default();
         Kinematics::new(&geometry).move_into(State { q, dq, ddq }, &mut moved);
 
-        let mut by_regressor = vec![0.0; n];
+        let mut by_regressor = vec![0.0; q.len()];
         moved.regressor(|joint, parameter, value: f64| {
             assert!(parameter / PER_BODY >= joint, "a body loads no joint beyond it");
             by_regressor[joint] += inertial[parameter] * value;
@@ -65,7 +52,7 @@ fn regressor_times_parameters_is_the_torque() {
 #[test]
 fn a_coupled_chain_is_the_chain_at_other_angles_and_loads_all_that_turn_it() {
     let mut random = ChaCha8Rng::seed_from_u64(5);
-    let (geometry, inertial, state) = drawn(3, &mut random);
+    let (geometry, inertial, state) = turning(3, &mut random);
     assert!(geometry.coupling().is_sound(3) && !geometry.coupling().is_sound(2));
     // Γq and Γᵀτ, written out.
     let angles = state.clone().map(|x| vec![x[0], x[1] + x[0], x[2] - 2.0 * x[0] - x[1]]);
@@ -85,13 +72,9 @@ fn a_coupled_chain_is_the_chain_at_other_angles_and_loads_all_that_turn_it() {
 #[test]
 fn derivatives_by_the_geometry_are_those_of_central_differences() {
     let mut random = ChaCha8Rng::seed_from_u64(7);
-    let coupled = (1..=6).map(|n| drawn(n, &mut random)).collect::<Vec<_>>();
-    let sliding = ["p", "rp", "pr", "ppp", "rrpr", "rrprrr"].map(|kinds| {
-        let (geometry, inertial, state) = drawn(kinds.len(), &mut random);
-        let kinds = JointKinds::read(kinds).unwrap();
-        (geometry.coupled(Coupling::default()).of_kinds(kinds), inertial, state)
-    });
-    for (geometry, inertial, state) in coupled.into_iter().chain(sliding) {
+    let turning: Vec<_> = (1..=6).map(|n| turning(n, &mut random)).collect();
+    let sliding = ARMS.map(|kinds| drawn(kinds, &mut random));
+    for (geometry, inertial, state) in turning.into_iter().chain(sliding) {
         let n = geometry.n_joints();
         let [q, dq, ddq] = &state;
         let (mut moved, mut change) = (Moved::default(), vec![0.0; n]);
@@ -142,7 +125,7 @@ fn derivatives_hold_where_an_axis_is_parallel_to_the_one_before() {
 #[test]
 fn four_states_at_once_are_four_states() {
     let mut random = ChaCha8Rng::seed_from_u64(4);
-    let (geometry, inertial, _) = drawn(5, &mut random);
+    let (geometry, inertial, _) = turning(5, &mut random);
     let states: [[Vec<f64>; 3]; 4] =
         std::array::from_fn(|_| std::array::from_fn(|_| numbers(&mut random, 5)));
     let lanes: [Vec<Lanes>; 3] = std::array::from_fn(|signal| {
@@ -160,28 +143,5 @@ fn four_states_at_once_are_four_states() {
             // Sines of several at once are rounded otherwise than those of one.
             assert_relative_eq!(torque[joint].extract(k), expected[joint], max_relative = 1e-12);
         }
-    }
-}
-
-#[test]
-fn the_mass_matrix_is_the_torque_of_unit_accelerations_without_gravity() {
-    let mut random = ChaCha8Rng::seed_from_u64(3);
-    let (geometry, inertial, [q, ..]) = drawn(4, &mut random);
-    let kinematics = Kinematics::new(&geometry);
-    let weightless = kinematics.clone().without_gravity();
-    let (rest, mut unit) = (vec![0.0; 4], vec![0.0; 4]);
-    let mut moved = Moved::default();
-    let mut mass = [[0.0; 4]; 4];
-    kinematics.mass_matrix(&q, &inertial, &mut moved, |i, j, value| mass[i][j] = value);
-
-    for j in 0..4 {
-        unit[j] = 1.0;
-        let mut torque = [0.0; 4];
-        let state = State { q: &q[..], dq: &rest[..], ddq: &unit[..] };
-        weightless.inverse_dynamics(state, &inertial, &mut moved, &mut torque);
-        for i in 0..=j {
-            assert_relative_eq!(mass[i][j], torque[i], epsilon = 1e-11);
-        }
-        unit[j] = 0.0;
     }
 }
