@@ -75,7 +75,7 @@ def torque_cell(arm, results):
 
 
 def motion_cell(arm, results):
-    """Drift over that of a held velocity, processor time [s], peak memory [MB]."""
+    """Drift over that of an arm that keeps its velocity, processor time [s], peak memory [MB]."""
     own = results.get("time", {})
     cells = []
     if own.get("drift"):
@@ -94,8 +94,8 @@ def digits(x):
 TABLES = {
     "Held-out torque, NRMSE [%], geometric mean of the joints (worst joint): of 30 % of the time, then of"
     " 30 % of the configurations": torque_cell,
-    "Drift after 0.5 s over that of a held velocity, geometric mean of the joints; processor time of the"
-    " fit [s]; peak memory [MB]": motion_cell,
+    "Drift after 0.5 s over that of an arm that keeps its velocity, geometric mean of the joints; processor"
+    " time of the fit [s]; peak memory [MB]": motion_cell,
 }
 
 

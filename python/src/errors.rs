@@ -1,16 +1,14 @@
 //! From errors of the engine to exceptions of Python.
 
 use pyo3::create_exception;
-use pyo3::exceptions::{
-    PyException, PyFileNotFoundError, PyKeyboardInterrupt, PyOSError, PyValueError,
-};
+use pyo3::exceptions::{PyFileNotFoundError, PyKeyboardInterrupt, PyOSError, PyValueError};
 use pyo3::prelude::*;
 use std::error::Error as StdError;
 use std::io::ErrorKind;
 use torquewise::Error;
 use torquewise::logs::LogError as Logs;
 
-create_exception!(torquewise, TorquewiseError, PyException, "What torquewise cannot do, and why.");
+create_exception!(torquewise, TorquewiseError, PyValueError, "What torquewise cannot do, and why.");
 create_exception!(torquewise, LogError, TorquewiseError, "A log that cannot be read or used.");
 create_exception!(torquewise, FitError, TorquewiseError, "A log that no model can be fitted to.");
 create_exception!(

@@ -1,6 +1,6 @@
 //! From logs to a model.
 
-use crate::errors::{UsageError, message, raised, value_error, wrong};
+use crate::errors::{UsageError, message, raised, wrong};
 use crate::log::Log;
 use crate::model::{Model, json};
 use crate::work::work;
@@ -45,18 +45,25 @@ pub(crate) fn fit_options(
     let Some(given) = options else {
         return FitOptions::of_keywords(&keywords).map_err(raised);
     };
-    let (plain, of_urdf) = (PyDict::new(given.py()), ["urdf", "lock", "gravity"]);
-    for (name, value) in given.iter().filter(|(_, value)| !value.is_none()) {
-        if !of_urdf.contains(&name.extract::<&str>()?) {
-            plain.set_item(name, value)?;
-        }
-    }
     // Whole numbers of NumPy are none of JSON.
     let whole = PyDict::new(given.py());
     whole.set_item("default", given.py().import("operator")?.getattr("index")?)?;
-    let text = given.py().import("json")?.call_method("dumps", (plain,), Some(&whole))?;
-    let plain: Map<String, Value> = serde_json::from_str(text.extract()?).map_err(value_error)?;
-    keywords.extend(plain);
+    let dumps = given.py().import("json")?.getattr("dumps")?;
+    for (name, value) in given.iter().filter(|(_, value)| !value.is_none()) {
+        let name: String = name.extract()?;
+        if ["urdf", "lock", "gravity"].contains(&name.as_str()) {
+            continue;
+        }
+        let known = FitOptions::of_keywords(&Map::from_iter([(name.clone(), Value::Null)]));
+        if let Err(error @ torquewise::Error::NoOption { .. }) = known {
+            return Err(raised(error));
+        }
+        let text = dumps.call((&value,), Some(&whole)).and_then(|own| own.extract::<String>());
+        let Some(own) = text.ok().and_then(|text| serde_json::from_str(&text).ok()) else {
+            return wrong(format!("{name}: {} is not what it takes", value.get_type()));
+        };
+        keywords.insert(name, own);
+    }
     let found = FitOptions::of_keywords(&keywords).map_err(raised)?;
     Ok(FitOptions { geometry: geometry(given, joints)?, ..found })
 }
@@ -140,8 +147,7 @@ impl Fit {
     /// What is good to know and changes nothing.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        let notes = self.found.warnings.iter().filter(|warning| warning.is_remark());
-        notes.map(ToString::to_string).collect()
+        self.found.notes()
     }
 
     /// Time it took [s].

@@ -107,9 +107,10 @@ impl Log {
 
     /// Its trajectories: a list of dicts with t [s] (m), and q [rad], dq, ddq and tau [N·m] (m×n).
     ///
-    /// - `conditioned`: as a fit sees them, filtered and thinned; else as recorded, every row, missing
-    ///   dq and ddq by differences
-    /// - `model`: filtered as its own log was
+    /// - `conditioned`: filtered at eight times the band of the motion and thinned; else as recorded,
+    ///   every row, missing dq and ddq by differences
+    /// - `model`: filtered as its own log was, the ends left out where the filter has not settled;
+    ///   `conditioned` too, as its fit saw them
     #[pyo3(signature = (conditioned=false, model=None))]
     fn trajectories<'py>(
         &self,
@@ -124,7 +125,10 @@ impl Log {
                 return Ok(log.files.read_all()?);
             }
             let rows = match known {
-                Some(model) => log.prepare_as(model.training.filter, Rows::Every)?,
+                Some(model) if conditioned => {
+                    log.prepare_as(model.training.filter, Rows::Filtered)?
+                }
+                Some(model) => log.prepare_as(model.training.filter, Rows::Settled)?,
                 None => log.prepare(Rows::Filtered)?,
             };
             let (hint, rows) = (rows.rows_hint(), rows.rows());
@@ -194,10 +198,11 @@ pub(crate) fn inspect(
     Ok((model::json(&found)?, warnings))
 }
 
-/// The profile that the columns of a file ask for: TOML, reasons, and whether it is complete.
+/// The profile that the columns of a log, and of files beside it, ask for: TOML, reasons, and whether it is complete.
 #[pyfunction]
-pub(crate) fn suggest(file: PathBuf) -> PyResult<(String, Vec<String>, bool)> {
-    let found = logs::suggest(&file).map_err(log_error)?;
+pub(crate) fn suggest(files: Vec<PathBuf>) -> PyResult<(String, Vec<String>, bool)> {
+    let found =
+        logs::suggest(&files.iter().map(Into::into).collect::<Vec<_>>()).map_err(log_error)?;
     Ok((found.toml, found.reasons, found.is_complete))
 }
 

@@ -78,6 +78,14 @@ def test_single_precision_and_whole_numbers_are_converted():
     assert own["q"].dtype == np.float64 and own["t"][-1] == 8.0
 
 
+def test_a_log_is_conditioned_as_a_fit_saw_it(train):
+    log = torquewise.read_log({key: own for key, own in train.items() if key != "ddq"})
+    fit = torquewise.fit(log, progress=False)
+
+    (own,) = log.trajectories(conditioned=True, model=fit.model)
+    assert len(own["t"]) == fit.summary()["rows"]
+
+
 def test_several_logs_are_trajectories(train, test):
     log = torquewise.read_log([train, test])
 

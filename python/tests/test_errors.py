@@ -35,8 +35,9 @@ def test_numbers_that_are_not_finite_name_their_row(train):
 
 
 def test_an_option_that_is_none(train):
-    with pytest.raises(torquewise.UsageError, match="libary is no option"):
-        torquewise.fit(train, libary="chain")
+    for value in ("chain", train["q"]):
+        with pytest.raises(torquewise.UsageError, match="libary is no option"):
+            torquewise.fit(train, libary=value)
 
 
 def test_a_word_that_is_not_known(train):
@@ -98,7 +99,7 @@ def test_all_exceptions_are_of_one_family():
         torquewise.ModelError,
         torquewise.UsageError,
     ):
-        assert issubclass(own, torquewise.TorquewiseError)
+        assert issubclass(own, torquewise.TorquewiseError) and issubclass(own, ValueError)
     assert issubclass(torquewise.Interrupted, KeyboardInterrupt)
 
 

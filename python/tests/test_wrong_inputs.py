@@ -186,6 +186,8 @@ def test_rows_that_are_left_out_are_named(model):
 
     for told in (torquewise.fit(far, progress=False).warnings, model.evaluate(far).notes):
         assert any("q2 = 1e300 in row 10" in own for own in told), told
+    notes = torquewise.fit(far, progress=False).notes
+    assert any("left out: 1 row with a value far beyond" in own for own in notes), notes
 
 
 def test_these_are_many():

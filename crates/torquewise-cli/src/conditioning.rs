@@ -6,13 +6,6 @@ use torquewise::motion::Repairs;
 /// What was repaired in each log, by its name; logs that are sound are not listed.
 type ByLog = BTreeMap<String, Repairs>;
 
-pub(crate) fn notes(by_log: &ByLog) -> Vec<String> {
-    if by_log.is_empty() {
-        return Vec::new();
-    }
-    vec![by_log.values().sum::<Repairs>().to_string()]
-}
-
 pub(crate) fn text(by_log: &ByLog) -> String {
     if by_log.is_empty() {
         return String::new();

@@ -319,7 +319,7 @@ impl<'a> ChainLearner<'a> {
         &self,
         (spec, offered): (ChainSpec, Vec<DriveTerm>),
         chain: &Chain,
-        choices: Vec<Choice>,
+        mut choices: Vec<Choice>,
     ) -> Result<Learned, IdentifyError> {
         let rows = self.rows(&spec, LAST_ROWS)?;
         let mut chain = refine(&rows, chain, &spec.free, &spec.search, &searching(self.watch))?;
@@ -332,6 +332,7 @@ impl<'a> ChainLearner<'a> {
         }
         let residual_rms = residual_rms(&chain, &rows);
         let (laws, found) = (self.laws.clone(), self.found.clone());
+        choices.extend((!offered.is_empty()).then(offers::mean_of_laws));
         Ok(Learned { chain, residual_rms, spec, offered, choices, laws, found })
     }
 

@@ -169,7 +169,8 @@ impl Warning {
         (ratio > MOST_REFIT).then_some(Self::Refit { ratio })
     }
 
-    pub(crate) fn of_survey(survey: &Survey) -> Vec<Self> {
+    /// What a log leaves open or hardly can be, before anything is fitted to it.
+    pub fn of_survey(survey: &Survey) -> Vec<Self> {
         let name = |joint: usize| survey.joints[joint].clone();
         let mut warnings: Vec<Self> = survey
             .constant_joints()
@@ -209,14 +210,12 @@ impl fmt::Display for Warning {
             ),
             Self::UnassignedCandidates { candidates } => write!(
                 f,
-                "{candidates} candidates were not fitted, since no row accelerates: \
-                 the model has no inertia"
+                "candidates left out, since no row accelerates: {candidates}; the model has no inertia"
             ),
             Self::Dependent { terms } => write!(
                 f,
-                "{} terms cannot be told from others in this log and were left out ({}): \
-                 move more joints, through more of their range",
-                terms.len(),
+                "left out, since this log does not tell them from other terms: {}; move more joints, \
+                 through more of their range",
                 terms.join(", ")
             ),
             Self::Sliding { kinds } => write!(

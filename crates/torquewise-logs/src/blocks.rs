@@ -34,7 +34,7 @@ pub(crate) struct Blocks {
     known: usize,
     ended: bool,
     at_end_of_file: bool,
-    usual_step: Option<UsualStep>,
+    pub(crate) usual_step: Option<UsualStep>,
     trajectory: usize,
     /// Gaps at which a trajectory ended so far.
     pub(crate) gaps: u64,

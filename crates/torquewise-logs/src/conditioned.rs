@@ -274,5 +274,6 @@ impl Cutter<'_> {
 
 fn signals(logs: &Logs, trajectory: usize, source: MotionError) -> LogError {
     let file = logs.paths().first().cloned().unwrap_or_default();
-    LogError::Signals { file, trajectory: trajectory + 1, source }
+    let doubts = logs.unit_doubts().into_iter().flat_map(|own| ["; ".to_owned(), own]).collect();
+    LogError::Signals { file, trajectory: trajectory + 1, doubts, source }
 }

@@ -50,9 +50,9 @@ pub enum LogError {
     #[error("{} is empty", file.display())]
     #[diagnostic(help("a log begins with a header: t, q1, …"))]
     Empty { file: PathBuf },
-    #[error("{}, trajectory {trajectory}: its signals cannot be conditioned", file.display())]
+    #[error("{}, trajectory {trajectory}: its signals cannot be conditioned{doubts}", file.display())]
     #[diagnostic(forward(source))]
-    Signals { file: PathBuf, trajectory: usize, source: MotionError },
+    Signals { file: PathBuf, trajectory: usize, doubts: String, source: MotionError },
     #[error("no trajectory is long enough to be filtered at {cutoff:.2} Hz")]
     #[diagnostic(help("raise the cut-off, or record longer motions"))]
     NothingLeft { cutoff: f64 },

@@ -1,7 +1,5 @@
 //! Gaps in time, where one trajectory ends and the next begins.
 
-use torquewise_motion::stats::median;
-
 /// Steps that the first estimate of the usual step is the median of.
 pub(crate) const FIRST_STEPS: usize = 32;
 
@@ -19,7 +17,7 @@ const GAIN: f64 = 1.01;
 /// later step that is longer raises it by 1 %, each shorter one lowers it as much, so that it stays
 /// near the median. It depends on the time stamps alone, not on how they are read.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct UsualStep(f64);
+pub(crate) struct UsualStep(pub(crate) f64);
 
 impl UsualStep {
     /// From the first time stamps of a trajectory; those after the first 33 are not looked at.
@@ -42,12 +40,6 @@ impl UsualStep {
         }
         false
     }
-}
-
-pub(crate) fn median_step(t: &[f64]) -> Option<f64> {
-    let steps = t.windows(2).map(|pair| pair[1] - pair[0]);
-    let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0 && step.is_finite()).collect();
-    (!steps.is_empty()).then(|| median(&mut steps))
 }
 
 #[cfg(test)]

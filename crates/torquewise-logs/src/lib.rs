@@ -63,7 +63,6 @@ pub mod conditioned;
 pub mod suggest;
 #[cfg(feature = "formats")]
 pub mod preview;
-pub mod units;
 mod sink;
 #[cfg(feature = "formats")]
 mod parquet_sink;
@@ -86,4 +85,3 @@ pub use source::Options;
 #[cfg(feature = "formats")]
 pub use suggest::{Suggestion, suggest};
 pub use table::TableWriter;
-pub use units::{UnitWarning, unit_warnings};

@@ -39,6 +39,8 @@ struct Reading {
     report: ReadReport,
     trajectories: usize,
     gaps: u64,
+    /// Usual step of its last trajectory \[s\].
+    usual_step: Option<f64>,
     /// The first value that was absurd: row, column and value.
     absurd: Option<(u64, String, f64)>,
 }
@@ -205,6 +207,16 @@ impl Logs {
         })
     }
 
+    /// Clocks that hardly count seconds, by the last complete reading, and torques that a profile does
+    /// not make torques.
+    pub fn unit_doubts(&self) -> Vec<String> {
+        let readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
+        let clocks = self.sources.iter().zip(readings.iter());
+        let clocks = clocks.filter_map(|(source, own)| source.clock_doubt(own.usual_step?));
+        let torque = self.sources.iter().find_map(|source| source.torque_doubt);
+        torque.map(str::to_owned).into_iter().chain(clocks).collect()
+    }
+
     /// What the last complete reading of each file left out and where it was split, by name of the
     /// log; those that are sound are not listed.
     pub fn repairs(&self) -> BTreeMap<String, Repairs> {
@@ -260,8 +272,9 @@ impl Logs {
                 visit(last, block)?;
             }
             let (report, gaps) = (blocks.rows.report(), blocks.gaps);
-            let absurd = blocks.first_absurd;
-            let reading = Reading { report, trajectories: last + 1 - first, gaps, absurd };
+            let (usual_step, absurd) = (blocks.usual_step.map(|step| step.0), blocks.first_absurd);
+            let trajectories = last + 1 - first;
+            let reading = Reading { report, trajectories, gaps, usual_step, absurd };
             let mut readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some(old) = readings.get_mut(file) {
                 *old = reading;

@@ -132,6 +132,30 @@ impl Profile {
 }
 
 impl Profile {
+    /// Why its torques may be none, if it leaves their unit open or as [`suggest`](crate::suggest())
+    /// put it there.
+    pub(crate) fn torque_doubt(&self) -> Option<&'static str> {
+        let SignalColumns { columns, unit, torque_constant, .. } = self.tau.as_ref()?;
+        let names = match columns {
+            Some(Columns::Names(names)) => names.as_slice(),
+            Some(Columns::Prefix(prefix)) => std::slice::from_ref(prefix),
+            None => &[],
+        };
+        let is_current = names.iter().any(|name| name.to_lowercase().contains("cur"));
+        let is_one = |own: &f64| own.to_bits() == 1.0_f64.to_bits();
+        match torque_constant {
+            Some(PerJoint::Each(own)) if own.iter().all(is_one) => Some(
+                "every torque_constant of [tau] is 1.0, as a suggested profile has it: fill in N·m/A of \
+                 each motor, or write torque_constant = 1.0",
+            ),
+            None if unit.is_none() && is_current => Some(
+                "[tau] names currents and no unit, so they are taken as N·m: fill in unit = \"A\" and \
+                 torque_constant, or write unit = \"N.m\"",
+            ),
+            _ => None,
+        }
+    }
+
     /// What columns named as usual mean: `q1`, `dq1`, …
     ///
     /// - `is_recorded`: whether q̇, q̈

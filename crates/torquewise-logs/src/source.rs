@@ -12,12 +12,12 @@ use crate::format::Format;
 use crate::frame::{Frame, FrameRows};
 use crate::joints;
 use crate::log_input::LogInput;
-use crate::mapping::Mapping;
+use crate::mapping::{Mapping, Time};
 #[cfg(feature = "formats")]
 use crate::parquet_rows::ParquetRows;
 use crate::plain::plain;
 use crate::profile::Profile;
-use crate::profile::unit::time_factor;
+use crate::profile::unit::{of_step, time_factor};
 use crate::rows::Rows;
 use crate::signal_rows::{Clock, SignalRows};
 use std::fs;
@@ -26,6 +26,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 const BUFFER_BYTES: usize = 1 << 16;
+/// A clock of longer steps \[s\] hardly counts seconds.
+const LONGEST_STEP: f64 = 0.5;
 
 /// How logs are to be read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -46,6 +48,8 @@ pub(crate) struct Source {
     opening: Opening,
     names: Vec<String>,
     clock: Clock,
+    /// Why its torques may be none.
+    pub(crate) torque_doubt: Option<&'static str>,
     /// About how many rows there are, if that can be told.
     pub(crate) rows_hint: Option<u64>,
 }
@@ -100,7 +104,8 @@ impl Source {
         let clock = if profile.is_some() { Clock::Repair } else { options.clock };
         let names = rows.names().to_vec();
         let rows_hint = rows.count().or_else(|| is_text.then(|| lines_of(file)).flatten());
-        let source = Self { file: file.clone(), mapping, joints, opening, names, clock, rows_hint };
+        let (file, torque_doubt) = (file.clone(), profile.and_then(Profile::torque_doubt));
+        let source = Self { file, mapping, joints, opening, names, clock, torque_doubt, rows_hint };
         // Columns that cannot be read are told now.
         source.rows_from(rows)?;
         Ok(source)
@@ -112,6 +117,20 @@ impl Source {
             return Err(LogError::Changed { file: (&self.file).into() });
         }
         self.rows_from(rows)
+    }
+
+    /// What the clock may count, by its usual step, if that is no second.
+    pub(crate) fn clock_doubt(&self, step: f64) -> Option<String> {
+        let Time::Column(seconds) = self.mapping.time else { return None };
+        let column = self.names.get(*self.mapping.chosen.first()?)?;
+        (step.is_finite() && step > LONGEST_STEP).then(|| {
+            let (unit, _) = of_step(step / seconds);
+            format!(
+                "the clock of {} has steps of {step:.1} s: if it counts {unit}, say so in a profile: \
+                 t = {{ column = \"{column}\", unit = \"{unit}\" }}",
+                self.file.display(),
+            )
+        })
     }
 
     fn rows_from(&self, rows: Box<dyn Rows>) -> Result<SignalRows> {

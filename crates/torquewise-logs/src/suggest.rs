@@ -4,11 +4,13 @@ mod guess;
 mod measure;
 mod text;
 
-use crate::error::Result;
+use crate::error::{LogError, Result};
 use crate::format::Format;
 use crate::log_input::LogInput;
 use crate::profile::Profile;
+use crate::signal::Signal;
 use crate::source::named_rows;
+use std::path::PathBuf;
 
 /// A profile for a log that has other columns than `t`, `q1`…`qn`, …
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,13 +28,15 @@ pub struct Suggestion {
 ///
 /// Names are taken for what they usually mean (`pos`, `vel`, `effort`, …), degrees are told by
 /// range and by comparing velocities with the slopes of positions, and the unit of time by the
-/// usual step. What no file tells, such as torque constants or files beside the log, is left as a comment. A bag needs no
+/// usual step. What no file tells, such as torque constants, is left as a comment. A bag needs no
 /// more than its joints and topic.
+///
+/// - `files`: a log, then files that may hold what it lacks, such as its torques: they are put beside it
 ///
 /// # Errors
 /// `LogError` if the file cannot be read; a name that means nothing is no error.
-pub fn suggest(file: impl Into<LogInput>) -> Result<Suggestion> {
-    let file = &file.into();
+pub fn suggest(files: &[LogInput]) -> Result<Suggestion> {
+    let (file, others) = files.split_first().ok_or(LogError::NoFiles)?;
     let rows = named_rows(file)?;
     let names = rows.names().to_vec();
     let is_bag = matches!(Format::of(file)?, Format::Db3 | Format::Mcap);
@@ -41,9 +45,30 @@ pub fn suggest(file: impl Into<LogInput>) -> Result<Suggestion> {
         return checked(text::of_bag(joints, &names));
     }
     drop(rows);
-    let found = guess::families(file, &names);
+    let mut found = guess::families(file, &names);
+    let (mut beside, mut apart) = (Vec::new(), Vec::new());
+    for other in others {
+        let mut own = guess::families(other, named_rows(other)?.names()).signals;
+        let is_another = found.get(Signal::Q).is_some() && own.contains_key(&Signal::Q);
+        own.retain(|signal, _| !is_another && found.get(*signal).is_none());
+        if own.is_empty() {
+            apart.push(format!(
+                "{} is another log: read it with the same profile.",
+                other.display()
+            ));
+            continue;
+        }
+        let stem = other.file_stem().unwrap_or_default().to_string_lossy();
+        let name = stem.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
+        let near = other.file_name().filter(|_| other.parent() == file.parent());
+        let path = near.map(PathBuf::from).or_else(|| std::path::absolute(&**other).ok());
+        found.signals.extend(own.into_iter().map(|(signal, own)| (signal, own.of_file(&name))));
+        beside.push((name, path.unwrap_or_default()));
+    }
     let measured = measure::measure(file, &names, &found)?;
-    checked(text::of_columns(&found, &measured))
+    let mut suggestion = text::of_columns(&found, &measured, &beside);
+    suggestion.reasons.extend(apart);
+    checked(suggestion)
 }
 
 /// A suggestion must be one that can be read.

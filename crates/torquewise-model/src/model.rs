@@ -134,9 +134,12 @@ pub struct GeometryFound {
 }
 
 impl GeometryFound {
+    /// As many starts make an arm certain.
+    pub const CERTAIN: usize = torquewise_rigid::search::AGREEING;
+
     /// Whether so many starts led to it that the arm is no other.
     pub fn is_certain(&self) -> bool {
-        self.times >= torquewise_rigid::search::AGREEING
+        self.times >= Self::CERTAIN
     }
 }
 

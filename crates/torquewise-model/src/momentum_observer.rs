@@ -52,7 +52,7 @@ impl MomentumObserver {
         self.external.fill(0.0);
     }
 
-    /// Takes a sample: r ≈ τ_ext \[N·m\], n.
+    /// Takes a sample: r ≈ τ_ext \[N·m\], n. From one that is not finite nothing is learned.
     ///
     /// - `dt`: time since the last sample \[s\]
     /// - `q` \[rad\], `dq` \[rad/s\], `tau` \[N·m\]: n each
@@ -62,7 +62,9 @@ impl MomentumObserver {
     pub fn step(&mut self, dt: f64, [q, dq, tau]: [&[f64]; 3]) -> Result<&[f64], ModelError> {
         self.path.step(q);
         let sample = self.sample(q, dq, tau)?;
+        let is_finite = sample.momentum.iter().chain(&sample.change).all(|x| x.is_finite());
         if let Some(last) = &self.last
+            && is_finite
             && dt > 0.0
         {
             let stays = (-self.gain * dt).exp();
@@ -72,7 +74,7 @@ impl MomentumObserver {
                 *external = stays * *external + (1.0 - stays) * (momentum - change);
             }
         }
-        self.last = Some(sample);
+        self.last = is_finite.then_some(sample);
         Ok(&self.external)
     }
 

@@ -63,7 +63,7 @@ const MANY_TERMS: usize = 300;
 
 /// The equations as text: energies first where the model has them, then the torque of each joint,
 /// its friction last. A shaft of more than linear friction is named, such as `F2(dq2)`: what it is
-/// say [`friction_tables`].
+/// say its laws at the end, and [`friction_tables`].
 ///
 /// Angles are added up, as in `sin(q1 + q2)`, where that is shorter. Behind a term stands the share
 /// of resampled logs in which it stays, where that was asked for.
@@ -104,6 +104,9 @@ pub fn text(model: &Model, selection: &Selection) -> String {
                 shafts.iter().flat_map(|shaft| friction_lines(shaft, *joint, &equation.friction));
             lines.extend(friction);
         }
+    }
+    if selection.has_part(Kind::Friction) {
+        lines.extend(law_lines(model, selection));
     }
     if left_out > 0 {
         lines.push(String::new());
@@ -157,6 +160,25 @@ fn torques(model: &Model, selection: &Selection) -> (Vec<(usize, Equation)>, usi
     };
     let wanted = equations.enumerate().filter(|(joint, _)| selection.has_joint(*joint));
     (wanted.map(equation).collect(), left_out)
+}
+
+/// What the names of shafts in the equations stand for, law by law.
+fn law_lines(model: &Model, selection: &Selection) -> Vec<String> {
+    let mut lines = Vec::new();
+    for shaft in ShaftFriction::all(model) {
+        let turns = |joint: usize| selection.has_joint(joint) && shaft.shaft()[joint] != 0.0;
+        let Some(symbol) = shaft.symbol().filter(|_| (0..model.n_joints()).any(turns)) else {
+            continue;
+        };
+        lines.extend([String::new(), format!("{symbol} = [{}]", shaft.name())]);
+        lines.extend(shaft.laws().map(|(k, term)| line(&model.friction[k], &term.formula())));
+    }
+    if !lines.is_empty() {
+        let words = "SI units; [dq < 0]: 1 in that direction, else 0; dahl(q, d): state of a Dahl element \
+                     of travel d, ±1 after a long way";
+        lines.extend([String::new(), words.to_owned()]);
+    }
+    lines
 }
 
 /// What a shaft adds to the torque of a joint: its laws where they are linear, else its name.

@@ -47,8 +47,11 @@ impl Path {
         self.states.fill(0.0);
     }
 
-    /// Takes the next sample of the positions q \[rad\], n.
+    /// Takes the next sample of the positions q \[rad\], n; one that is not finite is passed over.
     pub fn step(&mut self, q: &[f64]) {
+        if q.iter().any(|q| !q.is_finite()) {
+            return;
+        }
         let elements = self.travels.len();
         for (joint, (now, before)) in q.iter().zip(&self.q).enumerate() {
             let way = now - before;

@@ -96,7 +96,16 @@ impl Repairs {
 
 fn told(counts: &[(u64, &str)]) -> Vec<String> {
     let any = counts.iter().filter(|(count, _)| *count > 0);
-    any.map(|(count, what)| format!("{count} {what}")).collect()
+    any.map(|(count, what)| counted(*count, what)).collect()
+}
+
+/// `2 rows`, `1 row`: how many there are of what is given in the plural.
+pub fn counted(count: u64, what: &str) -> String {
+    let many = ["rows", "spikes", "gaps", "stamps", "outliers"];
+    match many.iter().find(|many| count == 1 && what.contains(*many)) {
+        Some(many) => format!("{count} {}", what.replacen(many, many.trim_end_matches('s'), 1)),
+        None => format!("{count} {what}"),
+    }
 }
 
 impl<'a> Sum<&'a Self> for Repairs {

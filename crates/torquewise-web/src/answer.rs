@@ -102,7 +102,7 @@ fn open(log: &LogAt, held: Held<'_>, observer: Observer<'_>) -> Result<Value, Er
     let first = inputs.first().ok_or(LogError::NoFiles)?;
     let mut found = json!({ "columns": preview(first, PREVIEW_ROWS)? });
     if log.profile.is_none() {
-        let suggestion = suggest(first)?;
+        let suggestion = suggest(std::slice::from_ref(first))?;
         found["suggestion"] = json!({
             "profile": Profile::from_toml(&suggestion.toml)?,
             "reasons": suggestion.reasons,

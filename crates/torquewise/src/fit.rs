@@ -7,6 +7,7 @@ use crate::log::{Filter, Log, Rows, Source};
 use crate::observe::{Event, NOBODY, Observer, Watched};
 use crate::options::{Facts, FitOptions, Library};
 use crate::prepared::Prepared;
+use crate::summary::repairs_note;
 use std::ops::Deref;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -75,7 +76,7 @@ impl<'a> Fit<'a> {
             Err(Error::Interrupted) => return Err(Error::Interrupted),
             seen => seen.ok().and_then(|(seems, ..)| seems),
         };
-        let is_useful = |fit: &FitResult| Verdict::of(&fit.found).grade != Grade::Unusable;
+        let is_useful = |fit: &FitResult| Verdict::of(&fit.found, &[]).grade != Grade::Unusable;
         let suffices = is_useful(&fit);
         if seems.is_none() && suffices {
             return Ok(fit);
@@ -152,7 +153,20 @@ impl Deref for FitResult {
 impl FitResult {
     /// Whether the model may be used, and why.
     pub fn verdict(&self) -> Verdict {
-        Verdict::of(&self.found)
+        Verdict::of(&self.found, &[])
+    }
+
+    /// The same, where a log of another motion was predicted too.
+    pub fn verdict_with(&self, test: &Evaluation) -> Verdict {
+        let errors = test.joints.iter().map(|joint| 0.01 * joint.nrmse_percent);
+        Verdict::of(&self.found, &errors.collect::<Vec<_>>())
+    }
+
+    /// What is good to know and changes nothing: remarks of the fit, and what was repaired.
+    pub fn notes(&self) -> Vec<String> {
+        let remarks = self.found.warnings.iter().filter(|warning| warning.is_remark());
+        let repaired = repairs_note(&self.found.model.training.conditioning);
+        repaired.into_iter().chain(remarks.map(ToString::to_string)).collect()
     }
 
     /// How well the model predicts the torque of another log of the arm.

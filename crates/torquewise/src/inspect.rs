@@ -7,9 +7,7 @@ use crate::summary::AllRepairs;
 use serde::Serialize;
 use serde_json::json;
 use std::collections::BTreeMap;
-use torquewise_identify::excitation::findings;
 use torquewise_identify::{PatternPlan, Patterns, Survey, Warning, find_patterns, survey};
-use torquewise_logs::{UnitWarning, unit_warnings};
 use torquewise_motion::{Pattern, Recording, Repairs};
 
 /// Rows of a pattern of motion.
@@ -38,8 +36,6 @@ pub struct Inspection {
     pub patterns: Patterns,
     /// Rows of each pattern, least active first.
     pub counts: [u64; 3],
-    /// Columns that hardly are in the unit they should be in.
-    pub units: Vec<UnitWarning>,
     /// The files, as given.
     pub files: Vec<String>,
     /// Columns that are not read.
@@ -70,12 +66,7 @@ pub fn inspect(log: &Prepared, observer: Observer<'_>) -> Result<Inspection> {
     let survey = survey(&watched)?;
     let patterns = find_patterns(&survey, &PatternPlan::default())?;
     let mut counts = [0; 3];
-    let mut units: BTreeMap<String, UnitWarning> = BTreeMap::new();
     watched.read(&mut |_, block| {
-        for warning in unit_warnings(block) {
-            let known = units.entry(warning.column.clone()).or_insert(warning.clone());
-            known.value = known.value.max(warning.value);
-        }
         count_patterns(&mut counts, &patterns.label(block));
         Ok(())
     })?;
@@ -86,7 +77,6 @@ pub fn inspect(log: &Prepared, observer: Observer<'_>) -> Result<Inspection> {
         survey,
         patterns,
         counts,
-        units: units.into_values().collect(),
         files: logs.paths().iter().map(|path| path.display().to_string()).collect(),
         ignored_columns: logs.ignored_columns(),
         missing: missing.collect(),
@@ -125,13 +115,10 @@ impl Inspection {
 
     /// What a fit would suffer from.
     pub fn warnings(&self) -> Vec<String> {
-        let constant = self.survey.constant_joints().into_iter();
-        let names = constant.filter_map(|joint| self.survey.joints.get(joint).cloned());
-        let constant = names.map(|joint| Warning::ConstantJoint { joint }.to_string());
-        let units = self.units.iter().map(ToString::to_string);
-        let open = findings(&self.survey).into_iter().map(|finding| finding.to_string());
+        let mut open = Warning::of_survey(&self.survey);
+        open.retain(|own| self.has_tau() || !matches!(own, Warning::ConstantTorque { .. }));
         let patterns = missing_patterns(&self.patterns.present);
-        constant.chain(units).chain(open).chain(patterns).collect()
+        open.iter().map(ToString::to_string).chain(patterns).collect()
     }
 }
 

@@ -9,7 +9,7 @@ use torquewise_identify::plan::{
 };
 use torquewise_identify::settings::Settings;
 use torquewise_identify::{LibraryKind, Method, PatternPlan, Plan};
-use torquewise_model::JointKinds;
+use torquewise_model::JointKind;
 use torquewise_model::expansion::check_joints;
 use torquewise_regression::select::Selector;
 use torquewise_stepwise::activation::Scaling;
@@ -65,7 +65,7 @@ pub struct FitOptions {
     pub geometry: Option<KnownGeometry>,
     /// Which joints of a chain turn and which slide; else it is learned too.
     #[serde(deserialize_with = "joint_kinds")]
-    pub kinds: Option<JointKinds>,
+    pub kinds: Option<Vec<JointKind>>,
     /// Joints of a chain that a spring or a weight is known to balance.
     #[serde(rename = "counterbalance")]
     pub counterbalanced: Vec<String>,
@@ -145,6 +145,11 @@ impl FitOptions {
     }
 
     pub(crate) fn plan(&self, log: Facts) -> Result<Plan> {
+        let kinds = self.kinds.as_ref().map(Vec::len);
+        if let Some(found) = kinds.filter(|found| log.joints > 0 && *found != log.joints) {
+            let reason = format!("{found} letters for the {} joints of the log", log.joints);
+            return Err(Error::WrongValue { setting: "kinds", reason });
+        }
         let (library, because) = self.fitted(log);
         let fitted = match library {
             Library::Energy => Fitted::Energy(self.regression),
@@ -222,7 +227,7 @@ impl FitOptions {
 
     /// Whether a joint is said to slide.
     fn slides(&self) -> bool {
-        self.kinds.as_ref().is_some_and(|kinds| !kinds.all_turn())
+        self.kinds.iter().flatten().any(|kind| !kind.turns())
     }
 
     fn has_friction(&self) -> bool {
@@ -267,7 +272,7 @@ impl FitOptions {
                 let usual = ChainOptions::default();
                 Method::Chain(ChainOptions {
                     geometry: self.geometry.clone(),
-                    kinds: self.kinds.clone(),
+                    kinds: self.kinds.clone().map(Into::into),
                     friction: self.friction.unwrap_or(usual.friction),
                     counterbalanced: self.counterbalanced.clone(),
                     noise_correction: usual.noise_correction && self.noise_correction,
@@ -370,6 +375,9 @@ mod tests {
 
         assert!(chain.check().is_ok() && product.check().is_ok());
         assert!(sindy.check().is_err());
+        let turning = FitOptions { kinds: Some(vec![JointKind::default(); 4]), ..chain };
+        let error = turning.plan(SIX_FILTERED).unwrap_err();
+        assert_eq!(error.to_string(), "kinds: 4 letters for the 6 joints of the log");
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use torquewise_logs::conditioned::RawLogs;
 use torquewise_logs::{ConditionedLogs, Logs};
 use torquewise_model::model::Filter;
+use torquewise_motion::repairs::counted;
 use torquewise_motion::signals::ConditionReport;
 use torquewise_motion::{Motion, ReadError, Recording, Repairs};
 
@@ -87,7 +88,7 @@ impl Prepared {
         file.map_or_else(|| format!("trajectory {}", trajectory + 1), |f| f.display().to_string())
     }
 
-    /// What should be known of torques of few levels, odd velocities and rows left out.
+    /// What should be known of torques of few levels, units, odd velocities and rows left out.
     pub fn warnings(&self) -> Vec<String> {
         let coarse = self.report().into_iter().flat_map(|report| &report.signals);
         coarse
@@ -99,6 +100,7 @@ impl Prepared {
                     signal.joint
                 )
             })
+            .chain(self.logs().unit_doubts())
             .chain(self.odd_velocities())
             .chain(dropped(self.logs()))
             .collect()
@@ -127,21 +129,20 @@ fn dropped(logs: &Logs) -> Option<String> {
     let report = logs.report();
     let mut parts = Vec::new();
     if report.not_finite > 0 {
-        parts.push(format!("{} rows without a number", report.not_finite));
+        parts.push(counted(report.not_finite, "rows without a number"));
     }
     if let Some((file, row, column, value)) = logs.first_absurd() {
         parts.push(format!(
-            "{} rows with a value far beyond all others, the first is {column} = {value:e} in row \
-             {row} of {}",
-            report.absurd,
+            "{}, the first is {column} = {value:e} in row {row} of {}",
+            counted(report.absurd, "rows with a value far beyond all others"),
             file.display()
         ));
     }
     if let Some(first) = report.first_back {
         parts.push(format!(
-            "{} rows earlier than a row before them, the first is row {first} (if the clock began \
-             anew there, put what follows in a file of its own)",
-            report.went_back
+            "{}, the first is row {first} (if the clock began anew there, put what follows in a file \
+             of its own)",
+            counted(report.went_back, "rows earlier than a row before")
         ));
     }
     (!parts.is_empty()).then(|| format!("left out: {}", parts.join(", ")))

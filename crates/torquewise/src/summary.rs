@@ -64,6 +64,11 @@ impl<'a> AllRepairs<'a> {
     }
 }
 
+/// What was repaired in all logs together, in words; none if they are sound.
+pub fn repairs_note(logs: &BTreeMap<String, Repairs>) -> Option<String> {
+    (!logs.is_empty()).then(|| AllRepairs::of(logs).total.to_string())
+}
+
 impl FitResult {
     /// What was found in numbers, to be serialised.
     ///

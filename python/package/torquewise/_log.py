@@ -184,9 +184,12 @@ def inspect(
     try:
         log = read_log(log, **options)
     except _core.LogError as error:
-        if "has no column" not in str(error) or not isinstance(log, (str, os.PathLike)):
+        logs = list(log) if isinstance(log, (list, tuple)) else [log]
+        if "has no column" not in str(error) or not all(
+            isinstance(own, (str, os.PathLike)) for own in logs
+        ):
             raise
-        toml, reasons, _ = _core.suggest(os.fspath(log))
+        toml, reasons, _ = _core.suggest([os.fspath(own) for own in logs])
         raise _core.LogError(
             f"{error}\n\nA profile for it, to be saved, corrected and given as profile=…:\n\n{toml}\n"
             + "\n".join(f"- {reason}" for reason in reasons)

@@ -145,9 +145,9 @@ fn outcome(arguments: &Arguments, model: &Model, found: &Found, rows: usize) -> 
     let blind = blind(model, thresholds);
     let warning = (!blind.is_empty()).then(|| {
         format!(
-            "{} hardly feel a contact: their thresholds are beyond twice the spread of all torque \
-             that they were trained on; record free motion like that of the log and give it by \
-             --free, or train a model that predicts them",
+            "contacts at {} go unseen: the threshold is over twice the spread of the torque that was \
+             trained on; record free motion like that of the log and give it by \
+             --free, or train a better model",
             blind.join(", ")
         )
     });

@@ -2,7 +2,6 @@
 
 use crate::arguments::{METHOD, PlanArguments, RobotArguments, choice};
 use crate::call_costs::CallCosts;
-use crate::conditioning;
 use crate::error::Result;
 use crate::files::{check_files, staged, write_whole};
 use crate::outcome::{Outcome, object};
@@ -16,12 +15,12 @@ use serde_json::json;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
-use torquewise::evaluate::evaluate_prepared;
+use torquewise::evaluate::{Evaluation, evaluate_prepared};
 use torquewise::identify::Warning;
-
+use torquewise::identify::verdict::held_out;
 use torquewise::log::{Prepared, Rows};
 use torquewise::model::units::heading;
-use torquewise::model::{JointKinds, Model, number};
+use torquewise::model::{Model, number};
 use torquewise::page::{LogFile, Origin, page};
 use torquewise::summary::FitSummary;
 use torquewise::{Error, Fit, FitResult, Grade};
@@ -78,17 +77,9 @@ pub(crate) fn run(arguments: &Arguments, words: &[OsString]) -> Result<Outcome> 
     let test = test.map(|test| test.prepare_as(fit.model.training.filter, Rows::WithRawTorque));
     let test = test.transpose()?;
 
-    let summary = fit.summary()?;
-    let mut outcome = outcome(&fit, &summary, arguments.explain);
+    let judged = test.as_ref().map(|test| evaluate_prepared(&fit.model, test, &watch()));
+    let mut outcome = outcome(&fit, &fit.summary()?, judged.transpose()?, arguments.explain);
     outcome.json["file"] = json!(arguments.output.display().to_string());
-    if let Some(test) = &test {
-        let scores = evaluate_prepared(&fit.model, test, &watch())?;
-        outcome.text += "\nOn the test log:\n\n";
-        outcome.text += &score_table::text(&scores, &fit.model.kinds());
-        outcome.json["test"] = object(&scores);
-        outcome.warnings.extend(scores.warnings);
-        outcome.notes.extend(scores.notes);
-    }
     let costs = CallCosts::of(&fit.model)?;
     if arguments.explain {
         outcome.text += &costs.text();
@@ -144,7 +135,12 @@ fn quoted(word: &str) -> String {
 }
 
 /// What a fit came to: what can be acted on, and with `explain` what was chosen on the way.
-pub(crate) fn outcome(fit: &FitResult, summary: &FitSummary<'_>, explain: bool) -> Outcome {
+pub(crate) fn outcome(
+    fit: &FitResult,
+    summary: &FitSummary<'_>,
+    test: Option<Evaluation>,
+    explain: bool,
+) -> Outcome {
     let mut text = Vec::new();
     let flaw = summary.mass_matrix.flaw();
     let at_rest: Vec<&Warning> = (fit.warnings.iter())
@@ -161,7 +157,7 @@ pub(crate) fn outcome(fit: &FitResult, summary: &FitSummary<'_>, explain: bool) 
     if explain {
         text.push(steps(fit) + "\n");
     }
-    text.push(joints(summary, &fit.model.kinds()));
+    text.push(joints(summary, fit));
     if explain {
         text.push(choices(&fit.model));
         text.push(format!(
@@ -169,22 +165,28 @@ pub(crate) fn outcome(fit: &FitResult, summary: &FitSummary<'_>, explain: bool) 
             summary.active_total, summary.candidates, fit.seconds
         ));
     }
-    let (notes, warnings): (Vec<&Warning>, Vec<&Warning>) =
-        fit.warnings.iter().partition(|warning| warning.is_remark());
-    let words = |list: Vec<&Warning>| list.into_iter().map(ToString::to_string).collect::<Vec<_>>();
-    let mut warnings = words(warnings);
+    let warnings = fit.warnings.iter().filter(|warning| !warning.is_remark());
+    let mut warnings: Vec<String> = warnings.map(ToString::to_string).collect();
     // What comes of a joint at rest stands behind it.
     warnings.splice(at_rest.len()..at_rest.len(), summary.mass_matrix.warning());
     warnings.extend(fit.log.iter().flat_map(Prepared::warnings));
-    let mut remarks = conditioning::notes(&fit.model.training.conditioning);
-    remarks.extend(words(notes));
-    let verdict = fit.verdict();
+    let (mut notes, mut json) = (fit.notes(), object(summary));
+    let verdict = test.as_ref().map_or_else(|| fit.verdict(), |test| fit.verdict_with(test));
     text.push(format!("\nverdict: {verdict}\n"));
+    if let Some(scores) = test {
+        text.push("\nOn the test log:\n\n".to_owned());
+        text.push(score_table::text(&scores, &fit.model.kinds()));
+        json["test"] = object(&scores);
+        json["verdict"] = json!(verdict.grade.to_string());
+        json["because"] = json!(verdict.because);
+        warnings.extend(scores.warnings);
+        notes.extend(scores.notes);
+    }
     let is_unusable = verdict.grade == Grade::Unusable;
     if is_unusable {
         warnings.push(format!("the model is {verdict}"));
     }
-    Outcome { text: text.concat(), json: object(summary), warnings, notes: remarks, is_unusable }
+    Outcome { text: text.concat(), json, warnings, notes, is_unusable }
 }
 
 /// How long the log is, and how it was filtered.
@@ -211,13 +213,12 @@ fn steps(fit: &FitResult) -> String {
     steps.text()
 }
 
-fn joints(summary: &FitSummary<'_>, kinds: &JointKinds) -> String {
-    let residual = heading(kinds, "residual [N·m]");
+fn joints(summary: &FitSummary<'_>, fit: &FitResult) -> String {
+    let residual = heading(&fit.model.kinds(), "residual [N·m]");
     let mut headings = vec!["joint", "terms", &residual, "residual [% of std]"];
     let mut errors = vec![summary.residual_rms, &summary.residual_percent];
     // The same figure as in the verdict.
-    let pairs = summary.held_out_percent.iter().zip(&summary.held_out_by_region_percent);
-    let held_out: Vec<f64> = pairs.map(|(by_time, by_region)| by_time.max(*by_region)).collect();
+    let held_out: Vec<f64> = held_out(fit).iter().map(|error| 100.0 * error).collect();
     if !held_out.is_empty() {
         headings.push("held out [% of std]");
         errors.push(&held_out);
@@ -239,7 +240,8 @@ fn choices(model: &Model) -> String {
     for choice in &model.choices {
         let error = choice.from.iter().find(|candidate| candidate.label == choice.chosen);
         let error = error.map_or_else(String::new, |chosen| number(100.0 * chosen.error));
-        let from = choice.from.len().to_string();
+        let from = Some(choice.from.len()).filter(|from| *from > 0);
+        let from = from.map_or_else(String::new, |from| from.to_string());
         table.row(&choice.what, [choice.chosen.clone(), error, from]);
     }
     format!("\n{}", table.text())

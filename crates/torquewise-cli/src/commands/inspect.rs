@@ -13,8 +13,9 @@ use std::path::PathBuf;
 use torquewise::Error;
 use torquewise::inspect::{Inspection, inspect};
 use torquewise::log::{Prepared, Rows};
-use torquewise::logs::{LogError, suggest};
+use torquewise::logs::{LogError, LogInput, suggest};
 use torquewise::model::number;
+use torquewise::summary::repairs_note;
 use torquewise::survey::{NoiseFloor, Survey};
 
 /// Show what a log holds and what it lacks
@@ -40,7 +41,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let inspection = inspect(&recorded, &watch())?;
     let repairs = recorded.repairs();
     Ok(Outcome {
-        notes: conditioning::notes(&repairs),
+        notes: repairs_note(&repairs).into_iter().collect(),
         text: text(&inspection) + &signals_text(&recorded) + &conditioning::text(&repairs),
         json: object(&inspection),
         warnings: inspection.warnings().into_iter().chain(recorded.warnings()).collect(),
@@ -54,8 +55,11 @@ fn signals_text(recorded: &Prepared) -> String {
 
 /// A profile for a log whose columns are not understood.
 fn suggested(arguments: &Arguments) -> Option<Outcome> {
-    let log = arguments.logs.first().filter(|_| !arguments.filter.signals.has_profile())?;
-    let suggestion = suggest(log).ok()?;
+    if arguments.filter.signals.has_profile() {
+        return None;
+    }
+    let logs: Vec<LogInput> = arguments.logs.iter().map(LogInput::from).collect();
+    let suggestion = suggest(&logs).ok()?;
     let what = "the columns of this log need a profile; a suggestion is on standard output: save \
                 it as profile.toml, correct it, and inspect again with --profile profile.toml";
     Some(Outcome {

@@ -1,5 +1,6 @@
 //! The torque of a log, whole and in parts.
 
+use crate::arguments::parsed;
 use crate::conditioning;
 use crate::error::Result;
 use crate::files::{check_files, read_model, staged};
@@ -14,25 +15,27 @@ use std::path::PathBuf;
 use torquewise::log::Rows;
 use torquewise::logs::{Column, TableWriter, Values};
 use torquewise::model::units::heading;
-use torquewise::model::{Torque, number};
-use torquewise::motion::{Motion, ReadError, Recording};
+use torquewise::model::{Model, Parts, Torque, number};
+use torquewise::motion::{Motion, ReadError, Recording, Signals};
 use torquewise::observe::Watched;
 use torquewise::predict::{Interval, MotionRange};
 use torquewise::summary::AllRepairs;
 
-/// Predict the torque of a log, with or without measured torque
+/// Predict the torque of a log, with or without measured torque, or at one pose
 ///
 /// Columns are t and tau_hat of each joint; where the log has torque, tau_measured, filtered as the
-/// motion, and residual = tau_measured − tau_hat too.
+/// motion, and residual = tau_measured − tau_hat too. Ends where a filter has not settled are left out.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
     /// Model file
     model: PathBuf,
     /// Log of the arm
-    log: PathBuf,
+    #[arg(required_unless_present = "q")]
+    log: Option<PathBuf>,
     /// Table to write, .csv or .parquet
     #[arg(help_heading = "Output", short, long, value_name = "FILE")]
-    output: PathBuf,
+    #[arg(required_unless_present = "q")]
+    output: Option<PathBuf>,
     /// Add the columns inertia, coriolis, gravity and friction of each joint
     #[arg(help_heading = "Output", long)]
     parts: bool,
@@ -43,20 +46,69 @@ pub(crate) struct Arguments {
     /// measured torques should lie
     #[arg(help_heading = "Output", long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(1..=99))]
     interval: Option<u8>,
+    /// Print the torque at these positions of the joints [rad], without a log
+    #[arg(long, value_name = "Q1,Q2,…", value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(value_parser = number_of, conflicts_with_all = ["log", "output", "parts", "interval", "profile"])]
+    q: Option<Vec<f64>>,
+    /// Velocities there [rad/s]; 0 if left out
+    #[arg(long, value_name = "DQ1,…", value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(value_parser = number_of, requires = "q")]
+    dq: Option<Vec<f64>>,
+    /// Accelerations there [rad/s²]; 0 if left out
+    #[arg(long, value_name = "DDQ1,…", value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(value_parser = number_of, requires = "q")]
+    ddq: Option<Vec<f64>>,
     #[command(flatten)]
     signals: SignalArguments,
 }
 
+fn number_of(text: &str) -> Result<f64, String> {
+    parsed(text, |x: &f64| x.is_finite(), "expected a number for each joint, as 0.3,-0.5")
+}
+
+/// The torque at one state, whole and in parts; friction as after a long way in the direction of dq.
+fn at_pose(model: &Model, pose: [&Option<Vec<f64>>; 3]) -> Result<Outcome> {
+    let n = model.n_joints();
+    let [q, dq, ddq] = pose.map(|own| own.clone().unwrap_or(vec![0.0; n]));
+    let torque = Torque::new(model);
+    let row = |x: &[f64]| Mat::from_fn(1, n, |_, joint| x[joint]);
+    let tau = row(&torque.at(&q, &dq, &ddq)?);
+    let friction = row(&torque.friction(&q, &dq)?);
+    let (t, joints) = (vec![0.0], model.joints.clone());
+    let signals = Signals { joints, t, q: row(&q), dq: row(&dq), ddq: row(&ddq), tau: None };
+    let motion = Motion::new(signals)?;
+    let Parts { inertia, coriolis, gravity, .. } = torque.parts(&motion)?;
+    let words = ["tau", "inertia", "coriolis", "gravity", "friction"];
+    let all = [tau, inertia, coriolis, gravity, friction];
+    let headings = words.map(|word| heading(&model.kinds(), &format!("{word} [N·m]")));
+    let mut table = Table::new(std::iter::once("joint".to_owned()).chain(headings));
+    for (joint, name) in model.joints.iter().enumerate() {
+        table.row(name, all.each_ref().map(|part| number(part[(0, joint)])));
+    }
+    let mut json = json!({ "joints": model.joints });
+    for (word, part) in words.into_iter().zip(&all) {
+        json[word] = json!(part.row(0).iter().collect::<Vec<_>>());
+    }
+    let mut range = MotionRange::new(n);
+    range.add(&motion);
+    let (text, warnings) = (table.text(), range.warnings(model));
+    Ok(Outcome { text, json, warnings, ..Outcome::default() })
+}
+
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    check_files([&arguments.model, &arguments.log], [(arguments.output.as_path(), &[][..])])?;
+    let files = [Some(&arguments.model), arguments.log.as_ref()].into_iter().flatten();
+    check_files(files, arguments.output.iter().map(|file| (file.as_path(), &[][..])))?;
     let whole = read_model(&arguments.model)?;
     let model = match arguments.step {
         Some(step) => whole.after_step(step.into())?,
         None => whole,
     };
-    let log = arguments.signals.open(std::slice::from_ref(&arguments.log))?;
+    let (Some(log), Some(output)) = (&arguments.log, &arguments.output) else {
+        return at_pose(&model, [&arguments.q, &arguments.dq, &arguments.ddq]);
+    };
+    let log = arguments.signals.open(std::slice::from_ref(log))?;
     model.check_joints(log.joints())?;
-    let logs = log.prepare_as(model.training.filter, Rows::Every)?;
+    let logs = log.prepare_as(model.training.filter, Rows::Settled)?;
 
     let interval =
         arguments.interval.map(|percent| Interval::new(&model, logs.rows(), percent.into()));
@@ -65,7 +117,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let written =
         Written { torque: Torque::new(&model), parts: arguments.parts, interval, measured };
     let names = written.column_names(model.n_joints());
-    let mut writer = TableWriter::create(&staged(&arguments.output)?, &Column::numbers(&names))?;
+    let mut writer = TableWriter::create(&staged(output)?, &Column::numbers(&names))?;
     let mut range = MotionRange::new(model.n_joints());
     let mut largest = vec![0.0_f64; model.n_joints()];
     let mut rows = 0;
@@ -86,7 +138,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         },
     )?;
     writer.finish()?;
-    let (file, repairs) = (arguments.output.display(), logs.repairs());
+    let (file, repairs) = (output.display(), logs.repairs());
     let mut table =
         Table::new(["joint".to_owned(), heading(&model.kinds(), "largest |tau| [N·m]")]);
     for (name, &largest) in model.joints.iter().zip(&largest) {

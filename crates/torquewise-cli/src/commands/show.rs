@@ -139,7 +139,10 @@ fn learned_text(model: &Model, selection: &Selection) -> Result<String> {
         text.push(format!("{LINKS}\n{}\n", links.text()));
         let drives = learned::drives(chain, joints, selection);
         if drives.len() > 1 && selection.joint.is_none() {
-            text.push(format!("Rotors and springs\n\n{}\n", Table::of(drives).text()));
+            text.push(format!(
+                "Rotors and springs, – where none is resolved\n\n{}\n",
+                Table::of(drives).text()
+            ));
         }
     }
     if selection.has_part(Kind::Friction) {
@@ -160,8 +163,8 @@ fn learned_text(model: &Model, selection: &Selection) -> Result<String> {
     Ok(text.concat())
 }
 
-const GEOMETRY: &str = "Geometry at q = 0, z up; no torque tells where a joint lies along its own \
-                        axis\n";
+const GEOMETRY: &str = "Geometry at q = 0, z up, – where there is none; no torque tells where a joint \
+                        lies along its own axis\n";
 
 const LINKS: &str = "Links, ± standard error, – where it is not resolved: first moments [kg·m] and \
                      moments of inertia\nabout the origin of the joint [kg·m²]; mass, m·z and Iyy \
@@ -173,6 +176,9 @@ const FRICTION: &str = "Friction, ± standard error, – where it is not resolve
 
 fn choice_text(choice: &Choice) -> String {
     let Choice { what, chosen, rule, from } = choice;
+    if from.is_empty() {
+        return format!("\n{what}: {chosen} ({rule})\n");
+    }
     let mut table = Table::new(["candidate", "error [%]", "± [%]", "coefficients", ""]);
     for candidate in from {
         let [error, std_error] = [candidate.error, candidate.std_error].map(|x| number(100.0 * x));

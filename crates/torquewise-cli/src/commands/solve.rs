@@ -52,7 +52,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     match solve_sums(summary, &options, &watch())? {
         Solved::Model(fit) => {
             fit.model.save(staged(&arguments.output)?)?;
-            let mut outcome = fit::outcome(&fit, &fit.summary()?, false);
+            let mut outcome = fit::outcome(&fit, &fit.summary()?, None, false);
             let file = arguments.output.display().to_string();
             outcome.text.extend([format!("\nmodel: {file}\n")]);
             outcome.json["file"] = json!(file);

@@ -1,7 +1,7 @@
 //! A model with friction, as `show` and `predict` tell it.
 
 use crate::spoilt::Table;
-use crate::terminal::Terminal;
+use crate::terminal::{Terminal, numbers};
 use serde_json::{Value, json};
 
 /// The fitted model of a log without friction, with friction and a choice written into its file.
@@ -130,7 +130,34 @@ fn evaluate_simulates_windows_of_the_log() {
         assert!(of("rms_drift_rad") < 0.1 * of("hold_rms_rad"), "{found}");
     }
     assert!(text.contains("after 0.2 s") && text.contains("after 1 s"), "{text}");
+    let pushed = Table::of(&terminal, "test.csv").with("tau1", |_, tau, _| tau + 40.0);
+    terminal.write("pushed.csv", &pushed.text());
+    let drifts =
+        |log: &str| terminal.run(&format!("evaluate chain.json {log} --rollout 0.5")).stderr;
+    assert!(drifts("pushed.csv").contains("note: simulated, the drift of joint1"));
+    assert!(!drifts("test.csv").contains("simulated, the drift"));
     terminal.misused("evaluate chain.json test.csv --rollout 0.5,-1", &["--rollout", "above 0"]);
+}
+
+#[test]
+fn predict_prints_the_torque_of_a_pose() {
+    let terminal = with_friction();
+
+    let found = terminal.json("predict rubbing.json --q 0.3,-0.5 --dq -0.2,0.1");
+
+    let of = |what: &str| numbers(&found[what]);
+    let shaft = 2.0 * (-0.2 + 0.5 * 0.1);
+    for (own, expected) in of("friction").iter().zip([shaft, 0.5 * shaft + 0.7]) {
+        assert!((own - expected).abs() < 1e-12, "{found}");
+    }
+    // V = 19.62 sin q₁ + 3.924 sin(q₁ + q₂)
+    let far = 3.924 * (-0.2_f64).cos();
+    for (own, expected) in of("gravity").iter().zip([19.62 * 0.3_f64.cos() + far, far]) {
+        assert!((own - expected).abs() < 1e-3, "{found}");
+    }
+    terminal.refused("predict rubbing.json --q 0.3", &["q has 1", "2"]);
+    terminal.misused("predict rubbing.json --q 0.3,NaN", &["a number for each joint"]);
+    terminal.misused("predict rubbing.json log.csv --q 0.3,0 -o a.csv", &["cannot be used with"]);
 }
 
 #[test]

@@ -71,6 +71,50 @@ fn a_torque_that_was_cut_off_is_named() {
 }
 
 #[test]
+fn units_that_a_profile_leaves_open_are_told_with_their_cure() {
+    let terminal = Terminal::new();
+    let table = Table::recorded();
+    terminal.write("ms.csv", &table.clone().scaled(&["t"], 1e3).text());
+    let cure = "t = { column = \"t\", unit = \"ms\" }";
+    terminal.refused("fit ms.csv -o m.json", &["has steps of 10.0 s", cure]);
+    terminal.write("fast.csv", &table.clone().scaled(&["t"], 90.0).text());
+    assert_warns(&terminal.run("inspect fast.csv --strict"), &["has steps of 0.9 s", cure]);
+    terminal.write("ms.toml", cure);
+    assert!(!terminal.run("inspect ms.csv --profile ms.toml").stderr.contains(cure));
+
+    let renamed = [("q1", "pos1"), ("q2", "pos2"), ("tau1", "current1"), ("tau2", "current2")];
+    terminal.write("log.csv", &table.renamed(&renamed).text());
+    let literal = terminal.run("inspect log.csv").stdout;
+    let filled = literal.replace("# unit", "unit").replace("# torque_c", "torque_c");
+    for (toml, told) in [
+        (&literal, "[tau] names currents and no unit, so they are taken as N·m"),
+        (&filled, "every torque_constant of [tau] is 1.0, as a suggested profile has it"),
+    ] {
+        terminal.write("p.toml", toml);
+        assert_warns(&terminal.run("inspect log.csv --profile p.toml --strict"), &[told]);
+    }
+}
+
+#[test]
+fn torques_in_a_second_file_are_suggested_beside_the_log() {
+    let terminal = Terminal::new();
+    // Columns that only the name of their file explains.
+    for (file, signal, others) in [("positions", "q", "tau"), ("torques", "tau", "q")] {
+        let own = [1, 2].map(|joint| [signal, others, "dq"].map(|name| format!("{name}{joint}")));
+        let table = own.iter().zip(["j1", "j2"]).fold(Table::recorded(), |table, (own, name)| {
+            table.renamed(&[(&own[0], name)]).without(&[&own[1], &own[2]])
+        });
+        terminal.write(&format!("{file}.csv"), &table.text());
+    }
+
+    terminal.write("p.toml", &terminal.run("inspect positions.csv torques.csv").stdout);
+
+    assert!(terminal.read("p.toml").contains("[beside]\ntorques = \"torques.csv\""));
+    let found = terminal.json("inspect positions.csv --profile p.toml");
+    assert_eq!(found["missing"], serde_json::json!(["dq", "ddq"]));
+}
+
+#[test]
 fn an_arm_of_too_many_joints_is_refused_from_the_header() {
     let terminal = Terminal::new();
     let signals = ["q", "dq", "ddq", "tau"];
@@ -98,7 +142,7 @@ fn a_torque_that_overflows_is_an_error() {
         far.rows[8][3] = cell;
         terminal.write("far.csv", &far.text());
         let said = terminal.run("predict model.json far.csv -o p.csv");
-        assert!(said.stdout.contains("1 rows with a value far beyond all others"), "{said:?}");
+        assert!(said.stdout.contains("1 row with a value far beyond all others"), "{said:?}");
 
         far.rows[8..18].iter_mut().for_each(|row| row[3] = cell);
         terminal.write("far.csv", &far.text());

@@ -154,8 +154,8 @@ fn repeated_stamps_and_a_restarted_clock_are_left_out_and_told() {
     assert_warns(
         &said,
         &[
-            "note: left out: 1 rows with the time stamp of the row before",
-            "left out: 300 rows earlier than a row before them, the first is row 2002",
+            "note: left out: 1 row with the time stamp of the row before",
+            "left out: 300 rows earlier than a row before, the first is row 2002",
             "put what follows in a file of its own",
         ],
     );
@@ -179,8 +179,8 @@ fn what_was_repaired_in_a_log_is_a_note_and_stays_with_the_model() {
     let terminal = Terminal::new();
     terminal.write("log.csv", &needs_repair().text());
     terminal.write("sound.csv", &Table::recorded().text());
-    let note = "left out: 1 rows with the time stamp of the row before; repaired: 3 spikes \
-                replaced (q 2, tau 1), 1 gaps bridged (the longest 40.0 ms), 1 longer gaps at \
+    let note = "left out: 1 row with the time stamp of the row before; repaired: 3 spikes \
+                replaced (q 2, tau 1), 1 gap bridged (the longest 40.0 ms), 1 longer gap at \
                 which a log was split";
 
     let fit = "fit sound.csv log.csv -o m.json --filter 6 --delay 0 --library energy";
@@ -215,7 +215,10 @@ fn degrees_are_suspected_and_read_with_a_profile() {
          [dq]\ncolumns = \"dq\"\nunit = \"deg/s\"\n[tau]\ncolumns = \"tau\"\n",
     );
 
-    assert_warns(&terminal.run("inspect log.csv --strict"), &["q1 reaches", "is it in degrees?"]);
+    assert_warns(
+        &terminal.run("inspect log.csv --strict"),
+        &["joint1 reaches", "are these degrees?"],
+    );
     let said = terminal.run("inspect log.csv --profile degrees.toml");
     assert!(!said.stderr.contains("degrees"), "{said:?}");
 }

@@ -1,5 +1,6 @@
 //! Reports, figures and experiments: what is written, and that it tells what was found.
 
+use crate::spoilt::Table;
 use crate::terminal::Terminal;
 use serde_json::Value;
 
@@ -40,6 +41,18 @@ fn a_model_can_be_judged_by_another_log_at_once() {
     assert_eq!(fit["test"]["joints"], terminal.json("evaluate model.json test.csv")["joints"]);
     let report = terminal.read("report.html");
     assert!(report.contains("tested on test.csv") && report.contains("On the fitted log"));
+
+    let other = Table::of(&terminal, "test.csv").scaled(&["tau2"], 1.6).text();
+    terminal.write("test.csv", &other);
+    let said = terminal.done("fit log.csv -o model.json --test test.csv --report report.html");
+    for words in [
+        "verdict: usable: test torque of joint2 is missed by more than 30 % of its spread",
+        "worse than held-out rows: joint2 is missed by 41.25 %, held out by 0.00 %",
+        "test error 0.00 to 41.25 % of the spread",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    assert!(terminal.read("report.html").contains("<strong>Usable</strong>"));
 }
 
 #[test]

@@ -43,6 +43,22 @@ fn scoring_the_predicted_torque_by_hand_gives_what_evaluate_says() {
 }
 
 #[test]
+fn the_log_of_a_model_is_predicted_within_its_range() {
+    let terminal = Terminal::new();
+    terminal.write("log.csv", &Table::recorded().text());
+    terminal.done("fit log.csv -o model.json");
+
+    let said = terminal.run("predict model.json log.csv -o torque.csv");
+
+    assert!(!said.stderr.contains("leaves the range"), "{said:?}");
+    // Where its filter has not settled there is no row.
+    let torque = Table::of(&terminal, "torque.csv");
+    assert!(torque.rows.len() < 2_000 && torque.rows[0][0] > 0.1, "{}", torque.rows.len());
+    let residual = torque.column("residual1").iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    assert!(residual < 0.5, "{residual}");
+}
+
+#[test]
 fn a_log_without_torque_can_be_predicted() {
     let terminal = Terminal::with_model();
     let bare = Table::of(&terminal, "log.csv").without(&["tau1", "tau2"]);

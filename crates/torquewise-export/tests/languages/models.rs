@@ -245,7 +245,7 @@ pub(crate) fn loaded(mut model: Model) -> Model {
     model
 }
 
-/// A path with reversals, on which each joint rests in every third of its samples.
+/// A path with reversals, on which each joint rests in every third of its samples, one of them not finite.
 pub(crate) fn way(n: usize) -> Vec<State> {
     let mut way = states(n, 600, 11);
     for (row, [q, ..]) in way.iter_mut().enumerate() {
@@ -254,5 +254,6 @@ pub(crate) fn way(n: usize) -> Vec<State> {
             *q = 0.1 * (0.05 * time as f64 * (1.0 + joint as f64)).sin();
         }
     }
+    way[300][0][1] = f64::NAN;
     way
 }

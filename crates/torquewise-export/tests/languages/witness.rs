@@ -52,8 +52,8 @@ pub(crate) fn expected_along(model: &Model, way: &[State]) -> Vec<Vec<f64>> {
         }
         path.step(q);
         let tau = torque.after(&path, dq, ddq).unwrap();
-        let whole = torque.at(q, dq, ddq).unwrap();
-        let friction = torque.friction(q, dq).unwrap();
+        let whole = torque.at(path.q(), dq, ddq).unwrap();
+        let friction = torque.friction(path.q(), dq).unwrap();
         // Friction alone changes with the path.
         let after = (0..q.len()).map(|joint| tau[joint] - whole[joint] + friction[joint]);
         let external = observer.step(dt, [q, dq, ddq]).unwrap().to_vec();

@@ -253,6 +253,8 @@ fn stribeck_friction_is_chosen_where_there_is_some() {
     let found = fit(&rubbing(&motion, &friction, NOISE), &chain(FrictionKind::Auto));
 
     assert_eq!(chosen(&found, "friction of joint1"), Some("Stribeck"));
+    let saved = chosen(&found, "friction as saved");
+    assert_eq!(saved, Some("mean of the laws chosen and of all offered"));
     // The other speed of the dictionary takes a little of each law: the curve is what counts.
     let torque = Torque::new(&found.model);
     for speed in [-1.2, -0.5, -0.2, -0.1, 0.05, 0.1, 0.2, 0.5, 1.2] {

@@ -33,6 +33,16 @@ pub(crate) fn time_factor(unit: Option<&str>) -> Option<f64> {
     unit.map_or(Some(1.0), |unit| find(&TIME, unit))
 }
 
+/// The unit of time whose usual steps are of this length, for logs of 10 Hz to 10 kHz.
+pub(crate) fn of_step(step: f64) -> (&'static str, f64) {
+    match step {
+        step if step < 0.2 => ("s", 1.0),
+        step if step < 200.0 => ("ms", 1e-3),
+        step if step < 2e5 => ("us", 1e-6),
+        _ => ("ns", 1e-9),
+    }
+}
+
 pub(crate) fn is_current(unit: Option<&str>) -> bool {
     unit.is_some_and(|unit| unit == AMPERE || unit == "mA")
 }

@@ -144,6 +144,13 @@ fn family(mut columns: Vec<String>, key: &str, word: &str) -> Family {
 }
 
 impl Family {
+    /// The same in a file beside the log, whose columns are called `NAME.column`.
+    pub(super) fn of_file(self, name: &str) -> Self {
+        let of = |column: &String| format!("{name}.{column}");
+        let columns = self.columns.iter().map(of).collect();
+        Self { columns, prefix: self.prefix.as_ref().map(of), ..self }
+    }
+
     /// Names of the joints, if the columns are called `NAME_position` or the like.
     pub(super) fn joints(&self) -> Option<Vec<String>> {
         let joint = |column: &String| {

@@ -1,12 +1,13 @@
 //! Usual step and ranges of a log, and its velocities against the slopes of positions.
 
 use crate::error::Result;
-use crate::gaps::median_step;
 use crate::log_input::LogInput;
+use crate::profile::unit::of_step;
 use crate::signal::Signal;
 use crate::source::named_rows;
 use crate::suggest::guess::Found;
 use std::f64::consts::PI;
+use torquewise_motion::stats::median;
 
 /// Rows that are looked at closely.
 const SAMPLE: usize = 20_000;
@@ -42,7 +43,7 @@ pub(super) fn measure(file: &LogInput, names: &[String], found: &Found) -> Resul
     let (q_values, dq_values) = rest.split_at(q.len());
     let largest = q_values.iter().flatten().filter(|x| x.is_finite());
     let step = t.first().and_then(|t| median_step(t));
-    let seconds = step.map_or(1.0, |step| unit_of(step).1);
+    let seconds = step.map_or(1.0, |step| of_step(step).1);
     Ok(Measured {
         step,
         largest_q: largest.map(|x| x.abs()).reduce(f64::max),
@@ -50,14 +51,10 @@ pub(super) fn measure(file: &LogInput, names: &[String], found: &Found) -> Resul
     })
 }
 
-/// The unit of time whose usual steps are of this length, for logs of 10 Hz to 10 kHz.
-pub(super) fn unit_of(step: f64) -> (&'static str, f64) {
-    match step {
-        step if step < 0.2 => ("s", 1.0),
-        step if step < 200.0 => ("ms", 1e-3),
-        step if step < 2e5 => ("us", 1e-6),
-        _ => ("ns", 1e-9),
-    }
+fn median_step(t: &[f64]) -> Option<f64> {
+    let steps = t.windows(2).map(|pair| pair[1] - pair[0]);
+    let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0 && step.is_finite()).collect();
+    (!steps.is_empty()).then(|| median(&mut steps))
 }
 
 /// Units of position and velocity that fit a ratio of velocity and slope to 10 %.

@@ -17,7 +17,7 @@ fn write(file: &Path, header: &str, rows: u32, row: impl Fn(f64) -> Vec<f64>) {
 
 /// A suggestion that must read the log it was made for.
 fn readable(file: &Path) -> (Suggestion, Profile) {
-    let suggestion = suggest(file).unwrap();
+    let suggestion = suggest(&[file.into()]).unwrap();
     assert!(suggestion.is_complete, "{suggestion:?}");
     let profile = Profile::from_toml(&suggestion.toml).unwrap();
     let options = Options { profile: Some(profile.clone()), ..Options::default() };
@@ -95,7 +95,7 @@ fn what_no_file_tells_is_left_to_be_filled_in() {
     let file = folder.path().join("run.csv");
     write(&file, "pos1,pos2,current1,current2", 100, |k| vec![k, 50.0, 2.0, 2.0]);
 
-    let suggestion = suggest(&file).unwrap();
+    let suggestion = suggest(&[(&file).into()]).unwrap();
 
     assert!(!suggestion.is_complete);
     for line in [
@@ -115,7 +115,7 @@ fn columns_that_mean_nothing_give_a_draft_and_no_error() {
     let file = folder.path().join("x.csv");
     write(&file, "alpha,\"be\"\"ta\"", 10, |k| vec![k, k]);
 
-    let suggestion = suggest(&file).unwrap();
+    let suggestion = suggest(&[(&file).into()]).unwrap();
 
     assert!(!suggestion.is_complete && suggestion.toml.contains("# columns = [\"…\"]"));
 }

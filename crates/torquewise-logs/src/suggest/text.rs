@@ -1,10 +1,12 @@
 //! Text of a suggested profile, and its reasons.
 
+use crate::profile::unit::of_step;
 use crate::signal::Signal;
 use crate::suggest::Suggestion;
 use crate::suggest::guess::{Family, Found};
-use crate::suggest::measure::{Measured, unit_of, units_of};
+use crate::suggest::measure::{Measured, units_of};
 use std::f64::consts::PI;
+use std::path::PathBuf;
 
 /// Positions beyond this \[rad\] are degrees, or angles of motors.
 const LARGEST_RADIANS: f64 = 4.0 * PI;
@@ -40,7 +42,11 @@ pub(super) fn of_bag(joints: &[String], columns: &[String]) -> Suggestion {
     Suggestion { is_complete: !joints.is_empty(), ..draft }
 }
 
-pub(super) fn of_columns(found: &Found, measured: &Measured) -> Suggestion {
+pub(super) fn of_columns(
+    found: &Found,
+    measured: &Measured,
+    beside: &[(String, PathBuf)],
+) -> Suggestion {
     let mut draft = Suggestion::new();
     if let Some(q) = found.get(Signal::Q) {
         let numbered = || (1..=q.columns.len()).map(|joint| format!("joint_{joint}")).collect();
@@ -53,6 +59,16 @@ pub(super) fn of_columns(found: &Found, measured: &Measured) -> Suggestion {
              # name the column of the clock below as [t] column = \"…\".\n# rate = 1000.0",
         );
         draft.reason("No column is called t, time or stamp: fill in rate.");
+    }
+    if !beside.is_empty() {
+        draft.line("\n# Files with the same rows, from the folder of the log.\n[beside]");
+        for (name, file) in beside {
+            let file = file.display().to_string();
+            draft.line(format!("{name} = {}", quoted(&file)));
+            draft.reason(format!(
+                "{file} has what the log lacks: its columns are called {name}.NAME."
+            ));
+        }
     }
     if let Some(time) = &found.time {
         clock(&mut draft, time, measured);
@@ -90,16 +106,19 @@ fn signals(draft: &mut Suggestion, found: &Found, measured: &Measured) {
         signal_lines(draft, *signal, family, unit, n);
     }
     if found.get(Signal::Tau).is_none() {
-        draft.reason("No column is called tau, torque, effort or current: no model can be fitted.");
+        draft.reason(
+            "No column is called tau, torque, effort or current: no model can be fitted. If torques \
+             are in another file, inspect both together.",
+        );
     }
 }
 
 fn clock(draft: &mut Suggestion, time: &str, measured: &Measured) {
     draft.line(format!("\n[t]\ncolumn = {}", quoted(time)));
     if let Some(step) = measured.step {
-        let (unit, seconds) = unit_of(step);
+        let (unit, seconds) = of_step(step);
         draft.line(format!("unit = \"{unit}\""));
-        let rate = (1.0 / (step * seconds)).round();
+        let (rate, step) = ((1.0 / (step * seconds)).round(), (1e6 * step).round() / 1e6);
         draft.reason(format!(
             "Clock {time}: the usual step is {step}, so it counts {unit}, {rate} rows per second."
         ));
@@ -117,11 +136,11 @@ fn units(
     if let Some(largest) = measured.largest_q {
         draft.reason(if q == "deg" && !says_degrees(Signal::Q) {
             format!(
-                "Positions reach {largest}: degrees, or radians of the motors; if so, set unit \
+                "Positions reach {largest:.3}: degrees, or radians of the motors; if so, set unit \
                  = \"rad\" and scale to one over the gear ratio."
             )
         } else {
-            format!("Positions reach {largest}: {q}.")
+            format!("Positions reach {largest:.3}: {q}.")
         });
     }
     let same = if q == "deg" { ("deg", "deg/s") } else { ("rad", "rad/s") };

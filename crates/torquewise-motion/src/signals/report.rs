@@ -1,5 +1,6 @@
 //! Report of conditioning: everything that was found, done and left out.
 
+use crate::repairs::counted;
 use crate::signals::clean::Outliers;
 use crate::signals::delay::Shift;
 use crate::signals::noise::{Quantisation, WhiteNoise};
@@ -118,7 +119,8 @@ impl fmt::Display for ConditionReport {
             write!(f, "\ntau {way} by {:.1} ms", 1e3 * self.delay.abs())?;
         }
         for Outliers { signal, joint, rows } in &self.outliers {
-            write!(f, "\n{signal} of {joint}: {} outliers replaced", rows.len())?;
+            let outliers = counted(rows.len() as u64, "outliers replaced");
+            write!(f, "\n{signal} of {joint}: {outliers}")?;
         }
         for report in self.signals.iter().filter(|report| report.is_coarse()) {
             let SignalReport { signal, joint, quantisation: Some(q), .. } = report else {

@@ -4,7 +4,7 @@ use crate::fit_report::Findings;
 use crate::html::number::{count, significant};
 use crate::html::{Callout, Column, Item, Label, Section, Table, Tone};
 use torquewise_identify::Warning;
-use torquewise_identify::verdict::{Grade, Verdict};
+use torquewise_identify::verdict::{Grade, Verdict, held_out};
 use torquewise_model::Form;
 
 const DIGITS: usize = 3;
@@ -32,7 +32,7 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
 }
 
 fn verdict(findings: &Findings<'_>) -> Item {
-    let Verdict { grade, because } = Verdict::of(findings.found);
+    let Verdict { grade, because } = findings.verdict();
     let (tone, heading) = match grade {
         Grade::Good => (Tone::Good, "Good"),
         Grade::Usable => (Tone::Note, "Usable"),
@@ -75,10 +75,10 @@ pub(crate) fn next(findings: &Findings<'_>) -> Section {
 
 /// Which joint to move more, where the errors of the model are not small.
 fn worst_joint(findings: &Findings<'_>) -> Option<String> {
-    if Verdict::of(findings.found).grade == Grade::Good {
+    if findings.verdict().grade == Grade::Good {
         return None;
     }
-    let errors = findings.found.model.training.held_out_errors()?;
+    let errors = held_out(findings.found);
     let (joint, error) = errors.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
     Some(format!(
         "{} has the largest held-out error, {} %: record more of its motion, through its whole \
@@ -118,14 +118,13 @@ fn words(findings: &Findings<'_>) -> String {
 
 /// Errors of each joint: on the test log, on held-out blocks of time, on the fitted log.
 fn error_table(findings: &Findings<'_>) -> Item {
-    let training = &findings.found.model.training;
-    let held_out = training.held_out_errors();
+    let held_out = held_out(findings.found);
     let (judged, fitted) = (findings.judged(), findings.diagnosis);
     let percent = |x: f64| Label::from(significant(x, DIGITS));
     let row = |joint: usize| -> Vec<Label> {
         let score = &judged.scores.joints[joint];
         let test = findings.test.map(|_| percent(score.nrmse_percent));
-        let unseen = held_out.as_ref().map(|errors| percent(100.0 * errors[joint]));
+        let unseen = held_out.get(joint).map(|error| percent(100.0 * error));
         let own = percent(fitted.scores.joints[joint].nrmse_percent);
         let [rmse, r2] = [significant(score.rmse, DIGITS).into(), r_squared(score.r2).into()];
         let errors = test.into_iter().chain(unseen).chain([own, rmse, r2]);
@@ -133,7 +132,7 @@ fn error_table(findings: &Findings<'_>) -> Item {
     };
     let columns = [
         findings.test.map(|_| "test log [%]"),
-        held_out.as_ref().map(|_| "held out [%]"),
+        (!held_out.is_empty()).then_some("held out [%]"),
         Some("fitted log [%]"),
         Some("RMSE [N·m]"),
         Some("R²"),
