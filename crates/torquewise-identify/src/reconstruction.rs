@@ -2,14 +2,14 @@
 
 use crate::clipped::clipped;
 use crate::excitation::Finding;
-use crate::learn::kinds::sliding;
+use crate::learn::kinds::{FirstLook, first_look};
 use crate::library_errors::held_out_rms;
 use crate::residual_shape::shapes;
 use crate::rough::shows_its_friction;
 use crate::torque_sign::{SignTest, swapped};
 use crate::verdict::grave;
 use crate::warning::Warning;
-use torquewise_model::{JointKinds, Model, Torque};
+use torquewise_model::{Model, Torque};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::fit::{Dropped, LibraryFit};
 use torquewise_stepwise::noise::NoiseFloor;
@@ -66,20 +66,15 @@ impl Reconstruction {
         Ok(found)
     }
 
-    /// The kinds that its joints seem to be of at a first look, where some seem to slide that were
-    /// fitted as joints that turn.
+    /// What its joints are at a first look, where they were fitted as joints that turn.
     ///
     /// # Errors
     /// [`IdentifyError::Chain`] if the watcher breaks.
-    pub fn sliding(
-        &self,
-        seed: u64,
-        watch: Watch<'_>,
-    ) -> Result<Option<JointKinds>, IdentifyError> {
+    pub fn first_look(&self, seed: u64, watch: Watch<'_>) -> Result<FirstLook, IdentifyError> {
         if self.model.chain.is_some() {
-            return Ok(None);
+            return Ok(FirstLook::default());
         }
-        sliding(&self.survey.sample, seed, watch)
+        first_look(&self.survey.sample, seed, watch)
     }
 
     /// Where a model misses much of a torque, or turns out to be of negative inertia, looks whether

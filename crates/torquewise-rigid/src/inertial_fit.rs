@@ -2,8 +2,8 @@
 
 use crate::error::ChainError;
 use crate::geometry::Geometry;
-use crate::recursion::{Moved, N_LANES, PER_BODY};
-use crate::rows::Rows;
+use crate::recursion::{Moved, PER_BODY};
+use crate::rows::{Rows, put};
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, MatRef, Side};
 use torquewise_regression::products::{add_gram_of_equations, product};
@@ -38,24 +38,22 @@ pub(crate) fn weighted_columns(geometry: &Geometry, rows: &Rows, weights: &[f64]
     rows.visit_lanes(|state, first, count| {
         kinematics.move_into(state, &mut moved);
         moved.regressor(|joint, parameter, value| {
-            let start = joint * m + first;
-            let values: [f64; N_LANES] = value.into();
-            let target = &mut columns.col_as_slice_mut(parameter)[start..start + count];
-            // Of known length, a copy is one instruction.
-            match target.first_chunk_mut() {
-                Some(whole) => *whole = values,
-                None => target.copy_from_slice(&values[..count]),
-            }
+            put(columns.col_as_slice_mut(parameter), (joint * m + first, count), value);
         });
     });
     for parameter in 0..of_bodies {
+        // A body does not load the joints beyond it.
+        let weights = &weights[..=parameter / PER_BODY];
         weigh(columns.col_as_slice_mut(parameter), rows, weights);
     }
-    for j in 0..rows.extras.ncols() {
-        let from = rows.extras.col_as_slice(j);
-        let column = columns.col_as_slice_mut(of_bodies + j);
-        column.copy_from_slice(from);
-        weigh(column, rows, weights);
+    for (j, joints) in rows.loaded.iter().enumerate() {
+        let (from, column) = (rows.extras.col_as_slice(j), columns.col_as_slice_mut(of_bodies + j));
+        for &joint in joints {
+            let own = joint * m..(joint + 1) * m;
+            let values = from[own.clone()].iter().zip(&rows.shares[own.clone()]);
+            let scaled = values.map(|(x, share)| x * (share * weights[joint]));
+            column[own].iter_mut().zip(scaled).for_each(|(x, scaled)| *x = scaled);
+        }
     }
     columns
 }

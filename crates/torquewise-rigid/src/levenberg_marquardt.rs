@@ -3,8 +3,8 @@
 use crate::error::ChainError;
 use crate::geometry::Geometry;
 use crate::inertial_fit::{InertialFit, weigh};
-use crate::recursion::{Lanes, MOST_JOINTS, Moved, N_LANES, PER_BODY};
-use crate::rows::Rows;
+use crate::recursion::{Lanes, MOST_JOINTS, Moved, PER_BODY};
+use crate::rows::{Rows, put};
 use crate::search::{Stage, Watch, tell};
 use crate::usual_arm::UsualArm;
 use faer::linalg::solvers::Solve;
@@ -65,10 +65,7 @@ impl Target<'_> {
             for (column, &parameter) in free.iter().enumerate() {
                 moved.geometry_derivative(&derivatives[parameter], inertial, &mut torque[..n]);
                 for (joint, &change) in torque[..n].iter().enumerate() {
-                    let start = joint * m + first;
-                    let values: [f64; N_LANES] = change.into();
-                    changes.col_as_slice_mut(column)[start..start + count]
-                        .copy_from_slice(&values[..count]);
+                    put(changes.col_as_slice_mut(column), (joint * m + first, count), change);
                 }
             }
         });

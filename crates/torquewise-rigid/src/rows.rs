@@ -16,6 +16,8 @@ pub struct Rows {
     pub(crate) torque: Vec<f64>,
     /// Further columns, (m·n)×e, rows as in `torque`.
     pub(crate) extras: Mat<f64>,
+    /// Joints that each of them may load; its other equations are zero.
+    pub(crate) loaded: Vec<Vec<usize>>,
     /// Weight of each equation, m·n: small where a joint rests and its friction may be anything.
     pub(crate) shares: Vec<f64>,
     /// Whether gravity was taken out of the torque.
@@ -62,8 +64,14 @@ impl Rows {
         }
         let torque = (0..n).flat_map(|joint| (0..m).map(move |row| tau[(row, joint)])).collect();
         let extras = Mat::from_fn(m * n, width, |row, column| extras[row / m][(row % m, column)]);
+        let is_loaded = |column: usize, joint: usize| {
+            extras.col_as_slice(column)[joint * m..(joint + 1) * m].iter().any(|x| *x != 0.0)
+        };
+        let loaded = (0..width)
+            .map(|column| (0..n).filter(|&joint| is_loaded(column, joint)).collect())
+            .collect();
         let shares = vec![1.0; m * n];
-        Ok(Self { n_joints: n, states, torque, extras, shares, weightless: false })
+        Ok(Self { n_joints: n, states, torque, extras, loaded, shares, weightless: false })
     }
 
     /// Number of joints n.
@@ -165,6 +173,7 @@ impl Rows {
             extras: Mat::from_fn(rows.len() * n, self.extras.ncols(), |k, j| {
                 self.extras[(place(k), j)]
             }),
+            loaded: self.loaded.clone(),
             shares: (0..rows.len() * n).map(|k| self.shares[place(k)]).collect(),
             weightless: self.weightless,
         }
@@ -177,5 +186,16 @@ impl Rows {
             return self.clone();
         }
         self.select(&(0..count).map(|k| k * m / count).collect::<Vec<_>>())
+    }
+}
+
+/// Puts the values of so many lanes into the rows of a joint from `first` on.
+pub(crate) fn put(rows: &mut [f64], (first, count): (usize, usize), value: Lanes) {
+    let values: [f64; N_LANES] = value.into();
+    let target = &mut rows[first..first + count];
+    // Of known length, a copy is one instruction.
+    match target.first_chunk_mut() {
+        Some(whole) => *whole = values,
+        None => target.copy_from_slice(&values[..count]),
     }
 }

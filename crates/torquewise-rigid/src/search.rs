@@ -5,8 +5,8 @@ use crate::error::ChainError;
 use crate::geometry::{Geometry, PER_BASE, PER_JOINT, RIGHT_ANGLES};
 use crate::joint::JointKinds;
 use crate::levenberg_marquardt::{Fitted, Target};
-use crate::recursion::{Lanes, MOST_JOINTS, Moved, N_LANES, PER_BODY};
-use crate::rows::Rows;
+use crate::recursion::{Lanes, MOST_JOINTS, Moved, PER_BODY};
+use crate::rows::{Rows, put};
 use crate::usual_arm::UsualArm;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -116,9 +116,7 @@ impl Chain {
         rows.visit_lanes(|state, first, count| {
             kinematics.inverse_dynamics(state, &self.inertial, &mut moved, &mut torque[..n]);
             for (joint, &tau) in torque[..n].iter().enumerate() {
-                let start = joint * m + first;
-                let values: [f64; N_LANES] = tau.into();
-                out[start..start + count].copy_from_slice(&values[..count]);
+                put(&mut out, (joint * m + first, count), tau);
             }
         });
         for (j, coefficient) in self.drive.iter().enumerate() {

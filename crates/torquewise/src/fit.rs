@@ -70,15 +70,15 @@ impl<'a> Fit<'a> {
         if fit.model.chain.is_some() {
             return Ok(fit);
         }
-        let look = |progress: Watch<'_>| fit.found.sliding(self.options.seed, progress);
+        let look = |progress: Watch<'_>| fit.found.first_look(self.options.seed, progress);
         // A log that no chain can be learned from is one of terms.
-        let seems = match timed(self.observer, look) {
+        let seen = match timed(self.observer, look) {
             Err(Error::Interrupted) => return Err(Error::Interrupted),
-            seen => seen.ok().and_then(|(seems, ..)| seems),
+            seen => seen.map(|(seen, ..)| seen).unwrap_or_default(),
         };
         let is_useful = |fit: &FitResult| Verdict::of(&fit.found, &[]).grade != Grade::Unusable;
         let suffices = is_useful(&fit);
-        if seems.is_none() && suffices {
+        if seen.kinds.all_turn() && seen.may_slide.is_empty() && suffices {
             return Ok(fit);
         }
         let chain = FitOptions { library: Some(Library::Chain), ..self.options.clone() };
@@ -93,8 +93,8 @@ impl<'a> Fit<'a> {
                 Err(_) => {}
             }
         }
-        if let Some(kinds) = seems {
-            let kinds = kinds.letters(fit.model.n_joints());
+        if !seen.kinds.all_turn() {
+            let kinds = seen.kinds.letters(fit.model.n_joints());
             fit.found.warnings.push(Warning::Sliding { kinds });
         }
         Ok(fit)

@@ -63,10 +63,11 @@ fn check(tool: &str, at_states: Option<Run<'_>>, along: Run<'_>) {
         assert!(error < AGREES, "{} joints: {error:.1e}", model.n_joints());
     }
     let remembering = [remembers(energies(3, 25, 1)), remembers_all(loaded(chain(6, false, 5)))];
+    let remembering = remembering.map(|model| (models::way(model.n_joints()), model));
     // Code that remembers nothing has no state; a unit is called the same way.
-    let forgetful = at_states.is_none().then(|| energies(6, 200, 3));
-    for model in remembering.into_iter().chain(forgetful) {
-        let (way, folder) = (models::way(model.n_joints()), tempfile::tempdir().unwrap());
+    let forgetful = at_states.is_none().then(|| (states(6, 1000, 7), energies(6, 200, 3)));
+    for (way, model) in remembering.into_iter().chain(forgetful) {
+        let folder = tempfile::tempdir().unwrap();
 
         let found = along(folder.path(), &Program::of(&model).unwrap(), &way);
 

@@ -19,8 +19,9 @@ use torquewise_stepwise::friction::FrictionKind;
 const LONGEST_SLIDE: f64 = 2.0;
 /// Starts of a first look, and its rows.
 const GLANCE: (usize, usize) = (3, 120);
-/// Slides must lower the error by this part, since most joints turn; but for joints of so little
-/// travel \[rad or m\] that few would turn it: they slide where that errs less at all.
+/// Slides must lower the error by this part: a joint that turned by little fits either way, and most
+/// joints turn. Of so little travel \[rad or m\] few do: such a joint slides where that errs less at
+/// all on held-out rows.
 const WORTH_OF_SLIDES: f64 = 0.1;
 const SHORT: f64 = LEAST_RANGE;
 
@@ -31,26 +32,34 @@ const KIND_OF: &str = "kind of";
 /// A slide is turned the other way for a positive mass where that costs this part at most.
 const SIGN_OF_MASS: f64 = 0.05;
 
-/// The kinds that joints seem to be of at a first look at a motion, where some seem to slide.
-pub(crate) fn sliding(
+/// What joints are at a first look at a motion.
+#[derive(Clone, Debug, Default)]
+pub struct FirstLook {
+    /// The kinds they seem to be of.
+    pub kinds: JointKinds,
+    /// Joints that may slide all the same: they moved by little, and fit nearly as well so.
+    pub may_slide: Vec<usize>,
+    /// Joints that fit nearly as well as the other kind.
+    untold: Vec<usize>,
+}
+
+/// A first look at the joints of a motion.
+pub(crate) fn first_look(
     motion: &Motion,
     seed: u64,
     watch: Watch<'_>,
-) -> Result<Option<JointKinds>, IdentifyError> {
+) -> Result<FirstLook, IdentifyError> {
     let (learner, n) = (ChainLearner::new(motion, watch), motion.n_joints());
-    let short = learner.joints_within(LONGEST_SLIDE);
-    if short.is_empty() {
-        return Ok(None);
-    }
-    let at = |kinds: JointKinds| {
+    learner.first_look(&|kinds: JointKinds| {
         let mut drive = DriveTerm::rotors(n);
         drive.extend(DriveTerm::friction(learner.laws.linear()));
         let search = Search { seed, kinds, ..Search::default() };
         ChainSpec { drive, search, free: all_parameters(n), gravity: None }
-    };
-    let (kinds, _) = learner.promising_kinds(&at, &short)?;
-    Ok((!kinds.all_turn()).then_some(kinds))
+    })
 }
+
+/// A specification, its chain, and how its axes were chosen.
+type Fitted = (ChainSpec, Chain, Vec<Choice>);
 
 impl ChainLearner<'_> {
     /// Searches the geometry of joints of given kinds; or of joints that all turn, then looks for those
@@ -84,43 +93,60 @@ impl ChainLearner<'_> {
         &mut self,
         at: &(impl Fn(JointKinds) -> ChainSpec + Sync),
         choices: &mut Vec<Choice>,
-    ) -> Result<(ChainSpec, Chain, Vec<Choice>), IdentifyError> {
+    ) -> Result<Fitted, IdentifyError> {
         let (mut turning, mut own) = (at(JointKinds::default()), Vec::new());
         let chain = self.geometry(&mut turning, None, &mut own)?;
-        let short = self.joints_within(LONGEST_SLIDE);
-        if short.is_empty() {
-            return Ok((turning, chain, own));
-        }
-        let (kinds, untold) = self.promising_kinds(at, &short)?;
-        if !kinds.all_turn() {
-            let (found, mut sliding, mut made) =
-                (self.found.clone(), upright(at(kinds.clone()), &kinds), Vec::new());
-            let slid = self.geometry(&mut sliding, None, &mut made)?;
-            let watch = searching(self.watch);
-            let n = self.motion.n_joints();
-            let judged = |spec: &ChainSpec, chain: &Chain, label: String| {
-                trial(label, spec, &self.rows(spec, TRIAL_ROWS)?, chain, ROUNDS, &watch)
-            };
-            let turning_error = judged(&turning, &chain, "all turn".to_owned())?;
-            let sliding_error = judged(&sliding, &slid, format!("kinds {}", kinds.letters(n)))?;
+        let (mut best, mut kinds, n) =
+            ((turning, chain, own), JointKinds::default(), self.motion.n_joints());
+        let look = self.first_look(at)?;
+        if !look.kinds.all_turn() {
             // Where no joint tells, slides that fit are simpler: a mass each, without a place.
-            let (trials, slides) = if untold.len() == n {
-                ([sliding_error, turning_error], 0)
-            } else {
-                ([turning_error, sliding_error], 1)
-            };
-            let likely = self.joints_within(SHORT);
-            let is_likely = (0..n).all(|joint| !kinds.slides(joint) || likely.contains(&joint));
-            let worth = if is_likely { 0.0 } else { WORTH_OF_SLIDES };
-            if record_worth(KINDS, &trials, worth, choices) == slides {
-                self.leave_untold(&kinds, &untold, choices);
-                return Ok((sliding, slid, made));
+            let is_simpler = look.untold.len() == n;
+            let rule = (WORTH_OF_SLIDES, is_simpler);
+            if let Some(slid) = self.slid(at, &look.kinds, (&best, rule), choices)? {
+                (best, kinds) = (slid, look.kinds.clone());
             }
+        }
+        for &joint in &look.may_slide {
+            let other = kinds.with(joint, JointKind::Prismatic, n);
+            if let Some(slid) = self.slid(at, &other, (&best, (0.0, false)), choices)? {
+                (best, kinds) = (slid, other);
+            }
+        }
+        self.leave_untold(&kinds, &look.untold, choices);
+        Ok(best)
+    }
+
+    /// The geometry of joints of other kinds, where held-out rows are for it.
+    ///
+    /// - `rule`: the part by which the error must fall, and whether the other kinds are simpler
+    fn slid(
+        &mut self,
+        at: &(impl Fn(JointKinds) -> ChainSpec + Sync),
+        kinds: &JointKinds,
+        (known, rule): (&Fitted, (f64, bool)),
+        choices: &mut Vec<Choice>,
+    ) -> Result<Option<Fitted>, IdentifyError> {
+        let (found, n) = (self.found.clone(), self.motion.n_joints());
+        let (mut spec, mut made) = (upright(at(kinds.clone()), kinds), Vec::new());
+        let chain = self.geometry(&mut spec, None, &mut made)?;
+        let watch = searching(self.watch);
+        let judged = |spec: &ChainSpec, chain: &Chain| {
+            let kinds = chain.geometry.kinds();
+            let of_kinds = || format!("kinds {}", kinds.letters(n));
+            let label = if kinds.all_turn() { "all turn".to_owned() } else { of_kinds() };
+            trial(label, spec, &self.rows(spec, TRIAL_ROWS)?, chain, ROUNDS, &watch)
+        };
+        let (worth, is_simpler) = rule;
+        let mut trials = [judged(&known.0, &known.1)?, judged(&spec, &chain)?];
+        if is_simpler {
+            trials.reverse();
+        }
+        let is_other = (record_worth(KINDS, &trials, worth, choices) == 1) != is_simpler;
+        if !is_other {
             self.found = found;
         }
-        let kinds = JointKinds::default();
-        self.leave_untold(&kinds, &untold, choices);
-        Ok((turning, chain, own))
+        Ok(is_other.then_some((spec, chain, made)))
     }
 
     /// The same chain with slides pointing the way in which gravity pulls what they bear: a slide that
@@ -149,25 +175,12 @@ impl ChainLearner<'_> {
         upright(spec, searched)
     }
 
-    /// Joints of this travel \[rad or m\] at most.
-    fn joints_within(&self, most: f64) -> Vec<usize> {
-        let travel = |joint: usize| {
-            let q = self.motion.q();
-            let ends = q.col(joint).iter().fold([f64::INFINITY, f64::NEG_INFINITY], |ends, q| {
-                [ends[0].min(*q), ends[1].max(*q)]
-            });
-            ends[1] - ends[0]
-        };
-        (0..self.motion.n_joints()).filter(|&joint| travel(joint) <= most).collect()
-    }
-
-    /// The kinds that a first look at few rows is best with, one joint after another made to slide as
-    /// long as that is worth it; and the joints that fit nearly as well as the other kind.
-    fn promising_kinds(
+    /// The kinds that few rows are best with, one joint changed after another as long as that is worth
+    /// it, and those that may slide all the same.
+    fn first_look(
         &self,
         at: &(impl Fn(JointKinds) -> ChainSpec + Sync),
-        short: &[usize],
-    ) -> Result<(JointKinds, Vec<usize>), IdentifyError> {
+    ) -> Result<FirstLook, IdentifyError> {
         let (n, (starts, count)) = (self.motion.n_joints(), GLANCE);
         let watch = searching(self.watch);
         let left = |kinds: &JointKinds| -> Result<f64, IdentifyError> {
@@ -176,33 +189,46 @@ impl ChainLearner<'_> {
             let (glance_rows, search) = (count, spec.search.clone());
             Ok(glance(&rows, &Search { starts, glance_rows, ..search }, &watch))
         };
-        let likely = self.joints_within(SHORT);
+        let q = self.motion.q();
+        let travel = |joint: usize| {
+            let ends = q.col(joint).iter().fold([f64::INFINITY, f64::NEG_INFINITY], |ends, q| {
+                [ends[0].min(*q), ends[1].max(*q)]
+            });
+            ends[1] - ends[0]
+        };
+        let short: Vec<usize> = (0..n).filter(|&joint| travel(joint) <= LONGEST_SLIDE).collect();
+        if short.is_empty() {
+            return Ok(FirstLook::default());
+        }
         let mut kinds = JointKinds::default();
         let mut least = left(&kinds)?;
         loop {
-            let worth = |joint: usize| {
-                if likely.contains(&joint) { -UNRESOLVED } else { WORTH_OF_SLIDES }
-            };
-            let is_worth = |left: f64, joint: usize| {
-                left < (1.0 - worth(joint)) * least && !kinds.slides(joint)
-            };
             let other = |joint: usize| {
                 let kind = JointKind::ALL.into_iter().find(|kind| *kind != kinds.of(joint));
                 kinds.with(joint, kind.unwrap_or_default(), n)
             };
             let tried = short.par_iter().map(|&joint| Ok((left(&other(joint))?, joint)));
             let tried = tried.collect::<Result<Vec<(f64, usize)>, IdentifyError>>()?;
-            let worthy = tried.iter().filter(|(left, joint)| is_worth(*left, *joint));
-            if let Some(&(best, joint)) = worthy.min_by(|a, b| a.0.total_cmp(&b.0)) {
-                (least, kinds) = (best, other(joint));
-                continue;
+            let best = tried.iter().min_by(|a, b| a.0.total_cmp(&b.0));
+            match best {
+                Some(&(best, joint)) if best < (1.0 - WORTH_OF_SLIDES) * least => {
+                    (least, kinds) = (best, other(joint));
+                }
+                _ => {
+                    let is_near = |left: f64| left < (1.0 + UNRESOLVED) * least;
+                    let near = tried.iter().filter(|(left, _)| is_near(*left));
+                    let untold: Vec<usize> = near.map(|(_, joint)| *joint).collect();
+                    let alike = like_the_others(&kinds, &untold, n);
+                    if alike != kinds && is_near(left(&alike)?) {
+                        kinds = alike;
+                    }
+                    let may_slide = |joint: &usize| {
+                        !kinds.slides(*joint) && 0.0 < travel(*joint) && travel(*joint) <= SHORT
+                    };
+                    let may_slide = untold.iter().copied().filter(may_slide).collect();
+                    return Ok(FirstLook { kinds, may_slide, untold });
+                }
             }
-            let is_near = |left: f64| left < (1.0 + UNRESOLVED) * least;
-            let near = tried.iter().filter(|(left, _)| is_near(*left));
-            let untold: Vec<usize> = near.map(|(_, joint)| *joint).collect();
-            let alike = like_the_others(&kinds, &untold, n);
-            let fits = alike != kinds && is_near(left(&alike)?);
-            return Ok((if fits { alike } else { kinds }, untold));
         }
     }
 

@@ -7,7 +7,7 @@ use torquewise_rigid::{Chain, Geometry, Rows, Search, fit, search};
 use torquewise_sim::Arm;
 
 #[test]
-fn arms_at_all_angles_are_chains() {
+fn four_rows_at_once_give_the_torque_of_an_arm_that_moved() {
     for seed in 0..12 {
         let chain = drawn(1 + seed % 6, seed as u64);
         let motion = sines(&arm(&chain), 4.0, 2);

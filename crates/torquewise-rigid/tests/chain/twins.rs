@@ -1,4 +1,4 @@
-//! The same arm twice: rigid-body dynamics, and a chain.
+//! Chains of bodies that can be, and the arms that simulate them.
 
 use faer::Mat;
 use nalgebra::Vector3;
