@@ -136,5 +136,6 @@ fn files_beside_a_log_are_measured_and_numbered() {
 
     assert_eq!(profile.beside.keys().collect::<Vec<_>>(), ["more", "more_2"]);
     assert_eq!(profile.q.unwrap().unit.as_deref(), Some("deg"));
-    assert_eq!(profile.dq.unwrap().unit.as_deref(), Some("deg/s"));
+    // Measured against the slopes of positions in another file.
+    assert_eq!(profile.dq.unwrap().unit.as_deref(), Some("rad/s"));
 }
