@@ -59,8 +59,11 @@ pub(crate) fn fit_options(
             return Err(raised(error));
         }
         let text = dumps.call((&value,), Some(&whole)).and_then(|own| own.extract::<String>());
-        let Some(own) = text.ok().and_then(|text| serde_json::from_str(&text).ok()) else {
+        let Ok(text) = text else {
             return wrong(format!("{name}: {} is not what it takes", value.get_type()));
+        };
+        let Ok(own) = serde_json::from_str(&text) else {
+            return wrong(format!("{name}: {} is not what it takes", value.repr()?));
         };
         keywords.insert(name, own);
     }

@@ -8,8 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::learned::{JointGeometry, joint_geometry};
-use torquewise_model::shaft_friction::Estimated;
-use torquewise_model::shaft_friction::ShaftFriction;
+use torquewise_model::shaft_friction::{Estimated, ShaftFriction};
 use torquewise_model::{Drive, JointKind, Model, RigidChain, Torque, number};
 use torquewise_rigid::geometry::Placement;
 

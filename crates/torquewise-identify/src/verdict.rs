@@ -13,8 +13,6 @@ use torquewise_model::model::GeometryFound;
 const GOOD: f64 = 0.1;
 /// From here a prediction is no better than the mean.
 const USELESS: f64 = 1.0;
-/// A test log whose error is this many times that of held-out rows is told.
-const BEYOND: f64 = 2.0;
 
 /// May a model be used?
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,19 +39,27 @@ impl Verdict {
     /// there are too few rows to hold any out, a model is at best usable.
     ///
     /// - `test`: errors on a log of another motion over the spread of its torque, n or none: the
-    ///   grade is that of the larger errors. A torque that never changes tells nothing.
+    ///   grade is that of the larger errors. One that is not finite, as that of a torque that never
+    ///   changes, tells nothing.
     pub fn of(found: &Reconstruction, test: &[f64]) -> Self {
-        let joints = &found.model.joints;
-        let held_out = held_out(found);
-        let same = |joint: usize| held_out.get(joint).copied().unwrap_or_default();
-        let test = test.iter().enumerate();
-        let test: Vec<f64> = test.map(|(k, e)| if e.is_finite() { *e } else { same(k) }).collect();
-        let judged = [("held-out", &held_out), ("test", &test)];
+        let training = &found.model.training;
+        let named = |errors: Vec<f64>| found.model.joints.iter().zip(errors).collect::<Vec<_>>();
+        let held_out = named(training.held_out_errors().unwrap_or_default());
+        let is_refit = found.warnings.iter().any(|own| matches!(own, Warning::Refit { .. }));
+        // What was judged on held-out rows is not what a refit left.
+        let left =
+            training.residual_rms.iter().zip(&training.torque_std).map(|(rms, std)| rms / std);
+        let mut fitted = named(left.filter(|_| is_refit).collect());
+        let mut test = named(test.to_vec());
+        for errors in [&mut fitted, &mut test] {
+            errors.retain(|(_, error)| error.is_finite());
+        }
+        let judged = [("held-out", &held_out), ("fitted", &fitted), ("test", &test)];
         let judged = judged.into_iter().filter(|(_, errors)| !errors.is_empty());
         let missed = |is: &dyn Fn(f64) -> bool, how: &str| -> Vec<String> {
-            let of = |(rows, errors): (&str, &Vec<f64>)| {
-                let named = joints.iter().zip(errors).filter(|(_, error)| is(**error));
-                let named: Vec<String> = named.map(|(name, _)| name.clone()).collect();
+            let of = |(rows, errors): (&str, &Vec<(&String, f64)>)| {
+                let named = errors.iter().filter(|(_, error)| is(*error));
+                let named: Vec<String> = named.map(|(name, _)| (*name).clone()).collect();
                 (!named.is_empty()).then(|| format!("{rows} torque of {} is {how}", list(&named)))
             };
             judged.clone().filter_map(of).collect()
@@ -64,7 +70,11 @@ impl Verdict {
         let how = format!("missed by more than {:.0} % of its spread", 100.0 * Training::POOR);
         let poor = missed(&|error| (Training::POOR..USELESS).contains(&error), &how);
         let doubts = doubts(found);
-        let mean = judged.clone().map(|(_, errors)| geometric_mean(errors)).fold(0.0, f64::max);
+        let errors_of = |errors: &[(&String, f64)]| -> Vec<f64> {
+            errors.iter().map(|(_, error)| *error).collect()
+        };
+        let means = judged.clone().map(|(_, errors)| geometric_mean(&errors_of(errors)));
+        let mean = means.fold(0.0, f64::max);
         let has_no_doubt = !held_out.is_empty() && poor.is_empty() && doubts.is_empty();
         let grade = match because.is_empty() {
             false => Grade::Unusable,
@@ -74,12 +84,12 @@ impl Verdict {
         because.extend(doubts);
         because.extend(one_way(&found.warnings));
         because.extend(poor);
-        because.extend(beyond(joints, &held_out, &test));
         if held_out.is_empty() {
             because.push("too few rows to hold any out".to_owned());
         }
         because.extend(judged.map(|(rows, errors)| {
-            let [least, most] = [f64::min, f64::max].map(|of| errors.iter().copied().reduce(of));
+            let [least, most] =
+                [f64::min, f64::max].map(|of| errors_of(errors).into_iter().reduce(of));
             let [least, most] = [least, most].map(|error| 100.0 * error.unwrap_or_default());
             format!("{rows} error {least:.2} to {most:.2} % of the spread of the torque")
         }));
@@ -89,35 +99,6 @@ impl Verdict {
         }
         Self { grade, because }
     }
-}
-
-/// Errors on held-out rows over the spread of the torque, n, those of the residual where a refit left
-/// more; none where no rows could be held out.
-pub fn held_out(found: &Reconstruction) -> Vec<f64> {
-    let training = &found.model.training;
-    let mut errors = training.held_out_errors().unwrap_or_default();
-    if found.warnings.iter().any(|warning| matches!(warning, Warning::Refit { .. })) {
-        // What was judged on held-out rows is not what the refit left.
-        let left = training.residual_rms.iter().zip(&training.torque_std);
-        for (error, (left, std)) in errors.iter_mut().zip(left) {
-            if *std > 0.0 && !error.is_nan() {
-                *error = error.max(left / std);
-            }
-        }
-    }
-    errors
-}
-
-/// The joint that a test log shows to be furthest beyond what held-out rows promise.
-fn beyond(joints: &[String], held_out: &[f64], test: &[f64]) -> Option<String> {
-    let all = joints.iter().zip(held_out.iter().zip(test));
-    let beyond = all.filter(|(_, (own, test))| **test > BEYOND * **own);
-    let (name, (own, test)) = beyond.max_by(|a, b| (a.1.1 / a.1.0).total_cmp(&(b.1.1 / b.1.0)))?;
-    let [own, test] = [own, test].map(|error| 100.0 * error);
-    Some(format!(
-        "the test log is predicted worse than held-out rows: {name} is missed by {test:.2} %, held \
-         out by {own:.2} %"
-    ))
 }
 
 /// What makes a model useless whatever the error on its own log.
@@ -145,7 +126,9 @@ pub(crate) fn grave(warnings: &[Warning]) -> Vec<String> {
             Some(format!("the torque of {joint} is a command, no measurement"))
         }
         Warning::Disagreement(_) => Some("logs disagree in what gravity does".to_owned()),
-        Warning::Units { joint, .. } => Some(format!("{joint} may be in degrees")),
+        Warning::Units { joint, what: ["positions", ..], .. } => {
+            Some(format!("{joint} may be in degrees"))
+        }
         _ => None,
     };
     warnings.iter().filter_map(of).collect()

@@ -67,17 +67,22 @@ pub enum Warning {
         /// Residual of the fit over that of the search, geometric mean of the joints.
         ratio: f64,
     },
-    /// Positions larger than any joint turns.
+    /// Positions, velocities or torques larger than those of any joint.
     Units {
         /// Name of the joint.
         joint: String,
-        /// Its largest position.
+        /// Which they are, in what unit they are taken, and in what unit they may be.
+        what: [&'static str; 3],
+        /// The largest; of torques the root of their mean square.
         largest: f64,
     },
 }
 
 /// Eight turns, in radians: more than a joint makes, less than half a turn written in degrees.
 const LARGEST_ANGLE: f64 = 50.0;
+/// Faster than any joint \[rad/s\], and stronger \[N·m\].
+const LARGEST_SPEED: f64 = 100.0;
+const LARGEST_TORQUE: f64 = 1e5;
 
 /// The fit to all rows may leave this many times what the search left on a sample.
 const MOST_REFIT: f64 = 1.1;
@@ -182,10 +187,18 @@ impl Warning {
                 warnings.push(Self::ConstantTorque { joint: name(joint) });
             }
             let [low, high] = survey.q_range[joint];
-            let largest = low.abs().max(high.abs());
-            if largest > LARGEST_ANGLE {
-                warnings.push(Self::Units { joint: name(joint), largest });
-            }
+            let torque = survey.torque_mean[joint].hypot(survey.torque_std[joint]);
+            let largest = [
+                (low.abs().max(high.abs()), LARGEST_ANGLE, ["positions", "rad", "degrees"]),
+                (survey.dq_peak[joint], LARGEST_SPEED, ["velocities", "rad/s", "deg/s"]),
+                (torque, LARGEST_TORQUE, ["torques", "N·m", "mN·m"]),
+            ];
+            let beyond = largest.into_iter().filter(|(largest, limit, _)| largest > limit);
+            warnings.extend(beyond.map(|(largest, _, what)| Self::Units {
+                joint: name(joint),
+                what,
+                largest,
+            }));
         }
         warnings.extend(findings(survey).into_iter().map(Self::Excitation));
         warnings
@@ -245,9 +258,9 @@ impl fmt::Display for Warning {
                 "the fit to all rows leaves {ratio:.2} times the torque that the search left on a \
                  sample of them: the log disagrees with itself, or with physics"
             ),
-            Self::Units { joint, largest } => write!(
+            Self::Units { joint, what: [what, taken, may_be], largest } => write!(
                 f,
-                "{joint} reaches {largest:.0}: positions are taken as radians; are these degrees?"
+                "{joint} reaches {largest:.0}: {what} are taken in {taken}; are these {may_be}?"
             ),
         }
     }

@@ -7,6 +7,7 @@ use crate::pieces::Pieces;
 use crate::raw_noise::RawNoise;
 use crate::trajectory::{Done, Trajectory};
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use torquewise_motion::signals::bandwidth::{Band, Bandwidths};
 use torquewise_motion::signals::{
@@ -39,7 +40,8 @@ pub struct ConditionedLogs {
 pub struct RawLogs {
     /// The logs at the bandwidth that is set, or eight times that of the motion.
     pub conditioned: ConditionedLogs,
-    first: Raw,
+    /// The longest piece, and its trajectory.
+    first: (usize, Raw),
     bandwidths: Bandwidths,
     cutoffs: Vec<f64>,
     delays: Vec<f64>,
@@ -60,8 +62,9 @@ impl ConditionedLogs {
     }
 
     fn chosen(logs: Logs, settings: &Conditioning, pieces: &Pieces) -> Result<Self> {
-        let found = condition(pieces.longest()?, settings);
-        let report = found.map_err(|source| signals(&logs, 0, source))?.report;
+        let (trajectory, longest) = pieces.longest()?;
+        let found = condition(longest, settings);
+        let report = found.map_err(|source| signals(&logs, trajectory, source))?.report;
         let cutoff = report.cutoff.map_or(Cutoff::Off, Cutoff::Hz);
         let settings = Conditioning { cutoff, ..*settings };
         Ok(Self::of(logs, pieces.clock, settings, report))
@@ -151,14 +154,15 @@ impl RawLogs {
         logs.require_tau()?;
         let pieces = Pieces::read(&logs)?;
         let conditioned = ConditionedLogs::chosen(logs, settings, &pieces)?;
-        let first = pieces.longest()?.clone();
+        let (trajectory, first) = pieces.longest()?;
         let bandwidths = Bandwidths::new(&pieces.all, &conditioned.settings);
-        let bandwidths = bandwidths.map_err(|source| signals(&conditioned.logs, 0, source))?;
+        let bandwidths = bandwidths.map_err(|e| signals(&conditioned.logs, trajectory, e))?;
         let cutoffs = match settings.cutoff {
             Cutoff::Hz(cutoff) => vec![cutoff],
             Cutoff::Auto | Cutoff::Off => bandwidths.cutoffs(),
         };
         let delays = if find_delay { bandwidths.delays() } else { vec![settings.delay] };
+        let first = (trajectory, first.clone());
         Ok(Self { conditioned, first, bandwidths, cutoffs, delays })
     }
 
@@ -200,7 +204,8 @@ impl RawRecording for RawLogs {
     fn filtered(&self, cutoff: f64, delay: f64) -> ReadResult<ConditionedLogs> {
         let ConditionedLogs { logs, clock, settings, report, .. } = &self.conditioned;
         let settings = Conditioning { cutoff: Cutoff::Hz(cutoff), delay, ..*settings };
-        let found = condition(&self.first, &settings).map_err(|e| signals(logs, 0, e))?.report;
+        let (trajectory, first) = &self.first;
+        let found = condition(first, &settings).map_err(|e| signals(logs, *trajectory, e))?.report;
         let cutoff_from = match report.cutoff_from {
             CutoffFrom::Setting => CutoffFrom::Setting,
             CutoffFrom::Motion | CutoffFrom::HeldOut => CutoffFrom::HeldOut,
@@ -273,7 +278,7 @@ impl Cutter<'_> {
 }
 
 fn signals(logs: &Logs, trajectory: usize, source: MotionError) -> LogError {
-    let file = logs.paths().first().cloned().unwrap_or_default();
+    let file = logs.file_of(trajectory).map(Path::to_owned).unwrap_or_default();
     let doubts = logs.unit_doubts().into_iter().flat_map(|own| ["; ".to_owned(), own]).collect();
     LogError::Signals { file, trajectory: trajectory + 1, doubts, source }
 }

@@ -15,39 +15,43 @@ pub(crate) struct Pieces {
     /// What the clock of all logs asks for.
     pub(crate) clock: ClockRepair,
     pub(crate) all: Vec<Raw>,
+    /// The trajectory of each piece.
+    trajectories: Vec<usize>,
 }
 
 impl Pieces {
     /// Reads all logs once.
     pub(crate) fn read(logs: &Logs) -> Result<Self> {
-        let recorded = recorded(logs)?;
+        let (trajectories, recorded): (Vec<_>, Vec<_>) = recorded(logs)?.into_iter().unzip();
         let clock = ClockRepair::of(&recorded);
         let mend = |piece: Raw| {
             let mut lane = ClockLane::new(clock);
             let mended = lane.push(piece);
             joined(mended.into_iter().chain(lane.finish()).collect())
         };
-        Ok(Self { clock, all: recorded.into_iter().map(mend).collect() })
+        Ok(Self { clock, all: recorded.into_iter().map(mend).collect(), trajectories })
     }
 
-    pub(crate) fn longest(&self) -> Result<&Raw> {
-        self.all.iter().rev().max_by_key(|piece| piece.t.len()).ok_or(LogError::NoFiles)
+    /// The longest piece, and its trajectory.
+    pub(crate) fn longest(&self) -> Result<(usize, &Raw)> {
+        let all = self.trajectories.iter().copied().zip(&self.all);
+        all.rev().max_by_key(|(_, piece)| piece.t.len()).ok_or(LogError::NoFiles)
     }
 }
 
-fn recorded(logs: &Logs) -> Result<Vec<Raw>> {
-    let (mut kept, mut every, mut count) = (Vec::<Raw>::new(), 1, 0);
+fn recorded(logs: &Logs) -> Result<Vec<(usize, Raw)>> {
+    let (mut kept, mut every, mut count) = (Vec::<(usize, Raw)>::new(), 1, 0);
     let mut open: (usize, Vec<Raw>) = (0, Vec::new());
-    let mut take = |blocks: &mut Vec<Raw>| {
+    let mut take = |(trajectory, blocks): &mut (usize, Vec<Raw>)| {
         if blocks.is_empty() {
             return;
         }
         let blocks = std::mem::take(blocks);
         if count % every == 0 {
-            kept.push(joined(blocks));
+            kept.push((*trajectory, joined(blocks)));
         }
         count += 1;
-        let rows: usize = kept.iter().map(|piece| piece.t.len()).sum();
+        let rows: usize = kept.iter().map(|(_, piece)| piece.t.len()).sum();
         if rows > MOST_ROWS && kept.len() > 1 {
             every *= 2;
             let mut place = 0;
@@ -60,12 +64,12 @@ fn recorded(logs: &Logs) -> Result<Vec<Raw>> {
     logs.read_raw(&mut |trajectory, block| -> Result<()> {
         let rows: usize = open.1.iter().map(|block| block.t.len()).sum();
         if trajectory != open.0 || rows >= FIRST_ROWS {
-            take(&mut open.1);
+            take(&mut open);
         }
         open.0 = trajectory;
         open.1.push(block);
         Ok(())
     })?;
-    take(&mut open.1);
+    take(&mut open);
     Ok(kept)
 }

@@ -10,6 +10,7 @@ use crate::log_input::LogInput;
 use crate::profile::Profile;
 use crate::signal::Signal;
 use crate::source::named_rows;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// A profile for a log that has other columns than `t`, `q1`…`qn`, …
@@ -46,26 +47,39 @@ pub fn suggest(files: &[LogInput]) -> Result<Suggestion> {
     }
     drop(rows);
     let mut found = guess::families(file, &names);
-    let (mut beside, mut apart) = (Vec::new(), Vec::new());
+    let mut values = BTreeMap::new();
+    for (signal, own) in &found.signals {
+        values.insert(*signal, measure::columns(file, &own.columns)?);
+    }
+    let (mut beside, mut apart) = (Vec::<(String, PathBuf)>::new(), Vec::new());
     for other in others {
         let mut own = guess::families(other, named_rows(other)?.names()).signals;
         let is_another = found.get(Signal::Q).is_some() && own.contains_key(&Signal::Q);
         own.retain(|signal, _| !is_another && found.get(*signal).is_none());
         if own.is_empty() {
-            apart.push(format!(
-                "{} is another log: read it with the same profile.",
-                other.display()
-            ));
+            let what = if is_another {
+                "is another log: read it with the same profile"
+            } else {
+                "has nothing that the log lacks"
+            };
+            apart.push(format!("{} {what}.", other.display()));
             continue;
         }
         let stem = other.file_stem().unwrap_or_default().to_string_lossy();
-        let name = stem.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
+        let stem = stem.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
+        let numbered = (2..).map(|k| format!("{stem}_{k}"));
+        let is_free = |name: &String| beside.iter().all(|(known, _)| known != name);
+        let name = std::iter::once(stem.clone()).chain(numbered).find(is_free).unwrap_or_default();
         let near = other.file_name().filter(|_| other.parent() == file.parent());
         let path = near.map(PathBuf::from).or_else(|| std::path::absolute(&**other).ok());
-        found.signals.extend(own.into_iter().map(|(signal, own)| (signal, own.of_file(&name))));
+        for (signal, own) in own {
+            values.insert(signal, measure::columns(other, &own.columns)?);
+            found.signals.insert(signal, own.of_file(&name));
+        }
         beside.push((name, path.unwrap_or_default()));
     }
-    let measured = measure::measure(file, &names, &found)?;
+    let time = measure::columns(file, found.time.as_slice())?;
+    let measured = measure::measure(time.first().map(Vec::as_slice), &values);
     let mut suggestion = text::of_columns(&found, &measured, &beside);
     suggestion.reasons.extend(apart);
     checked(suggestion)

@@ -291,3 +291,15 @@ impl FrictionTerm {
         text
     }
 }
+
+/// What the symbols of formulas mean that occur in lines of text.
+pub(crate) fn legend(lines: &[String]) -> Option<String> {
+    let known = [
+        (" < 0]", "[dq < 0]: 1 in that direction, else 0"),
+        ("dahl(", "dahl(q, d): state of a Dahl element of travel d, ±1 after a long way"),
+        ("*|G", "|G1|: size of the load of gravity and springs on joint 1 [N·m]"),
+    ];
+    let occurs = |symbol: &str| lines.iter().any(|line| line.contains(symbol));
+    let words: Vec<_> = known.into_iter().filter(|own| occurs(own.0)).map(|own| own.1).collect();
+    (!words.is_empty()).then(|| words.join("; "))
+}

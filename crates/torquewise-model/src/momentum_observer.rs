@@ -62,7 +62,8 @@ impl MomentumObserver {
     pub fn step(&mut self, dt: f64, [q, dq, tau]: [&[f64]; 3]) -> Result<&[f64], ModelError> {
         self.path.step(q);
         let sample = self.sample(q, dq, tau)?;
-        let is_finite = sample.momentum.iter().chain(&sample.change).all(|x| x.is_finite());
+        let all = sample.momentum.iter().chain(&sample.change).chain([&dt]);
+        let is_finite = all.into_iter().all(|x| x.is_finite());
         if let Some(last) = &self.last
             && is_finite
             && dt > 0.0

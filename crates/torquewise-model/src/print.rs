@@ -1,7 +1,7 @@
 //! Equations to read, as plain text and LaTeX, with the digits that mean something.
 
 use crate::energy::{EnergyTerm, Place};
-use crate::friction::FrictionTerm;
+use crate::friction::{self, FrictionTerm};
 use crate::model::{Form, Model, Weighted};
 use crate::selection::{Selection, shortest};
 use crate::shaft_friction::{Estimated, ShaftFriction};
@@ -62,8 +62,8 @@ impl Equation {
 const MANY_TERMS: usize = 300;
 
 /// The equations as text: energies first where the model has them, then the torque of each joint,
-/// its friction last. A shaft of more than linear friction is named, such as `F2(dq2)`: what it is
-/// say its laws at the end, and [`friction_tables`].
+/// its friction last. A shaft of more than linear friction is named, such as `F2(dq2)`; its laws stand
+/// at the end, and its parameters in [`friction_tables`].
 ///
 /// Angles are added up, as in `sin(q1 + q2)`, where that is shorter. Behind a term stands the share
 /// of resampled logs in which it stays, where that was asked for.
@@ -107,6 +107,8 @@ pub fn text(model: &Model, selection: &Selection) -> String {
     }
     if selection.has_part(Kind::Friction) {
         lines.extend(law_lines(model, selection));
+        let words = friction::legend(&lines);
+        lines.extend(words.into_iter().flat_map(|words| [String::new(), words]));
     }
     if left_out > 0 {
         lines.push(String::new());
@@ -172,11 +174,6 @@ fn law_lines(model: &Model, selection: &Selection) -> Vec<String> {
         };
         lines.extend([String::new(), format!("{symbol} = [{}]", shaft.name())]);
         lines.extend(shaft.laws().map(|(k, term)| line(&model.friction[k], &term.formula())));
-    }
-    if !lines.is_empty() {
-        let words = "SI units; [dq < 0]: 1 in that direction, else 0; dahl(q, d): state of a Dahl element \
-                     of travel d, ±1 after a long way";
-        lines.extend([String::new(), words.to_owned()]);
     }
     lines
 }

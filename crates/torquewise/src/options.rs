@@ -145,9 +145,12 @@ impl FitOptions {
     }
 
     pub(crate) fn plan(&self, log: Facts) -> Result<Plan> {
-        let kinds = self.kinds.as_ref().map(Vec::len);
-        if let Some(found) = kinds.filter(|found| log.joints > 0 && *found != log.joints) {
-            let reason = format!("{found} letters for the {} joints of the log", log.joints);
+        let kinds = self.kinds.as_ref();
+        if let Some(kinds) = kinds.filter(|own| log.joints > 0 && own.len() != log.joints) {
+            let letters: String = kinds.iter().map(|kind| kind.letter()).collect();
+            let found = kinds.len();
+            let joints = if found == 1 { "joint" } else { "joints" };
+            let reason = format!("{letters} is of {found} {joints}, the log has {}", log.joints);
             return Err(Error::WrongValue { setting: "kinds", reason });
         }
         let (library, because) = self.fitted(log);
@@ -377,7 +380,7 @@ mod tests {
         assert!(sindy.check().is_err());
         let turning = FitOptions { kinds: Some(vec![JointKind::default(); 4]), ..chain };
         let error = turning.plan(SIX_FILTERED).unwrap_err();
-        assert_eq!(error.to_string(), "kinds: 4 letters for the 6 joints of the log");
+        assert_eq!(error.to_string(), "kinds: rrrr is of 4 joints, the log has 6");
     }
 
     #[test]

@@ -17,7 +17,6 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use torquewise::evaluate::{Evaluation, evaluate_prepared};
 use torquewise::identify::Warning;
-use torquewise::identify::verdict::held_out;
 use torquewise::log::{Prepared, Rows};
 use torquewise::model::units::heading;
 use torquewise::model::{Model, number};
@@ -218,7 +217,8 @@ fn joints(summary: &FitSummary<'_>, fit: &FitResult) -> String {
     let mut headings = vec!["joint", "terms", &residual, "residual [% of std]"];
     let mut errors = vec![summary.residual_rms, &summary.residual_percent];
     // The same figure as in the verdict.
-    let held_out: Vec<f64> = held_out(fit).iter().map(|error| 100.0 * error).collect();
+    let held_out = fit.model.training.held_out_errors().unwrap_or_default();
+    let held_out: Vec<f64> = held_out.iter().map(|error| 100.0 * error).collect();
     if !held_out.is_empty() {
         headings.push("held out [% of std]");
         errors.push(&held_out);

@@ -33,7 +33,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         Ok(log) => log,
         // Columns by other names are no mistake; a mistake in our own names is.
         Err(error @ CliError::Library(Error::Log(LogError::NoColumn { .. }))) => {
-            return suggested(arguments).ok_or(error);
+            return suggested(arguments)?.ok_or(error);
         }
         Err(error) => return Err(error),
     };
@@ -54,16 +54,24 @@ fn signals_text(recorded: &Prepared) -> String {
 }
 
 /// A profile for a log whose columns are not understood.
-fn suggested(arguments: &Arguments) -> Option<Outcome> {
+fn suggested(arguments: &Arguments) -> Result<Option<Outcome>> {
     if arguments.filter.signals.has_profile() {
-        return None;
+        return Ok(None);
     }
     let logs: Vec<LogInput> = arguments.logs.iter().map(LogInput::from).collect();
-    let suggestion = suggest(&logs).ok()?;
-    let what = "the columns of this log need a profile; a suggestion is on standard output: save \
-                it as profile.toml, correct it, and inspect again with --profile profile.toml";
-    Some(Outcome {
-        notes: std::iter::once(what.to_owned()).chain(suggestion.reasons.clone()).collect(),
+    let suggestion = suggest(&logs)?;
+    let again = match arguments.logs.first() {
+        Some(first) if suggestion.toml.contains("\n[beside]\n") => {
+            format!("inspect {} alone", first.display())
+        }
+        _ => "inspect again".to_owned(),
+    };
+    let what = format!(
+        "the columns of this log need a profile; a suggestion is on standard output: save it as \
+         profile.toml, correct it, and {again} with --profile profile.toml"
+    );
+    Ok(Some(Outcome {
+        notes: std::iter::once(what).chain(suggestion.reasons.clone()).collect(),
         text: suggestion.toml.clone(),
         json: json!({
             "profile": suggestion.toml,
@@ -72,7 +80,7 @@ fn suggested(arguments: &Arguments) -> Option<Outcome> {
         }),
         warnings: vec!["names and first rows of the columns were looked at, no more".to_owned()],
         is_unusable: false,
-    })
+    }))
 }
 
 fn escaped(names: &[String]) -> String {

@@ -12,10 +12,11 @@ use clap::Args;
 use faer::Mat;
 use serde_json::json;
 use std::path::PathBuf;
-use torquewise::log::Rows;
+use torquewise::log::{Prepared, Rows};
 use torquewise::logs::{Column, TableWriter, Values};
+use torquewise::model::friction::FrictionLaw;
 use torquewise::model::units::heading;
-use torquewise::model::{Model, Parts, Torque, number};
+use torquewise::model::{FrictionTerm, Model, Parts, Torque, Weighted, number};
 use torquewise::motion::{Motion, ReadError, Recording, Signals};
 use torquewise::observe::Watched;
 use torquewise::predict::{Interval, MotionRange};
@@ -49,6 +50,7 @@ pub(crate) struct Arguments {
     /// Print the torque at these positions of the joints [rad], without a log
     #[arg(long, value_name = "Q1,Q2,…", value_delimiter = ',', allow_hyphen_values = true)]
     #[arg(value_parser = number_of, conflicts_with_all = ["log", "output", "parts", "interval", "profile"])]
+    #[arg(conflicts_with_all = ["topic", "repair", "filter", "delay"])]
     q: Option<Vec<f64>>,
     /// Velocities there [rad/s]; 0 if left out
     #[arg(long, value_name = "DQ1,…", value_delimiter = ',', allow_hyphen_values = true)]
@@ -74,7 +76,7 @@ fn at_pose(model: &Model, pose: [&Option<Vec<f64>>; 3]) -> Result<Outcome> {
     let row = |x: &[f64]| Mat::from_fn(1, n, |_, joint| x[joint]);
     let tau = row(&torque.at(&q, &dq, &ddq)?);
     let friction = row(&torque.friction(&q, &dq)?);
-    let (t, joints) = (vec![0.0], model.joints.clone());
+    let (t, joints, speeds) = (vec![0.0], model.joints.clone(), dq.clone());
     let signals = Signals { joints, t, q: row(&q), dq: row(&dq), ddq: row(&ddq), tau: None };
     let motion = Motion::new(signals)?;
     let Parts { inertia, coriolis, gravity, .. } = torque.parts(&motion)?;
@@ -91,8 +93,17 @@ fn at_pose(model: &Model, pose: [&Option<Vec<f64>>; 3]) -> Result<Outcome> {
     }
     let mut range = MotionRange::new(n);
     range.add(&motion);
-    let (text, warnings) = (table.text(), range.warnings(model));
-    Ok(Outcome { text, json, warnings, ..Outcome::default() })
+    let is_at_rest = |own: &Weighted<FrictionTerm>| {
+        let is_dry = !matches!(own.term.law, FrictionLaw::Offset | FrictionLaw::Viscous);
+        is_dry
+            && own.term.shaft.iter().zip(&speeds).map(|(turns, dq)| turns * dq).sum::<f64>() == 0.0
+    };
+    let notes = model.friction.iter().any(is_at_rest).then(|| {
+        "dry friction of a joint at rest may be anything within its Coulomb value".to_owned()
+    });
+    let (text, warnings, notes) =
+        (table.text(), range.warnings(model), notes.into_iter().collect());
+    Ok(Outcome { text, json, warnings, notes, ..Outcome::default() })
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
@@ -154,7 +165,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         "conditioning": AllRepairs::of(&repairs),
     });
     let (text, warnings) = (text + &conditioning::text(&repairs), range.warnings(&model));
-    Ok(Outcome { text, json, warnings, ..Outcome::default() })
+    let notes = left_out(&logs, rows).into_iter().collect();
+    Ok(Outcome { text, json, warnings, notes, ..Outcome::default() })
+}
+
+/// Tells how many rows were read that are not predicted.
+fn left_out(logs: &Prepared, rows: usize) -> Option<String> {
+    logs.report().filter(|report| report.trimmed > 0.0)?;
+    let rows = logs.logs().report().rows.saturating_sub(rows as u64);
+    let what = "rows at ends are left out, where the filter has not settled";
+    (rows > 0).then(|| format!("{rows} {what}"))
 }
 
 struct Written<'a> {

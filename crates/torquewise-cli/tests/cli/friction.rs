@@ -155,6 +155,9 @@ fn predict_prints_the_torque_of_a_pose() {
     for (own, expected) in of("gravity").iter().zip([19.62 * 0.3_f64.cos() + far, far]) {
         assert!((own - expected).abs() < 1e-3, "{found}");
     }
+    let said = terminal.run("predict rubbing.json --q 0.3,-0.5 --dq 0,0.1").stderr;
+    assert!(!said.contains("at rest may be anything"), "{said}");
+    terminal.misused("predict rubbing.json --q 0.3,0 --delay 0", &["cannot be used with"]);
     terminal.refused("predict rubbing.json --q 0.3", &["q has 1", "2"]);
     terminal.misused("predict rubbing.json --q 0.3,NaN", &["a number for each joint"]);
     terminal.misused("predict rubbing.json log.csv --q 0.3,0 -o a.csv", &["cannot be used with"]);

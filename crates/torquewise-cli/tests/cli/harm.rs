@@ -112,6 +112,15 @@ fn torques_in_a_second_file_are_suggested_beside_the_log() {
     assert!(terminal.read("p.toml").contains("[beside]\ntorques = \"torques.csv\""));
     let found = terminal.json("inspect positions.csv --profile p.toml");
     assert_eq!(found["missing"], serde_json::json!(["dq", "ddq"]));
+
+    terminal.write("junk.csv", "a,b,c\n1,2,3\n4,5,6\n");
+    let said = terminal.run("inspect positions.csv torques.csv junk.csv").stderr;
+    assert!(said.contains("junk.csv has nothing that the log lacks"), "{said}");
+    assert!(said.contains("inspect positions.csv alone with --profile profile.toml"), "{said}");
+    terminal.refused("inspect positions.csv none.csv", &["none.csv"]);
+    let huge = Table::arm().scaled(&["tau1", "tau2"], 1e6).text();
+    terminal.write("huge.csv", &huge);
+    assert_warns(&terminal.run("inspect huge.csv --strict"), &["are these mN·m?"]);
 }
 
 #[test]
@@ -154,9 +163,9 @@ fn a_torque_that_overflows_is_an_error() {
 #[test]
 fn powers_that_would_fill_the_memory_are_refused_at_once() {
     let terminal = Terminal::new();
-    let model = |power: u8| {
+    let model = |power: u8, multiple: i8| {
         let factor = |joint: usize| {
-            let multiples: Vec<u8> = (0..4).map(|own| u8::from(own == joint)).collect();
+            let multiples = [0, 1, 2, 3].map(|own| if own == joint { multiple } else { 0 });
             format!(r#"{{"multiples": {multiples:?}, "function": "cos", "power": {power}}}"#)
         };
         let factors = (0..4).map(factor).collect::<Vec<_>>().join(",");
@@ -174,13 +183,13 @@ fn powers_that_would_fill_the_memory_are_refused_at_once() {
             "stages": [], "training": {training}, "choices": [], "friction": []}}"#
         )
     };
-    terminal.write("most.json", &model(8));
+    terminal.write("most.json", &model(8, 1));
     terminal.done("show most.json --cost");
     let said = terminal.run("export most.json --to c -o most.c --force --strict");
     assert!(said.code == 3 && said.stderr.contains("M(q) has the eigenvalue"), "{said:?}");
     assert!(terminal.read("most.c").contains("most_torque"));
-    for power in [0, 9, 60, 255] {
-        terminal.write("powers.json", &model(power));
+    for (power, multiple) in [(0, 1), (9, 1), (60, 1), (255, 1), (1, -128)] {
+        terminal.write("powers.json", &model(power, multiple));
         terminal.refused("export powers.json --to c -o a.c --force", &["1 to 32"]);
         terminal.refused("show powers.json --cost", &["1 to 32"]);
     }

@@ -47,12 +47,15 @@ fn a_model_can_be_judged_by_another_log_at_once() {
     let said = terminal.done("fit log.csv -o model.json --test test.csv --report report.html");
     for words in [
         "verdict: usable: test torque of joint2 is missed by more than 30 % of its spread",
-        "worse than held-out rows: joint2 is missed by 41.25 %, held out by 0.00 %",
         "test error 0.00 to 41.25 % of the spread",
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }
     assert!(terminal.read("report.html").contains("<strong>Usable</strong>"));
+    let still = Table::of(&terminal, "test.csv").scaled(&["tau1", "tau2"], 0.0).text();
+    terminal.write("test.csv", &still);
+    let said = terminal.run("fit log.csv -o model.json --test test.csv").stdout;
+    assert!(said.contains("held-out error") && !said.contains("test error"), "{said}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::log_input::LogInput;
 use crate::profile::unit::of_step;
 use crate::signal::Signal;
 use crate::source::named_rows;
-use crate::suggest::guess::Found;
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use torquewise_motion::stats::median;
 
@@ -21,16 +21,11 @@ pub(super) struct Measured {
     pub(super) ratio: Option<f64>,
 }
 
-pub(super) fn measure(file: &LogInput, names: &[String], found: &Found) -> Result<Measured> {
-    let place = |name: &String| names.iter().position(|known| known == name);
-    let of = |signal| -> Vec<usize> {
-        let columns = found.get(signal).map(|family| family.columns.iter());
-        columns.into_iter().flatten().filter_map(place).collect()
-    };
-    let time: Vec<usize> = found.time.iter().filter_map(place).collect();
-    let (q, dq) = (of(Signal::Q), of(Signal::Dq));
-    let chosen = [time.clone(), q.clone(), dq.clone()].concat();
+/// The first rows of columns of a file.
+pub(super) fn columns(file: &LogInput, names: &[String]) -> Result<Vec<Vec<f64>>> {
     let mut rows = named_rows(file)?;
+    let place = |name: &String| rows.names().iter().position(|known| known == name);
+    let chosen: Vec<usize> = names.iter().filter_map(place).collect();
     rows.choose(&chosen)?;
     let mut row = vec![0.0; chosen.len()];
     let mut columns = vec![Vec::new(); chosen.len()];
@@ -39,16 +34,21 @@ pub(super) fn measure(file: &LogInput, names: &[String], found: &Found) -> Resul
     {
         columns.iter_mut().zip(&row).for_each(|(column, value)| column.push(*value));
     }
-    let (t, rest) = columns.split_at(time.len());
-    let (q_values, dq_values) = rest.split_at(q.len());
-    let largest = q_values.iter().flatten().filter(|x| x.is_finite());
-    let step = t.first().and_then(|t| median_step(t));
+    Ok(columns)
+}
+
+/// - `values`: columns of each signal, with the same rows as t
+pub(super) fn measure(t: Option<&[f64]>, values: &BTreeMap<Signal, Vec<Vec<f64>>>) -> Measured {
+    let of = |signal| values.get(&signal).map_or(&[][..], Vec::as_slice);
+    let (q, dq) = (of(Signal::Q), of(Signal::Dq));
+    let largest = q.iter().flatten().filter(|x| x.is_finite());
+    let step = t.and_then(median_step);
     let seconds = step.map_or(1.0, |step| of_step(step).1);
-    Ok(Measured {
+    Measured {
         step,
         largest_q: largest.map(|x| x.abs()).reduce(f64::max),
-        ratio: t.first().and_then(|t| ratio(t, seconds, q_values, dq_values)),
-    })
+        ratio: t.and_then(|t| ratio(t, seconds, q, dq)),
+    }
 }
 
 fn median_step(t: &[f64]) -> Option<f64> {

@@ -119,3 +119,23 @@ fn columns_that_mean_nothing_give_a_draft_and_no_error() {
 
     assert!(!suggestion.is_complete && suggestion.toml.contains("# columns = [\"…\"]"));
 }
+
+#[test]
+fn files_beside_a_log_are_measured_and_numbered() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |name: &str| folder.path().join(name);
+    for sub in ["a", "b"] {
+        std::fs::create_dir(of(sub)).unwrap();
+    }
+    write(&of("log.csv"), "t,torque1", 400, |k| vec![0.005 * k, 1.0]);
+    write(&of("a/more.csv"), "position1", 400, |k| vec![60.0 * wave(0.005 * k).0]);
+    write(&of("b/more.csv"), "velocity1", 400, |k| vec![wave(0.005 * k).1]);
+
+    let files = ["log.csv", "a/more.csv", "b/more.csv"].map(|name| of(name).into());
+    let profile = Profile::from_toml(&suggest(&files).unwrap().toml).unwrap();
+
+    assert_eq!(profile.beside.keys().collect::<Vec<_>>(), ["more", "more_2"]);
+    assert_eq!(profile.q.unwrap().unit.as_deref(), Some("deg"));
+    // Measured against the slopes of positions in another file.
+    assert_eq!(profile.dq.unwrap().unit.as_deref(), Some("rad/s"));
+}

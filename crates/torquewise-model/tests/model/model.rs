@@ -168,3 +168,16 @@ fn equations_read_as_formulas() {
         "{tex}"
     );
 }
+
+#[test]
+fn a_log_of_other_joints_is_of_another_arm() {
+    let (_, model) = two_link();
+    let other = vec![model.joints[1].clone(), model.joints[0].clone()];
+
+    let names = model.check_joints(&other).unwrap_err();
+    let count = model.check_joints(&other[1..]).unwrap_err();
+
+    assert!(model.check_joints(&model.joints).is_ok());
+    assert!(matches!(names, ModelError::JointNames { log, .. } if log == other));
+    assert!(matches!(count, ModelError::JointCount { model: 2, log: 1 }));
+}

@@ -4,7 +4,7 @@ use crate::fit_report::Findings;
 use crate::html::number::{count, significant};
 use crate::html::{Callout, Column, Item, Label, Section, Table, Tone};
 use torquewise_identify::Warning;
-use torquewise_identify::verdict::{Grade, Verdict, held_out};
+use torquewise_identify::verdict::{Grade, Verdict};
 use torquewise_model::Form;
 
 const DIGITS: usize = 3;
@@ -78,7 +78,7 @@ fn worst_joint(findings: &Findings<'_>) -> Option<String> {
     if findings.verdict().grade == Grade::Good {
         return None;
     }
-    let errors = held_out(findings.found);
+    let errors = findings.found.model.training.held_out_errors().unwrap_or_default();
     let (joint, error) = errors.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
     Some(format!(
         "{} has the largest held-out error, {} %: record more of its motion, through its whole \
@@ -118,7 +118,7 @@ fn words(findings: &Findings<'_>) -> String {
 
 /// Errors of each joint: on the test log, on held-out blocks of time, on the fitted log.
 fn error_table(findings: &Findings<'_>) -> Item {
-    let held_out = held_out(findings.found);
+    let held_out = findings.found.model.training.held_out_errors().unwrap_or_default();
     let (judged, fitted) = (findings.judged(), findings.diagnosis);
     let percent = |x: f64| Label::from(significant(x, DIGITS));
     let row = |joint: usize| -> Vec<Label> {

@@ -60,12 +60,12 @@ impl MotionRange {
             {
                 let margin = Q_MARGIN * (to - from);
                 if *low < from - margin || *high > to + margin {
-                    beyond.push(format!(
-                        "q from {} to {} {}, not {from:.2} to {to:.2}",
-                        short(*low),
-                        short(*high),
-                        kind.unit()
-                    ));
+                    let reached = match (short(*low), short(*high)) {
+                        (low, high) if low == high => format!("at {low}"),
+                        (low, high) => format!("from {low} to {high}"),
+                    };
+                    let unit = kind.unit();
+                    beyond.push(format!("q {reached} {unit}, not {from:.2} to {to:.2}"));
                 }
             }
             let rates = [
