@@ -157,7 +157,7 @@ mod tests {
         assert_eq!(
             spoilt().to_string(),
             "left out: 3 rows with the time stamp of the row before; repaired: 12 spikes replaced \
-             (tau 12), 1 gaps bridged (the longest 8.0 ms), 1 longer gaps at which a log was split"
+             (tau 12), 1 gap bridged (the longest 8.0 ms), 1 longer gap at which a log was split"
         );
         assert!(Repairs::default().to_string().is_empty());
     }
