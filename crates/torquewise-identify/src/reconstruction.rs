@@ -5,7 +5,7 @@ use crate::excitation::Finding;
 use crate::learn::kinds::{FirstLook, first_look};
 use crate::library_errors::held_out_rms;
 use crate::residual_shape::shapes;
-use crate::rough::shows_its_friction;
+use crate::rough::doubtful;
 use crate::torque_sign::{SignTest, swapped};
 use crate::verdict::grave;
 use crate::warning::Warning;
@@ -108,9 +108,7 @@ impl Reconstruction {
             return Ok(());
         }
         // What shows the friction of its own shaft is that joint's torque, and its sign is right.
-        let doubtful: Vec<usize> = (0..self.survey.joints.len())
-            .filter(|&joint| !shows_its_friction(&self.survey.sample, joint))
-            .collect();
+        let doubtful = doubtful(&self.survey.sample);
         if let Ok(Some(pair)) = swapped(&self.survey.sample, (&missed, &doubtful), seed, watch) {
             let joints = pair.map(|joint| self.survey.joints[joint].clone());
             self.warnings.push(Warning::Excitation(Finding::Swapped { joints }));

@@ -29,24 +29,26 @@ pub(crate) fn unexplained_part(motion: &Motion, joint: usize) -> Option<f64> {
     Some(fit(&motion, joint, &friction(&motion, joint)?)?.0)
 }
 
-/// Whether the torque of a joint shows the friction of its own shaft, more than that of any other,
-/// and against its motion: it is no other joint's torque, and its sign is right.
-pub(crate) fn shows_its_friction(motion: &Motion, joint: usize) -> bool {
+/// Joints whose torque does not show the friction of their own shaft, more than that of any other and
+/// against the motion: it may be another joint's, or of the wrong sign.
+pub(crate) fn doubtful(motion: &Motion) -> Vec<usize> {
     let motion = thinned(motion, ROWS);
-    let seen = || -> Option<bool> {
+    let n = motion.n_joints();
+    let frictions: Vec<_> = (0..n).map(|joint| friction(&motion, joint)).collect();
+    let is_seen = |joint: usize| -> Option<bool> {
         let without = fit(&motion, joint, &[])?.0;
-        let own = friction(&motion, joint)?;
-        let (left, coefficients) = fit(&motion, joint, &own)?;
+        let own = frictions[joint].as_ref()?;
+        let (left, coefficients) = fit(&motion, joint, own)?;
         let load =
             |row: usize| -> f64 { own.iter().zip(&coefficients).map(|(x, b)| x[row] * b).sum() };
         let power: f64 = own[0].iter().enumerate().map(|(row, dq)| load(row) * dq).sum();
-        let others = (0..motion.n_joints()).filter(|other| *other != joint);
+        let others = (0..n).filter(|other| *other != joint);
         let with_others =
-            others.filter_map(|other| fit(&motion, joint, &friction(&motion, other)?));
+            others.filter_map(|other| fit(&motion, joint, frictions[other].as_ref()?));
         let least = with_others.map(|(left, _)| left).fold((1.0 - SEEN) * without, f64::min);
         Some(left < least && power > 0.0)
     };
-    seen().unwrap_or(false)
+    (0..n).filter(|&joint| !is_seen(joint).unwrap_or(false)).collect()
 }
 
 /// Speed of a joint and the sign of it, m each; `None` for a joint at rest.

@@ -70,12 +70,12 @@ impl Repairs {
     /// Rows left out, each kind with its reason.
     fn left_out(&self) -> Vec<String> {
         told(&[
-            (self.repeated_stamps, "rows with the time stamp of the row before"),
-            (self.earlier_stamps, "rows with an earlier time stamp than a row before"),
-            (self.not_finite, "rows without a number"),
-            (self.absurd, "rows with a value far beyond all others"),
-            (self.held_rows, "rows held by a logger faster than its device"),
-            (self.too_short, "rows of trajectories too short for the filter"),
+            (self.repeated_stamps, "row", "with the time stamp of the row before"),
+            (self.earlier_stamps, "row", "with an earlier time stamp than a row before"),
+            (self.not_finite, "row", "without a number"),
+            (self.absurd, "row", "with a value far beyond all others"),
+            (self.held_rows, "row", "held by a logger faster than its device"),
+            (self.too_short, "row", "of trajectories too short for the filter"),
         ])
     }
 
@@ -86,26 +86,23 @@ impl Repairs {
             self.spikes.iter().map(|(signal, count)| format!("{signal} {count}")).collect();
         let longest = 1e3 * self.longest_gap;
         told(&[
-            (spikes, &format!("spikes replaced ({})", by_signal.join(", "))),
-            (self.gaps, &format!("gaps bridged (the longest {longest:.1} ms)")),
-            (self.late_stamps, "late time stamps put on the clock of the device"),
-            (self.splits, "longer gaps at which a log was split"),
+            (spikes, "spike", &format!("replaced ({})", by_signal.join(", "))),
+            (self.gaps, "gap", &format!("bridged (the longest {longest:.1} ms)")),
+            (self.late_stamps, "late time stamp", "put on the clock of the device"),
+            (self.splits, "longer gap", "at which a log was split"),
         ])
     }
 }
 
-fn told(counts: &[(u64, &str)]) -> Vec<String> {
-    let any = counts.iter().filter(|(count, _)| *count > 0);
-    any.map(|(count, what)| counted(*count, what)).collect()
+fn told(counts: &[(u64, &str, &str)]) -> Vec<String> {
+    let any = counts.iter().filter(|(count, ..)| *count > 0);
+    any.map(|(count, noun, what)| counted(*count, noun, what)).collect()
 }
 
-/// `2 rows`, `1 row`: how many there are of what is given in the plural.
-pub fn counted(count: u64, what: &str) -> String {
-    let many = ["rows", "spikes", "gaps", "stamps", "outliers"];
-    match many.iter().find(|many| count == 1 && what.contains(*many)) {
-        Some(many) => format!("{count} {}", what.replacen(many, many.trim_end_matches('s'), 1)),
-        None => format!("{count} {what}"),
-    }
+/// `2 rows left out`, `1 row left out`: so many of a noun, whose plural has an s more, and what of them.
+pub fn counted(count: u64, noun: &str, what: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {noun}{plural} {what}")
 }
 
 impl<'a> Sum<&'a Self> for Repairs {

@@ -50,9 +50,8 @@ pub(crate) fn weighted_columns(geometry: &Geometry, rows: &Rows, weights: &[f64]
         let (from, column) = (rows.extras.col_as_slice(j), columns.col_as_slice_mut(of_bodies + j));
         for &joint in joints {
             let own = joint * m..(joint + 1) * m;
-            let values = from[own.clone()].iter().zip(&rows.shares[own.clone()]);
-            let scaled = values.map(|(x, share)| x * (share * weights[joint]));
-            column[own].iter_mut().zip(scaled).for_each(|(x, scaled)| *x = scaled);
+            column[own.clone()].copy_from_slice(&from[own.clone()]);
+            weigh_joint(&mut column[own.clone()], &rows.shares[own], weights[joint]);
         }
     }
     columns
@@ -62,9 +61,11 @@ pub(crate) fn weighted_columns(geometry: &Geometry, rows: &Rows, weights: &[f64]
 pub(crate) fn weigh(column: &mut [f64], rows: &Rows, weights: &[f64]) {
     let m = rows.len().max(1);
     let joints = column.chunks_mut(m).zip(rows.shares.chunks(m)).zip(weights);
-    for ((column, shares), weight) in joints {
-        column.iter_mut().zip(shares).for_each(|(x, share)| *x *= share * weight);
-    }
+    joints.for_each(|((column, shares), weight)| weigh_joint(column, shares, *weight));
+}
+
+fn weigh_joint(column: &mut [f64], shares: &[f64], weight: f64) {
+    column.iter_mut().zip(shares).for_each(|(x, share)| *x *= share * weight);
 }
 
 fn scale_rows(x: &mut Mat<f64>, scales: &[f64]) {

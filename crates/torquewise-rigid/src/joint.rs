@@ -56,6 +56,15 @@ impl JointKind {
     pub fn turns(self) -> bool {
         self == Self::Revolute
     }
+
+    /// Reads `rrpr`, `RRPR` or `r,r,p,r`; `None` where a letter is of no kind.
+    pub fn read_all(text: &str) -> Option<Vec<Self>> {
+        let kind = |letter: char| {
+            Self::ALL.into_iter().find(|kind| kind.letter() == letter.to_ascii_lowercase())
+        };
+        let letters = text.chars().filter(|letter| !matches!(letter, ',' | ' '));
+        letters.map(kind).collect()
+    }
 }
 
 /// The kinds of the joints of a chain.
@@ -121,12 +130,8 @@ impl JointKinds {
         (0..n).map(|joint| self.of(joint).letter()).collect()
     }
 
-    /// Reads `rrpr`, `RRPR` or `r,r,p,r`; `None` where a letter is of no kind.
+    /// Those that [`JointKind::read_all`] reads.
     pub fn read(text: &str) -> Option<Self> {
-        let kind = |letter: char| {
-            JointKind::ALL.into_iter().find(|kind| kind.letter() == letter.to_ascii_lowercase())
-        };
-        let letters = text.chars().filter(|letter| !matches!(letter, ',' | ' '));
-        letters.map(kind).collect::<Option<Vec<_>>>().map(Self::from)
+        JointKind::read_all(text).map(Self::from)
     }
 }

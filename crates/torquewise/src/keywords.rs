@@ -6,7 +6,7 @@ use crate::setting::OF_FIT;
 use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value, json};
 use torquewise_identify::plan::{FrictionKind, Refine, Regression};
-use torquewise_model::{JointKind, JointKinds};
+use torquewise_model::JointKind;
 use torquewise_regression::select::Selector;
 use torquewise_regression::select::criterion::Criterion;
 use torquewise_regression::select::lasso::Lasso;
@@ -118,10 +118,7 @@ pub(crate) fn joint_kinds<'de, D: Deserializer<'de>>(
 ) -> Result<Option<Vec<JointKind>>, D::Error> {
     let text = String::deserialize(deserializer)?;
     let wrong = || format!("{text:?}: expected r or p for each joint, as r,r,p,r");
-    let letters = text.chars().filter(|letter| !matches!(letter, ',' | ' '));
-    let kind = |letter: char| JointKinds::read(&letter.to_string()).map(|kinds| kinds.of(0));
-    let kinds = letters.map(kind).collect::<Option<Vec<_>>>();
-    kinds.map(Some).ok_or_else(|| serde::de::Error::custom(wrong()))
+    JointKind::read_all(&text).map(Some).ok_or_else(|| serde::de::Error::custom(wrong()))
 }
 
 pub(crate) fn some_word<'de, D: Deserializer<'de>, T: Word>(

@@ -95,8 +95,7 @@ fn at_pose(model: &Model, pose: [&Option<Vec<f64>>; 3]) -> Result<Outcome> {
     range.add(&motion);
     let is_at_rest = |own: &Weighted<FrictionTerm>| {
         let is_dry = !matches!(own.term.law, FrictionLaw::Offset | FrictionLaw::Viscous);
-        is_dry
-            && own.term.shaft.iter().zip(&speeds).map(|(turns, dq)| turns * dq).sum::<f64>() == 0.0
+        is_dry && own.term.speed(&speeds) == 0.0
     };
     let notes = model.friction.iter().any(is_at_rest).then(|| {
         "dry friction of a joint at rest may be anything within its Coulomb value".to_owned()

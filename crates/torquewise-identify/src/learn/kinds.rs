@@ -20,10 +20,9 @@ const LONGEST_SLIDE: f64 = 2.0;
 /// Starts of a first look, and its rows.
 const GLANCE: (usize, usize) = (3, 120);
 /// Slides must lower the error by this part: a joint that turned by little fits either way, and most
-/// joints turn. Of so little travel \[rad or m\] few do: such a joint slides where that errs less at
-/// all on held-out rows.
+/// joints turn. Few do of so little travel that it is warned of: such a joint slides where that errs
+/// less at all on held-out rows.
 const WORTH_OF_SLIDES: f64 = 0.1;
-const SHORT: f64 = LEAST_RANGE;
 
 /// As the model file has them.
 const KINDS: &str = "kinds of joints";
@@ -59,7 +58,7 @@ pub(crate) fn first_look(
 }
 
 /// A specification, its chain, and how its axes were chosen.
-type Fitted = (ChainSpec, Chain, Vec<Choice>);
+type Searched = (ChainSpec, Chain, Vec<Choice>);
 
 impl ChainLearner<'_> {
     /// Searches the geometry of joints of given kinds; or of joints that all turn, then looks for those
@@ -93,7 +92,7 @@ impl ChainLearner<'_> {
         &mut self,
         at: &(impl Fn(JointKinds) -> ChainSpec + Sync),
         choices: &mut Vec<Choice>,
-    ) -> Result<Fitted, IdentifyError> {
+    ) -> Result<Searched, IdentifyError> {
         let (mut turning, mut own) = (at(JointKinds::default()), Vec::new());
         let chain = self.geometry(&mut turning, None, &mut own)?;
         let (mut best, mut kinds, n) =
@@ -124,9 +123,9 @@ impl ChainLearner<'_> {
         &mut self,
         at: &(impl Fn(JointKinds) -> ChainSpec + Sync),
         kinds: &JointKinds,
-        (known, rule): (&Fitted, (f64, bool)),
+        (known, rule): (&Searched, (f64, bool)),
         choices: &mut Vec<Choice>,
-    ) -> Result<Option<Fitted>, IdentifyError> {
+    ) -> Result<Option<Searched>, IdentifyError> {
         let (found, n) = (self.found.clone(), self.motion.n_joints());
         let (mut spec, mut made) = (upright(at(kinds.clone()), kinds), Vec::new());
         let chain = self.geometry(&mut spec, None, &mut made)?;
@@ -138,11 +137,9 @@ impl ChainLearner<'_> {
             trial(label, spec, &self.rows(spec, TRIAL_ROWS)?, chain, ROUNDS, &watch)
         };
         let (worth, is_simpler) = rule;
-        let mut trials = [judged(&known.0, &known.1)?, judged(&spec, &chain)?];
-        if is_simpler {
-            trials.reverse();
-        }
-        let is_other = (record_worth(KINDS, &trials, worth, choices) == 1) != is_simpler;
+        let (known, other) = (judged(&known.0, &known.1)?, judged(&spec, &chain)?);
+        let (trials, place) = if is_simpler { ([other, known], 0) } else { ([known, other], 1) };
+        let is_other = record_worth(KINDS, &trials, worth, choices) == place;
         if !is_other {
             self.found = found;
         }
@@ -202,7 +199,7 @@ impl ChainLearner<'_> {
         }
         let mut kinds = JointKinds::default();
         let mut least = left(&kinds)?;
-        loop {
+        let tried = loop {
             let other = |joint: usize| {
                 let kind = JointKind::ALL.into_iter().find(|kind| *kind != kinds.of(joint));
                 kinds.with(joint, kind.unwrap_or_default(), n)
@@ -210,26 +207,22 @@ impl ChainLearner<'_> {
             let tried = short.par_iter().map(|&joint| Ok((left(&other(joint))?, joint)));
             let tried = tried.collect::<Result<Vec<(f64, usize)>, IdentifyError>>()?;
             let best = tried.iter().min_by(|a, b| a.0.total_cmp(&b.0));
-            match best {
-                Some(&(best, joint)) if best < (1.0 - WORTH_OF_SLIDES) * least => {
-                    (least, kinds) = (best, other(joint));
-                }
-                _ => {
-                    let is_near = |left: f64| left < (1.0 + UNRESOLVED) * least;
-                    let near = tried.iter().filter(|(left, _)| is_near(*left));
-                    let untold: Vec<usize> = near.map(|(_, joint)| *joint).collect();
-                    let alike = like_the_others(&kinds, &untold, n);
-                    if alike != kinds && is_near(left(&alike)?) {
-                        kinds = alike;
-                    }
-                    let may_slide = |joint: &usize| {
-                        !kinds.slides(*joint) && 0.0 < travel(*joint) && travel(*joint) <= SHORT
-                    };
-                    let may_slide = untold.iter().copied().filter(may_slide).collect();
-                    return Ok(FirstLook { kinds, may_slide, untold });
-                }
-            }
+            let worthy = best.filter(|(best, _)| *best < (1.0 - WORTH_OF_SLIDES) * least);
+            let Some(&(best, joint)) = worthy else { break tried };
+            (least, kinds) = (best, other(joint));
+        };
+        let is_near = |left: f64| left < (1.0 + UNRESOLVED) * least;
+        let near = tried.into_iter().filter(|(left, _)| is_near(*left));
+        let untold: Vec<usize> = near.map(|(_, joint)| joint).collect();
+        let alike = like_the_others(&kinds, &untold, n);
+        if alike != kinds && is_near(left(&alike)?) {
+            kinds = alike;
         }
+        let may_slide = |joint: &usize| {
+            !kinds.slides(*joint) && 0.0 < travel(*joint) && travel(*joint) <= LEAST_RANGE
+        };
+        let may_slide = untold.iter().copied().filter(may_slide).collect();
+        Ok(FirstLook { kinds, may_slide, untold })
     }
 
     /// Warns of joints whose kind the log does not determine.

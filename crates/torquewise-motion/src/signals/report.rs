@@ -119,7 +119,7 @@ impl fmt::Display for ConditionReport {
             write!(f, "\ntau {way} by {:.1} ms", 1e3 * self.delay.abs())?;
         }
         for Outliers { signal, joint, rows } in &self.outliers {
-            let outliers = counted(rows.len() as u64, "outliers replaced");
+            let outliers = counted(rows.len() as u64, "outlier", "replaced");
             write!(f, "\n{signal} of {joint}: {outliers}")?;
         }
         for report in self.signals.iter().filter(|report| report.is_coarse()) {
