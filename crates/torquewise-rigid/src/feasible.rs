@@ -165,6 +165,24 @@ pub fn minimise(
     Ok(x)
 }
 
+/// Strengths of the prior on the path from a start far away, in parts of the last.
+const FALLING: [f64; 5] = [1e8, 1e6, 1e4, 1e2, 1.0];
+
+/// The same from a start that may be far from the minimum: a weak barrier is a wall there, along which
+/// Newton's method crawls, so the prior falls to its strength step by step.
+///
+/// # Errors
+/// As [`minimise`].
+pub fn minimise_from_afar(
+    cost: Quadratic<'_>,
+    prior: &Prior,
+    strength: f64,
+    start: &[f64],
+) -> Result<Vec<f64>, ChainError> {
+    let fall = |x: Vec<f64>, part: f64| minimise(cost, prior, part * strength, &x);
+    FALLING.into_iter().try_fold(start.to_vec(), fall)
+}
+
 /// The curvature of the whole cost, H + strength · Ψ″, factored.
 ///
 /// # Errors
@@ -274,6 +292,23 @@ mod tests {
         for (found, truth) in found.iter().zip(truth) {
             assert!((found - truth).abs() < 1e-6, "{found} {truth}");
         }
+    }
+
+    #[test]
+    fn far_from_the_minimum_a_weak_barrier_is_no_wall() {
+        // Ten quantities of which noise makes a body that cannot be.
+        let asked = [5.0, 3.0, -2.0, 4.0, -1.0, 0.5, 2.0, -0.3, 0.2, -4.0];
+        let hessian = Mat::from_fn(10, 10, |i, j| if i == j { 1e4 } else { 0.0 });
+        let right: Vec<f64> = asked.iter().map(|x| 1e4 * x).collect();
+        let prior = Prior { bodies: vec![nominal()], ..Prior::default() };
+        let (cost, strength) = (Quadratic { hessian: &hessian, right: &right }, 1e-2);
+
+        let found = minimise_from_afar(cost, &prior, strength, &nominal()).unwrap();
+        let direct = minimise(cost, &prior, strength, &nominal()).unwrap();
+
+        let (_, decrement) = newton_step(cost, &prior, strength, &found).unwrap();
+        assert!(decrement < 1e-5 * cost.value(&found).abs(), "{decrement:e}");
+        assert!(cost.value(&found) < 1.4 * cost.value(&direct), "{:e}", cost.value(&direct));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use faer::{ColRef, Mat};
 use serde::{Deserialize, Serialize};
 use torquewise_model::model::Choice;
 use torquewise_regression::normal_sums::NormalSums;
-use torquewise_rigid::feasible::{Prior, minimise};
+use torquewise_rigid::feasible::{Prior, minimise, minimise_from_afar};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::mean;
 
@@ -16,8 +16,6 @@ pub(crate) const LEAST_RESIDUAL: f64 = 1e-4;
 /// So much the cost may still fall for each parameter, in squares of the noise of an independent
 /// row: parameters are then within about a tenth of their standard errors.
 const LEAST_GAIN: f64 = 0.005;
-/// Strengths of the prior on the path from the nominal arm, in parts of the last.
-const FALLING: [f64; 5] = [1e8, 1e6, 1e4, 1e2, 1.0];
 /// Exponents of ten between which the price of a step of the geometry is looked for, in parts of
 /// its curvature.
 const DAMPING: [f64; 2] = [-12.0, 3.0];
@@ -103,7 +101,8 @@ impl<'a> Step<'a> {
         let (at, chosen) = (self.at.of_chosen(), self.at.chosen_indices());
         let (prior, start) = prior(&self.at.narrowed(), sizes)?;
         let own = self.all.of(&chosen, &at, (0.0, 0.0));
-        let solution = minimise(own.quadratic(), &prior, strength, &start[..chosen.len()])?;
+        let solution =
+            minimise_from_afar(own.quadratic(), &prior, strength, &start[..chosen.len()])?;
         let mut few = at.parameters();
         few[..chosen.len()].copy_from_slice(&solution);
         Ok(best.iter().zip(&few).map(|(best, few)| 0.5 * (best + few)).collect())
@@ -157,12 +156,7 @@ impl<'a> Step<'a> {
             let start = of(&self.before);
             return Ok(minimise(equations.quadratic(), &self.prior, strength, &start)?);
         }
-        // From far away a weak barrier is a wall: the prior falls to its strength step by step.
-        let mut x = of(&self.start);
-        for part in FALLING {
-            x = minimise(equations.quadratic(), &self.prior, part * strength, &x)?;
-        }
-        Ok(x)
+        Ok(minimise_from_afar(equations.quadratic(), &self.prior, strength, &of(&self.start))?)
     }
 
     /// Part of the cost that may be left: the parameters are then within a small part of their
