@@ -17,7 +17,7 @@ mod rollouts;
 
 pub use linearisation::Linearisation;
 pub(crate) use linearisation::Structure;
-pub(crate) use nominal::Sizes;
+pub(crate) use nominal::{Sizes, prior};
 pub use pass::add_up;
 pub(crate) use refine::{Next, Passes, refine};
 pub(crate) use rollouts::refined_by_rollouts;

@@ -3,13 +3,13 @@
 use crate::basis::{Energies, Wanted, joint_sums};
 use crate::drifts;
 use crate::drive_terms::DriveTerm;
-use crate::estimate::{Linearisation, Solved};
+use crate::estimate::{Linearisation, Sizes, Solved};
 use crate::excitation::Finding;
 use crate::prune::prune;
 use crate::reconstruction::{Progress, Reconstruction, Watch};
 use crate::samples::eigen;
 use crate::torque_kind::{TorqueKind, torque_kind};
-use crate::unseen::{Errors, HeldOut, geometric_mean, held_out, regions, whole_logs};
+use crate::unseen::{HeldOut, HeldTo, Unseen, geometric_mean, regions, whole_logs};
 use crate::warning::Warning;
 use faer::{ColRef, Mat};
 use rand::SeedableRng;
@@ -20,7 +20,6 @@ use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_model::{
     Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Torque, Training, Weighted,
 };
-use torquewise_motion::Motion;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::fit::StepReport;
@@ -63,8 +62,7 @@ impl Fitted {
     ) -> Result<Reconstruction, IdentifyError> {
         let Self { solved, residual_rms, mut choices, found, warning } = self;
         let mut training = survey.training(residual_rms);
-        (training.held_out_rms, training.held_out_by_region_rms) =
-            held_out_rms(&solved.at.narrowed(), &survey.sample)?;
+        (training.held_out_rms, training.held_out_by_region_rms) = held_out_rms(&solved, &survey)?;
         training.geometry_found = found;
         let residual_rms = &training.residual_rms;
         let covariance = faer::Scale(discrepancy(&training).powi(2)) * &solved.covariance;
@@ -198,16 +196,18 @@ fn unexplained(
 /// RMS of what is left of the torque of each joint \[N·m\] on whole logs, or on blocks of time of a
 /// single one, that were held out; and on regions of configuration (E20). Nothing where there are
 /// too few rows.
-fn held_out_rms(
-    at: &Linearisation,
-    sample: &Motion,
-) -> Result<(Vec<f64>, Vec<f64>), IdentifyError> {
+fn held_out_rms(solved: &Solved, survey: &Survey) -> Result<(Vec<f64>, Vec<f64>), IdentifyError> {
+    let sample = &survey.sample;
     let few = thinned(sample, HELD_OUT_ROWS);
     let every = sample.n_rows().div_ceil(few.n_rows().max(1)).max(1);
     let tau = few.require_tau()?.to_owned();
+    let target = [(&tau, &tau)];
+    let (at, share) = (solved.at.narrowed(), few.n_rows() as f64 / survey.rows.max(1) as f64);
+    let held_to = HeldTo::of(solved, &Sizes::of(survey), share)?;
     let rms = |blocks: &[HeldOut]| -> Result<Vec<f64>, IdentifyError> {
-        let errors = held_out(at, &few, &[(&tau, &tau)], blocks)?;
-        Ok(errors.and_then(|all| all.first().map(Errors::rms_by_joint)).unwrap_or_default())
+        let Some(unseen) = Unseen::new(&at, &few, &target, blocks)? else { return Ok(Vec::new()) };
+        let errors = unseen.physical_errors(&held_to)?;
+        Ok(errors.map(|errors| errors.rms_by_joint()).unwrap_or_default())
     };
     Ok((rms(&whole_logs(&few))?, rms(&regions(&few, every))?))
 }

@@ -67,7 +67,7 @@ impl Request {
         let joints = before.map(Self::into_joints);
         let learned = learn(&survey.sample, options, (seed, joints), watch)?;
         Progress::Refit.tell(watch)?;
-        let sizes = Sizes { torque: survey.torque_std.clone(), speed: survey.dq_peak.clone() };
+        let sizes = Sizes::of(survey);
         let sample = thinned(&survey.sample, LAST_ROWS);
         let start = linearised(&learned, &sample, (survey, &sizes), options, (filtered, seed))?;
         let at = refine(&sample, &start, &sizes, watch)?.widened(&learned.offered, &sample)?;

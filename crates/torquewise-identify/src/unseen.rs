@@ -8,6 +8,10 @@ use rayon::prelude::*;
 use torquewise_motion::Motion;
 use torquewise_stepwise::error::IdentifyError;
 
+mod physical;
+
+pub(crate) use physical::HeldTo;
+
 /// Blocks of time, each held out once: many, since few agree by chance.
 pub(crate) const BLOCKS: usize = 24;
 /// So many logs tell, whole ones held out, what others like them would: of two that show different
@@ -223,6 +227,11 @@ impl<'a> Unseen<'a> {
         let (all, around) = (of(&self.all), self.around.iter().map(of).collect::<Vec<Sums>>());
         let solved: Vec<Vec<Mat<f64>>> =
             RIDGES.iter().filter_map(|ridge| solved_without(&all, &around, *ridge)).collect();
+        self.measured(&solved, active)
+    }
+
+    /// What coefficients without each block, of several ways to find them, leave in that block.
+    fn measured(&self, solved: &[Vec<Mat<f64>>], active: &[usize]) -> Vec<Option<Errors>> {
         let (m, n) =
             (self.joints.first().map_or(0, |joint| joint.weights.len()), self.joints.len());
         // Mean squares of each ridge and target, blocks by joints.
@@ -234,7 +243,7 @@ impl<'a> Unseen<'a> {
                 .unzip();
             for (b, block) in self.blocks.iter().enumerate() {
                 let held = picked(rows, &block.rows, &own);
-                for (parts, solved) in parts.iter_mut().zip(&solved) {
+                for (parts, solved) in parts.iter_mut().zip(solved) {
                     let fitted = &held * picked(&solved[b], &places, &all_of(self.targets.len()));
                     for (k, (_, target)) in self.targets.iter().enumerate() {
                         let left = block.rows.iter().zip(fitted.col(k).iter());

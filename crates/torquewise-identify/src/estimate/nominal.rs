@@ -13,6 +13,7 @@ use torquewise_rigid::inertia::plain_link;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Geometry, JointKinds};
 use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::survey::Survey;
 
 /// Mass of a link over the cube of its length \[kg/m³\]: about that of robots of a few kilograms
 /// to a few tons.
@@ -51,6 +52,11 @@ pub(crate) struct Sizes {
 }
 
 impl Sizes {
+    /// Those of an arm whose logs were summed up.
+    pub(crate) fn of(survey: &Survey) -> Self {
+        Self { torque: survey.torque_std.clone(), speed: survey.dq_peak.clone() }
+    }
+
     /// Length \[m\] and mass \[kg\] of a link of an arm that takes such torques: those that a link
     /// of the usual density makes by its weight, T = m g L with m = density · L³; of an arm that
     /// slides alone, F = m g.

@@ -23,6 +23,8 @@ pub(crate) struct Solved {
     pub(crate) at: Linearisation,
     /// Covariance of all parameters, p×p.
     pub(crate) covariance: Mat<f64>,
+    /// Strengths of the prior and of that of the geometry, for all rows.
+    pub(crate) strengths: [f64; 2],
     /// How the strength of the prior was chosen.
     pub(crate) choice: Option<Choice>,
 }
@@ -147,6 +149,7 @@ impl Step<'_> {
             }
         }
         let at = self.at.clone().freed(active);
-        Ok(Solved { at, covariance, choice: tuning.choice })
+        let strengths = [tuning.strength, tuning.prior];
+        Ok(Solved { at, covariance, strengths, choice: tuning.choice })
     }
 }
