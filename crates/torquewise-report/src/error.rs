@@ -10,9 +10,6 @@ pub type Result<T, E = ReportError> = std::result::Result<T, E>;
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum ReportError {
-    #[error("{signal} is {}x{}, expected {}x{}", found[0], found[1], expected[0], expected[1])]
-    #[diagnostic(help("give one row per time stamp and one column per joint"))]
-    Shape { signal: &'static str, found: [usize; 2], expected: [usize; 2] },
     #[error("a report of {rows} rows and {joints} joints shows nothing")]
     #[diagnostic(help("give two rows of one joint"))]
     Empty { rows: usize, joints: usize },
