@@ -4,6 +4,7 @@ use crate::{python, tidy, web};
 use anyhow::{Context, Result, bail};
 use std::env;
 use std::env::consts::EXE_SUFFIX;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -148,6 +149,12 @@ pub(crate) fn call(command: &mut Command) -> Result<()> {
     let status = command.stdin(Stdio::null()).status();
     let status = status.with_context(|| format!("cannot start {name}"))?;
     if status.success() { Ok(()) } else { bail!("{name} failed: see above") }
+}
+
+pub(crate) fn is_there(program: impl AsRef<OsStr>) -> bool {
+    let mut command = Command::new(program);
+    command.arg("--version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    command.status().is_ok_and(|status| status.success())
 }
 
 /// The cargo that runs this program.
