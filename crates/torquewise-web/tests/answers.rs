@@ -1,7 +1,6 @@
 //! What the page asks, answered as the library answers it.
 
 use serde_json::{Value, json};
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 use torquewise::logs::LogInput;
@@ -101,15 +100,4 @@ fn what_is_wrong_is_told_with_what_to_do() {
     let bag = opened("a.db3", b"SQLite format 3\0", Value::Null);
     assert!(bag["problem"]["help"].as_str().unwrap().contains("ros2 bag convert"), "{bag}");
     assert_eq!(told(json!({ "ask": "nothing" }), &[])[1], "reload the page");
-}
-
-#[test]
-fn who_watches_a_fit_is_told_its_stages_and_can_stop_it() {
-    let content = std::fs::read(Path::new(CONFORMANCE).join("rough.csv")).unwrap();
-    let held = |file: &FileAt| LogInput::held(&file.name, Arc::new(content.clone()));
-    let fit = json!({ "ask": "fit", "options": {}, "date": "", "log": log("a.csv", &content) });
-
-    let stopped = answer(&fit.to_string(), &held, &|_| ControlFlow::Break(()));
-
-    assert!(stopped.json["problem"]["message"].as_str().unwrap().starts_with("interrupted"));
 }

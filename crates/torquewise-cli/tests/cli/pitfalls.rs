@@ -36,11 +36,12 @@ fn what_spoils_a_log_is_told() {
         _ => tau,
     };
     let still = Table::arm().with("q2", |_, _, _| 0.0).scaled(&["dq2", "ddq2"], 0.0);
+    let degrees = Table::arm().scaled(&["q1", "q2", "dq1", "dq2"], 180.0 / std::f64::consts::PI);
     let rpm = recorded.clone().scaled(&["dq1", "dq2"], 30.0 / std::f64::consts::PI);
     let off = &["the torque of joint2 does not follow its motion", "is its motor on"];
     let coarse = &["the torque of joint2 has few levels", "expect a poor fit"];
     let led = &["the torque of joint2 follows from the positions alone", "hand"];
-    let cases: [(Table, &[&str], &[&str]); 7] = [
+    let cases: [(Table, &[&str], &[&str]); 8] = [
         (with("t", &|row, t, _| t + 2e-3 * noise(row)), &[], &["made even: jitter"]),
         (with("tau1", &spikes), &[], &["tau of joint1: 3 outliers replaced"]),
         (rpm, &["measured velocity of joint2 is 9.5"], &[]),
@@ -52,6 +53,7 @@ fn what_spoils_a_log_is_told() {
             &["tau of joint2 is quantised to 1.5"],
         ),
         (still, &["joint2 never moves"], &[]),
+        (degrees, &["joint1 reaches", "are these degrees?"], &[]),
     ];
     for (table, warned, told) in cases {
         let said = table.inspected();
@@ -63,79 +65,12 @@ fn what_spoils_a_log_is_told() {
     }
 }
 
-// Files.
-
-#[test]
-fn a_format_that_is_not_read_is_named_with_those_that_are() {
-    let terminal = Terminal::new();
-    terminal.write("data.pickle", "\u{80}");
-
-    terminal.refused("inspect data.pickle", &["no log format known here", ".npz", "convert"]);
-}
-
 #[test]
 fn headers_and_rows_with_a_space_after_each_comma_are_read() {
     let terminal = Terminal::new();
     terminal.write("log.csv", &Table::arm().text_by(", "));
 
     assert_eq!(terminal.json("inspect log.csv")["rows"], 2_000);
-}
-
-#[test]
-fn the_suggested_profile_takes_what_was_measured() {
-    let table = Table::recorded()
-        .renamed(&[("t", "time"), ("tau1", "tau_meas1"), ("tau2", "tau_meas2")])
-        .twice("tau_meas1", "tau_con1")
-        .twice("tau_meas2", "tau_con2")
-        .twice("tau_meas1", "tau_ff_all1")
-        .twice("tau_meas2", "tau_ff_all2")
-        .renamed(&[("q1", "pos_des1"), ("q2", "pos_des2")])
-        .twice("pos_des1", "pos_meas1")
-        .twice("pos_des2", "pos_meas2");
-
-    let said = table.inspected();
-
-    assert_tells(&said, &["columns = \"pos_meas\"", "columns = \"tau_meas\""]);
-    assert_warns(&said, &["first rows of the columns were looked at"]);
-    let terminal = Terminal::new();
-    terminal.write("log.csv", &table.text());
-    let profile = terminal.run("inspect log.csv").stdout;
-    assert_eq!(profile, said.stdout, "all prose is on standard error");
-    terminal.write("p.toml", &profile);
-    assert_eq!(terminal.run("inspect log.csv --profile p.toml").code, 0);
-}
-
-#[test]
-fn several_logs_of_other_rates_are_read_together() {
-    let terminal = Terminal::new();
-    terminal.write("a.csv", &Table::recorded().text());
-    let slow = "planar-2 --motion sines --seconds 20 --rate 50 --seed 9";
-    terminal.write("b.csv", &Table::simulated(slow).without(&["ddq1", "ddq2"]).text());
-
-    let found = terminal.json("inspect a.csv b.csv");
-
-    assert_eq!(found["trajectories"], 2);
-}
-
-// Clocks.
-
-#[test]
-fn a_log_without_a_clock_asks_for_its_rate() {
-    let terminal = Terminal::new();
-    terminal.write("log.csv", &Table::recorded().without(&["t"]).text());
-    let profile = |rate: &str| {
-        format!("{rate}\n[q]\ncolumns = \"q\"\n[dq]\ncolumns = \"dq\"\n[tau]\ncolumns = \"tau\"\n")
-    };
-    terminal.write("none.toml", &profile(""));
-    terminal.write("right.toml", &profile("rate = 100.0"));
-    terminal.write("wrong.toml", &profile("rate = 200.0"));
-
-    terminal.refused("fit log.csv --profile none.toml -o m.json", &["no clock", "rate = …"]);
-    let right = terminal.run("inspect log.csv --profile right.toml");
-    let wrong = terminal.run("inspect log.csv --profile wrong.toml --strict");
-
-    assert!(!right.stderr.contains("measured velocity"), "{right:?}");
-    assert_warns(&wrong, &["measured velocity of joint1 is 0.50", "and the clock of the log"]);
 }
 
 #[test]
@@ -201,89 +136,7 @@ fn what_was_repaired_in_a_log_is_a_note_and_stays_with_the_model() {
     assert_eq!(evaluated["conditioning"], shown["conditioning"]);
 }
 
-// Units, gears, signs.
-
-#[test]
-fn degrees_are_suspected_and_read_with_a_profile() {
-    let terminal = Terminal::new();
-    let names = ["q1", "q2", "dq1", "dq2"];
-    let table = Table::arm().scaled(&names, 180.0 / std::f64::consts::PI);
-    terminal.write("log.csv", &table.text());
-    terminal.write(
-        "degrees.toml",
-        "[t]\ncolumn = \"t\"\n[q]\ncolumns = \"q\"\nunit = \"deg\"\n\
-         [dq]\ncolumns = \"dq\"\nunit = \"deg/s\"\n[tau]\ncolumns = \"tau\"\n",
-    );
-
-    assert_warns(
-        &terminal.run("inspect log.csv --strict"),
-        &["joint1 reaches", "are these degrees?"],
-    );
-    let said = terminal.run("inspect log.csv --profile degrees.toml");
-    assert!(!said.stderr.contains("degrees"), "{said:?}");
-}
-
-#[test]
-fn motor_currents_need_gears_and_constants_and_a_wrong_sign_is_told() {
-    let terminal = Terminal::new();
-    // Motors that turn 50 times as fast as their joints, the second one backward; N·m/A.
-    let (gears, constants) = ([50.0, -40.0], [0.1, 0.08]);
-    let mut table = Table::recorded();
-    for (joint, (gear, constant)) in gears.into_iter().zip(constants).enumerate() {
-        let [q, dq, tau] = ["q", "dq", "tau"].map(|signal| format!("{signal}{}", joint + 1));
-        table = table.scaled(&[&q, &dq], gear).scaled(&[&tau], 1.0 / (gear * constant));
-    }
-    terminal.write("log.csv", &table.text());
-    let profile = |constants: &str| {
-        format!(
-            "[t]\ncolumn = \"t\"\n[q]\ncolumns = \"q\"\nscale = [0.02, -0.025]\n\
-             [dq]\ncolumns = \"dq\"\nscale = [0.02, -0.025]\n\
-             [tau]\ncolumns = \"tau\"\nunit = \"A\"\ngear = [50, -40]\n{constants}\n"
-        )
-    };
-    terminal.write("none.toml", &profile(""));
-    terminal.write("right.toml", &profile("torque_constant = [0.1, 0.08]"));
-    terminal.write("wrong.toml", &profile("torque_constant = [0.1, -0.08]"));
-    terminal.write("joint.csv", &Table::recorded().text());
-
-    terminal.refused("inspect log.csv --profile none.toml", &["torque_constant"]);
-    let wrong = terminal.run("fit log.csv -o m.json --profile wrong.toml");
-    assert_warns(
-        &wrong,
-        &["the torque of joint2 contradicts those of the other joints", "check the sign"],
-    );
-    assert!(!wrong.stderr.contains("the torque of joint1 contradicts"), "{wrong:?}");
-    let (right, plain) =
-        (terminal.json("inspect log.csv --profile right.toml"), terminal.json("inspect joint.csv"));
-    for joint in 0..2 {
-        let deviation =
-            |found: &serde_json::Value| found["joints"][joint]["tau_std"].as_f64().unwrap();
-        assert!((deviation(&right) / deviation(&plain) - 1.0).abs() < 1e-9);
-    }
-    assert!(!right["warnings"].to_string().contains("check the sign"));
-}
-
 // Torques.
-
-#[test]
-fn torque_that_lags_is_advanced() {
-    let table = Table::recorded();
-    let late = |name: &str| -> Vec<f64> {
-        let place = table.place(name);
-        (0..table.rows.len()).map(|row| table.rows[row.saturating_sub(2)][place]).collect()
-    };
-    let (first, second) = (late("tau1"), late("tau2"));
-    let late =
-        table.clone().with("tau1", |row, _, _| first[row]).with("tau2", |row, _, _| second[row]);
-    let terminal = Terminal::new();
-    terminal.write("log.csv", &late.text());
-
-    let fit = terminal.json("fit log.csv -o model.json");
-
-    // Two rows at 100 Hz; half a row beside it is no harm.
-    let seconds = fit["delay_s"].as_f64().unwrap();
-    assert!((seconds - 0.02).abs() <= 0.005, "{seconds}");
-}
 
 #[test]
 fn a_torque_that_never_changes_is_told() {
@@ -294,8 +147,6 @@ fn a_torque_that_never_changes_is_told() {
 
     assert_warns(&said, &["the torque of joint2 never changes: is it measured?"]);
 }
-
-// Motion.
 
 #[test]
 fn velocity_that_a_robot_filtered_is_told_and_not_used() {
@@ -319,27 +170,6 @@ fn velocity_that_a_robot_filtered_is_told_and_not_used() {
     // 50 ms less half a row at low frequencies.
     assert!((30.0..60.0).contains(&lag(&late)), "{}", lag(&late));
     assert!(lag(&sound).abs() < 2.0, "{}", lag(&sound));
-}
-
-#[test]
-fn a_log_that_ends_at_rest_is_cut_by_its_profile() {
-    let terminal = Terminal::new();
-    let mut table = Table::recorded();
-    let last = table.rows[1_999].clone();
-    table.rows.extend((0..500).map(|row| {
-        let mut rest = last.clone();
-        rest[0] = 20.0 + 0.01 * f64::from(row);
-        rest
-    }));
-    terminal.write("log.csv", &table.text());
-    terminal.write(
-        "cut.toml",
-        "seconds = [[0.0, 19.995]]\n[t]\ncolumn = \"t\"\n[q]\ncolumns = \"q\"\n\
-         [tau]\ncolumns = \"tau\"\n",
-    );
-
-    let raw = "inspect log.csv --profile cut.toml --filter none";
-    assert_eq!(terminal.json(raw)["rows"], 2_000);
 }
 
 #[test]

@@ -88,14 +88,6 @@ impl Table {
         self
     }
 
-    /// The same values once more, under another name.
-    pub(crate) fn twice(mut self, name: &str, again: &str) -> Self {
-        let place = self.place(name);
-        self.header.push(again.to_owned());
-        self.rows.iter_mut().for_each(|row| row.push(row[place]));
-        self
-    }
-
     pub(crate) fn text(&self) -> String {
         self.text_by(",")
     }

@@ -52,7 +52,8 @@ fn completions_are_printed_for_every_shell() {
     let terminal = Terminal::new();
 
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
-        assert!(terminal.done(&format!("completions {shell}")).contains("evaluate"), "{shell}");
+        let script = &terminal.json(&format!("completions {shell}"))["script"];
+        assert!(script.as_str().unwrap().contains("evaluate"), "{shell}");
     }
 }
 

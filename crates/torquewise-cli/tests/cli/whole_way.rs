@@ -120,22 +120,6 @@ fn a_log_faster_than_the_training_is_predicted_with_a_warning() {
 }
 
 #[test]
-fn rows_are_labelled_as_they_truly_move() {
-    let terminal = Terminal::new();
-    let simulate = "simulate puma560-3 -o log.csv --seconds 120 --rate 50 --case 2";
-    terminal.done(&format!("{simulate} --truth truth.csv"));
-
-    let found = terminal.json("patterns log.csv -o found.csv");
-
-    let (truth, labels) = (terminal.read("truth.csv"), terminal.read("found.csv"));
-    assert!(labels.starts_with("row,pattern\n1,"), "rows are counted from 1");
-    let right = truth.lines().zip(labels.lines()).filter(|(a, b)| a == b).count();
-    assert_eq!((truth.lines().count(), labels.lines().count()), (6001, 6001));
-    assert!(right > 5880, "{right} of 6001 lines agree");
-    assert_eq!(each(&found["patterns"], "rows").iter().sum::<f64>().to_bits(), 6000_f64.to_bits());
-}
-
-#[test]
 fn a_recorded_arm_comes_from_a_file() {
     let terminal = Terminal::new();
     let joint = "a = 0.5\nalpha = 0.0\nd = 0.0\nmass = 2.0\ncom = [-0.2, 0.0, 0.0]\n\
