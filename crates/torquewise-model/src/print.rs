@@ -332,13 +332,9 @@ fn signed<T>(weighted: &Weighted<T>, function: &str) -> String {
 /// Energy terms grouped: M₁₁, M₁₂, … then V.
 pub fn weighted_energies(terms: &[Weighted<EnergyTerm>]) -> Vec<(Place, Vec<Weighted<Term>>)> {
     let mut groups: BTreeMap<Place, Vec<Weighted<Term>>> = BTreeMap::new();
-    for weighted in terms {
-        groups.entry(weighted.term.place).or_default().push(Weighted {
-            term: weighted.term.function.clone(),
-            coefficient: weighted.coefficient,
-            std_error: weighted.std_error,
-            inclusion: weighted.inclusion,
-        });
+    for Weighted { term, coefficient, std_error, inclusion } in terms.iter().cloned() {
+        let own = Weighted { term: term.function, coefficient, std_error, inclusion };
+        groups.entry(term.place).or_default().push(own);
     }
     let (potential, inertia): (Vec<_>, Vec<_>) =
         groups.into_iter().partition(|(place, _)| *place == Place::Potential);
