@@ -302,11 +302,4 @@ mod tests {
             assert!((slope - exact).abs() < 1e-9, "{joint}: {slope} {exact}");
         }
     }
-
-    #[test]
-    fn a_term_knows_its_kind() {
-        assert_eq!(sample().kind(), Kind::Coriolis);
-        assert_eq!(sample().times_ddq(0).kind(), Kind::Inertia);
-        assert_eq!(Term::one(1).kind(), Kind::Gravity);
-    }
 }

@@ -42,22 +42,6 @@ fn fit_says_first_that_the_mass_matrix_is_not_positive_definite() {
 }
 
 #[test]
-fn export_refuses_any_model_that_is_not_positive_definite_unless_forced() {
-    let terminal = changed(|model| scale_m11(model, -20.0));
-
-    terminal.refused(
-        "export changed.json --to c -o arm.c",
-        &["M(q) has the eigenvalue -", "at q = (", "fit anew", "--force"],
-    );
-    let forced = terminal.run("export changed.json --to c -o arm.c --force --strict");
-
-    assert_eq!(forced.code, 3, "{forced:?}");
-    assert!(forced.stderr.starts_with("warning: M(q) has the eigenvalue -"), "{forced:?}");
-    assert!(terminal.read("arm.c").contains("arm_torque"));
-    terminal.done("export model.json --to c -o arm.c --force");
-}
-
-#[test]
 fn the_check_looks_beyond_the_training_range() {
     let terminal = changed(|model| {
         scale_m11(model, 20.0);

@@ -1,15 +1,7 @@
 //! simulate → inspect → patterns → fit → show → predict → evaluate → compare.
 
 use crate::spoilt::Table;
-use crate::terminal::{Terminal, each};
-
-fn nrmse_percent(tau: &[f64], tau_hat: &[f64]) -> f64 {
-    let m = tau.len() as f64;
-    let mean = tau.iter().sum::<f64>() / m;
-    let variance = tau.iter().map(|tau| (tau - mean).powi(2)).sum::<f64>() / m;
-    let error = tau.iter().zip(tau_hat).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / m;
-    100.0 * (error / variance).sqrt()
-}
+use crate::terminal::Terminal;
 
 #[test]
 fn evaluate_notes_where_a_log_leaves_the_range_of_the_fit() {
@@ -22,24 +14,6 @@ fn evaluate_notes_where_a_log_leaves_the_range_of_the_fit() {
 
     assert!(!inside.stderr.contains("leaves the range"), "{inside:?}");
     assert!(outside.stderr.contains("note: joint1 leaves the range"), "{outside:?}");
-}
-
-#[test]
-fn scoring_the_predicted_torque_by_hand_gives_what_evaluate_says() {
-    let terminal = Terminal::new();
-    terminal.done("simulate planar-2 -o log.csv --seconds 60 --rate 50 --seed 3 --case 3");
-    terminal.run("fit log.csv -o model.json --library product");
-
-    let scores = terminal.json("evaluate model.json log.csv");
-    terminal.done("predict model.json log.csv -o torque.csv");
-
-    let [log, torque] = ["log.csv", "torque.csv"].map(|file| Table::of(&terminal, file));
-    for (joint, said) in (1..).zip(each(&scores["joints"], "nrmse_percent")) {
-        let tau_hat = torque.column(&format!("tau_hat{joint}"));
-        let own = nrmse_percent(&log.column(&format!("tau{joint}")), &tau_hat);
-        // Two sums of 3 000 rows taken in another order.
-        assert!((own - said).abs() <= 1e-9 * own, "{own} {said}");
-    }
 }
 
 #[test]

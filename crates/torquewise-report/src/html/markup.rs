@@ -48,18 +48,3 @@ pub(crate) fn script_json(data: &impl Serialize) -> Result<String> {
     let unsafe_letters = ['<', '>', '&', '\u{2028}', '\u{2029}'];
     Ok(unsafe_letters.into_iter().fold(serde_json::to_string(data)?, escape))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn json_cannot_end_its_script_tag_and_reads_back_the_same() {
-        let hostile = "</script><!--<img onerror=\"x\">&amp;\u{2028}";
-
-        let escaped = script_json(&hostile).unwrap();
-
-        assert!(!escaped.contains(['<', '>', '&', '\u{2028}']), "{escaped}");
-        assert_eq!(serde_json::from_str::<String>(&escaped).unwrap(), hostile);
-    }
-}

@@ -75,18 +75,6 @@ fn report() -> String {
 }
 
 #[test]
-fn the_torque_is_shown_in_its_parts() {
-    let (found, diagnosis) = crate::fitted(10.0, |_| {});
-
-    let html = fit_report(&findings(&found, &diagnosis)).unwrap();
-
-    assert!(html.contains("Its parts: inertia, Coriolis, gravity, friction"));
-    for part in ["inertia", "Coriolis", "gravity"] {
-        assert!(html.contains(&format!("\"label\":\"{part}\"")), "{part}");
-    }
-}
-
-#[test]
 fn the_verdict_comes_first_and_what_a_chain_does_not_have_is_left_out() {
     let html = report();
 
