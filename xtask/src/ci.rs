@@ -164,15 +164,3 @@ fn command(root: &Path, line: &str) -> Command {
     command.env("RUSTDOCFLAGS", "-D warnings");
     command
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_failing_step_is_named() {
-        let error = cargo(Path::new("."), "no-such-chore").unwrap_err();
-
-        assert_eq!(error.to_string(), "`cargo no-such-chore` failed");
-    }
-}
