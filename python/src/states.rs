@@ -18,43 +18,49 @@ impl Model {
         inputs: [(&str, &Rows<'py>); K],
         of: impl Fn(&Torque, [&[f64]; K]) -> Result<Vec<f64>, model::ModelError> + Send + Sync,
     ) -> Answer<'py> {
-        if let Some(one) = one_state(&inputs) {
-            let found = of(&self.torque, one).map_err(model_error)?;
-            return Ok(PyArray1::from_vec(py, found).into_any());
-        }
-        let n = self.n();
-        let inputs = same_rows(inputs, n)?;
-        let rows = inputs.first().map_or(0, Mat::nrows);
-        let found = py.detach(|| {
-            let mut all = Mat::zeros(rows, n);
-            for row in 0..rows {
-                let own = of(&self.torque, state_of(&inputs, row).each_ref().map(Vec::as_slice))?;
-                own.iter().enumerate().for_each(|(joint, value)| all[(row, joint)] = *value);
+        Ok(match self.each(py, inputs, of)? {
+            Found::One(own) => PyArray1::from_vec(py, own).into_any(),
+            Found::Many(all) => {
+                let all = Mat::from_fn(all.len(), self.n(), |row, joint| all[row][joint]);
+                array(py, all.as_ref()).into_any()
             }
-            Ok(all)
-        });
-        Ok(array(py, found.map_err(|error: model::ModelError| model_error(error))?.as_ref())
-            .into_any())
+        })
     }
 
+    /// The same of a matrix, n×n.
     pub(crate) fn matrix_at_each<'py, const K: usize>(
         &self,
         py: Python<'py>,
         inputs: [(&str, &Rows<'py>); K],
         of: impl Fn(&Torque, [&[f64]; K]) -> Result<Mat<f64>, model::ModelError> + Send + Sync,
     ) -> Answer<'py> {
+        Ok(match self.each(py, inputs, of)? {
+            Found::One(own) => array(py, own.as_ref()).into_any(),
+            Found::Many(all) => matrices(py, &all, self.n()).into_any(),
+        })
+    }
+
+    fn each<T: Send, const K: usize>(
+        &self,
+        py: Python<'_>,
+        inputs: [(&str, &Rows<'_>); K],
+        of: impl Fn(&Torque, [&[f64]; K]) -> Result<T, model::ModelError> + Send + Sync,
+    ) -> PyResult<Found<T>> {
         if let Some(one) = one_state(&inputs) {
-            let found = of(&self.torque, one).map_err(model_error)?;
-            return Ok(array(py, found.as_ref()).into_any());
+            return of(&self.torque, one).map(Found::One).map_err(model_error);
         }
         let inputs = same_rows(inputs, self.n())?;
         let rows = inputs.first().map_or(0, Mat::nrows);
-        let found = py.detach(|| {
-            let at = |row| of(&self.torque, state_of(&inputs, row).each_ref().map(Vec::as_slice));
-            (0..rows).map(at).collect::<Result<Vec<_>, _>>()
-        });
-        Ok(matrices(py, &found.map_err(model_error)?, self.n()).into_any())
+        let at = |row| of(&self.torque, state_of(&inputs, row).each_ref().map(Vec::as_slice));
+        let found = py.detach(|| (0..rows).map(at).collect::<Result<_, _>>());
+        found.map(Found::Many).map_err(model_error)
     }
+}
+
+/// What a quantity is at one state, or at each of several.
+enum Found<T> {
+    One(T),
+    Many(Vec<T>),
 }
 
 /// The numbers of one state, if all inputs are of one.

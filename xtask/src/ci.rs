@@ -4,6 +4,7 @@ use crate::{python, tidy, web};
 use anyhow::{Context, Result, bail};
 use std::env;
 use std::env::consts::EXE_SUFFIX;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -150,22 +151,16 @@ pub(crate) fn call(command: &mut Command) -> Result<()> {
     if status.success() { Ok(()) } else { bail!("{name} failed: see above") }
 }
 
+pub(crate) fn is_there(program: impl AsRef<OsStr>) -> bool {
+    let mut command = Command::new(program);
+    command.arg("--version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    command.status().is_ok_and(|status| status.success())
+}
+
 /// The cargo that runs this program.
 fn command(root: &Path, line: &str) -> Command {
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(root).args(line.split_whitespace()).stdin(Stdio::null());
     command.env("RUSTDOCFLAGS", "-D warnings");
     command
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_failing_step_is_named() {
-        let error = cargo(Path::new("."), "no-such-chore").unwrap_err();
-
-        assert_eq!(error.to_string(), "`cargo no-such-chore` failed");
-    }
 }

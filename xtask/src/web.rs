@@ -1,6 +1,6 @@
 //! The page: its engine compiled to WebAssembly, the page made around it, and both tried in a browser.
 
-use crate::ci::{call, target};
+use crate::ci::{call, is_there, target};
 use anyhow::{Context, Result, bail};
 use std::env;
 use std::ffi::OsString;
@@ -72,7 +72,7 @@ fn lacking() -> Vec<(&'static str, &'static str)> {
         (is_there(clang()), "no clang, which compiles zstd to WebAssembly", "clang-19"),
         (has_node, "no Node.js 18 or newer with npm", "nodejs npm"),
         (
-            is_there(&chromium().to_string_lossy()),
+            is_there(chromium()),
             "no Chromium: install it or name it in TORQUEWISE_CHROMIUM",
             "chromium",
         ),
@@ -145,10 +145,4 @@ fn node() -> Option<u32> {
     let output = Command::new("node").arg("--version").output().ok()?;
     let version = String::from_utf8_lossy(&output.stdout).into_owned();
     version.trim_start_matches('v').split('.').next()?.parse().ok()
-}
-
-fn is_there(program: &str) -> bool {
-    let mut command = Command::new(program);
-    command.arg("--version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    command.status().is_ok_and(|status| status.success())
 }

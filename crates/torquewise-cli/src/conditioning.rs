@@ -3,10 +3,8 @@
 use std::collections::BTreeMap;
 use torquewise::motion::Repairs;
 
-/// What was repaired in each log, by its name; logs that are sound are not listed.
-type ByLog = BTreeMap<String, Repairs>;
-
-pub(crate) fn text(by_log: &ByLog) -> String {
+/// - `by_log`: logs that are sound are not listed
+pub(crate) fn text(by_log: &BTreeMap<String, Repairs>) -> String {
     if by_log.is_empty() {
         return String::new();
     }

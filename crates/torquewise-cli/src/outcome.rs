@@ -142,18 +142,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn causes_follow_an_error_and_its_help_is_apart() {
-        let source = io::Error::from(io::ErrorKind::NotFound);
-        let error = CliError::Read { file: "a.json".into(), source };
-        assert_eq!(error.causes(), ["a.json cannot be read", "entity not found"]);
-        assert_eq!(error.advice().as_deref(), Some("check that it exists and may be read"));
-
-        let error = CliError::OutputIsFolder("out".into()).within("no model");
-        assert_eq!(error.causes(), ["no model", "out is a folder"]);
-        assert_eq!(error.advice().as_deref(), Some("name a file in it"));
-    }
-
-    #[test]
     fn a_terminal_shows_control_characters_and_obeys_none() {
         assert_eq!(printable("a\n\tb\u{1b}[31m\0\u{9b}"), "a\n\tb\\u{1b}[31m\\u{0}\\u{9b}");
     }
@@ -161,13 +149,5 @@ mod tests {
     #[test]
     fn lines_that_quote_a_file_are_cut() {
         assert_eq!(cut(&"x".repeat(20_000)).chars().count(), 401);
-    }
-
-    #[test]
-    fn a_reader_that_closed_its_end_is_no_failure() {
-        let closed = io::Error::from(io::ErrorKind::BrokenPipe);
-
-        assert!(quiet_if_closed(Err(closed)).is_ok());
-        assert!(quiet_if_closed(Err(io::Error::from(io::ErrorKind::StorageFull))).is_err());
     }
 }

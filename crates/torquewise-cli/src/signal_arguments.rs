@@ -89,10 +89,6 @@ pub(crate) struct FilterArguments {
 }
 
 impl FilterArguments {
-    pub(crate) fn open(&self, paths: &[PathBuf]) -> Result<Log> {
-        self.signals.open(paths)
-    }
-
     pub(crate) fn prepare(&self, log: &Log, rows: Rows) -> Result<Prepared> {
         Ok(match &self.model {
             Some(file) => log.prepare_as(read_model(file)?.training.filter, rows)?,

@@ -78,18 +78,4 @@ mod tests {
 
         assert_eq!(table.text(), format!("joint\n{}…\n", "é".repeat(WIDEST)));
     }
-
-    #[test]
-    fn names_stand_left_and_numbers_right() {
-        let mut table = Table::new(["joint", "rmse"]);
-        table.row("ψ1", [number(0.5)]);
-        table.row("elbow pitch", [number(12.0)]);
-
-        assert_eq!(
-            table.text(),
-            "joint          rmse\n\
-             ψ1           0.5000\n\
-             elbow pitch   12.00\n"
-        );
-    }
 }

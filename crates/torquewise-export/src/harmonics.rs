@@ -6,9 +6,8 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use torquewise_model::harmonic::sum_of_product;
-use torquewise_model::selection::parted;
-use torquewise_model::{EnergyTerm, Place, Term, Weighted};
+use torquewise_model::harmonic::summed_angles;
+use torquewise_model::{EnergyTerm, Place, Weighted};
 
 /// Part of the largest coefficient that moves a joint below which a coefficient is the rounding of
 /// others that cancelled.
@@ -29,12 +28,7 @@ pub(crate) fn summed(
     let most = GROWTH * terms.len() + FEW;
     for weighted in terms {
         let Weighted { term: EnergyTerm { place, function }, coefficient, .. } = weighted;
-        let (inside, outside) = parted(&function.factors, joints);
-        for (share, harmonic) in sum_of_product(&inside, function.n_joints(), most)? {
-            let mut factors = outside.clone();
-            factors.extend(harmonic.factors()?);
-            factors.sort();
-            let function = Term { factors, ..function.clone() };
+        for (share, function) in summed_angles(function, joints, most)? {
             let term = EnergyTerm { place: *place, function };
             *sums.entry(term).or_insert(0.0) += share * coefficient;
         }
@@ -74,47 +68,4 @@ fn moves(term: &EnergyTerm, joint: usize) -> bool {
         Place::Inertia(i, j) => i == joint || j == joint,
     };
     own || term.function.depends_on(joint)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use torquewise_model::Trig;
-
-    #[test]
-    fn products_of_parallel_axes_become_one_cosine() {
-        let function = |trig| Term::one(3).times(trig, 1, 1, 1).times(trig, 2, 1, 1);
-        let terms = [(Trig::Cos, 0.3), (Trig::Sin, -0.3)].map(|(trig, weight)| {
-            let place = Place::Inertia(0, 0);
-            Weighted::new(EnergyTerm { place, function: function(trig) }, weight)
-        });
-
-        let found = summed(&terms, &(1..3)).unwrap();
-
-        assert_eq!(found.len(), 1);
-        assert_eq!(found[0].term.name(), "M11: cos(q2+q3)");
-        assert!((found[0].coefficient - 0.3).abs() < 1e-16);
-    }
-
-    #[test]
-    fn sums_have_the_value_of_the_products() {
-        let function = Term::one(3).times(Trig::Sin, 0, 1, 1).times(Trig::Cos, 1, -2, 3).times(
-            Trig::Sin,
-            2,
-            1,
-            2,
-        );
-        let term = EnergyTerm { place: Place::Potential, function };
-        let weighted = Weighted::new(term, 2.0);
-        let q = [0.4, -1.3, 2.2];
-
-        let found = summed(std::slice::from_ref(&weighted), &(0..3)).unwrap();
-
-        let value = |w: &Weighted<EnergyTerm>| {
-            w.coefficient * w.term.function.value(&q, &[0.0; 3], &[0.0; 3])
-        };
-        let sum: f64 = found.iter().map(value).sum();
-        // Some dozen roundings of numbers below 2.
-        assert!((sum - value(&weighted)).abs() < 1e-14);
-    }
 }

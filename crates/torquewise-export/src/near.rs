@@ -81,8 +81,8 @@ fn information(chain: &RigidChain, at: &[f64]) -> Result<Mat<f64>, ModelError> {
     let noticed: Vec<usize> = (0..p).filter(is_noticed).collect();
     let r = noticed.len();
     let map = Mat::from_fn(r, p, |i, k| columns[k][noticed[i]]);
-    let covariance = Mat::from_fn(p, p, |i, j| chain.covariance[i.max(j)][i.min(j)]);
-    let spread = &map * covariance * map.transpose();
+    let covariance = chain.covariance_matrix();
+    let spread = &map * covariance.submatrix(0, 0, p, p) * map.transpose();
     // What is exact in the model is so to rounding.
     let sizes: Vec<f64> = (0..r).map(|i| spread[(i, i)].max(1e-18).sqrt()).collect();
     let scaled = Mat::from_fn(r, r, |i, j| spread[(i, j)] / (sizes[i] * sizes[j]));

@@ -314,33 +314,10 @@ fn joined(node: &Node, texts: &HashMap<Id, Text>, language: &impl Language) -> T
         Node::Call(function, a) => {
             let level =
                 if *function == Function::Reciprocal { Level::Product } else { Level::Call };
-            let name = match function {
-                Function::Reciprocal => format!("{}/", language.constant(1.0)),
-                other => language.name(*other),
-            };
-            Text { text: format!("{name}({})", at(a, Level::Sum)), level }
+            Text { text: format!("{}({})", language.name(*function), at(a, Level::Sum)), level }
         }
         Node::Constant(_) | Node::Input(_) | Node::Sin(_) | Node::Cos(_) => {
             Text { text: String::new(), level: Level::Name }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::python::Python;
-
-    #[test]
-    fn a_result_that_stands_in_two_places_is_computed_once() {
-        let graph = Graph::default();
-        let (a, b) = (graph.input(Input::Q(0)), graph.input(Input::Q(1)));
-        let product = graph.mul(a, b);
-        let sum = graph.add(product, a);
-
-        let body = Body::of(&graph, &[a, product, product, sum], &Python);
-
-        assert_eq!(body.steps, [("t1".into(), "q1*q2".into())]);
-        assert_eq!(body.results, ["q1", "t1", "t1", "q1 + t1"]);
     }
 }

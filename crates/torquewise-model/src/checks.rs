@@ -37,13 +37,6 @@ impl Checks {
     /// Relative asymmetry and defect from which on they are more than rounding.
     pub const TOLERANCE: f64 = 1e-6;
 
-    fn see(&mut self, eigenvalue: f64, q: &[f64]) {
-        if eigenvalue < self.smallest_eigenvalue {
-            self.smallest_eigenvalue = eigenvalue;
-            self.weakest_q = q.to_vec();
-        }
-    }
-
     /// Whether M is symmetric and positive definite and Ṁ − 2C skew at all states looked at.
     pub fn passed(&self) -> bool {
         let [asymmetry, defect] = [self.asymmetry, self.skew_defect];
@@ -60,22 +53,16 @@ const STEP: f64 = 1e-5;
 /// [`ModelError::Shape`] if a state has another length than the model has joints.
 pub fn check(model: &Model, states: &[(Vec<f64>, Vec<f64>)]) -> Result<Checks, ModelError> {
     let torque = Torque::new(model);
-    let mut checks = Checks {
-        states: states.len(),
-        smallest_eigenvalue: f64::INFINITY,
-        weakest_q: Vec::new(),
-        asymmetry: 0.0,
-        skew_defect: 0.0,
-    };
+    let (smallest_eigenvalue, weakest_q) = weakest_state(model, states.iter().map(|(q, _)| q))?;
+    let (mut asymmetry, mut defect) = (0.0_f64, 0.0_f64);
     for (q, dq) in states {
         let mass = torque.mass_matrix(q)?;
-        checks.see(smallest_eigenvalue(&mass), q);
         let scale = mass.norm_l2().max(f64::MIN_POSITIVE);
-        let asymmetry = (&mass - mass.transpose()).norm_l2() / scale;
-        checks.asymmetry = checks.asymmetry.max(asymmetry);
-        checks.skew_defect = checks.skew_defect.max(skew_defect(&torque, q, dq)?);
+        asymmetry = asymmetry.max((&mass - mass.transpose()).norm_l2() / scale);
+        defect = defect.max(skew_defect(&torque, q, dq)?);
     }
-    Ok(checks)
+    let states = states.len();
+    Ok(Checks { states, smallest_eigenvalue, weakest_q, asymmetry, skew_defect: defect })
 }
 
 /// The smallest eigenvalue of M(q) \[kg·m²\] over states, and the q \[rad\] that has it: infinite
@@ -85,7 +72,10 @@ pub fn check(model: &Model, states: &[(Vec<f64>, Vec<f64>)]) -> Result<Checks, M
 ///
 /// # Errors
 /// [`ModelError::Shape`] if a state has another length than the model has joints.
-pub fn weakest_state(model: &Model, states: &[Vec<f64>]) -> Result<(f64, Vec<f64>), ModelError> {
+pub fn weakest_state<'q>(
+    model: &Model,
+    states: impl IntoIterator<Item = &'q Vec<f64>>,
+) -> Result<(f64, Vec<f64>), ModelError> {
     let torque = Torque::new(model);
     let (mut smallest, mut weakest) = (f64::INFINITY, Vec::new());
     for q in states {

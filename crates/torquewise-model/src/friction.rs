@@ -195,50 +195,50 @@ impl FrictionTerm {
 
     /// f(v) as it stands in the torque equation of a joint: the name, but `1` for an offset.
     pub fn formula(&self) -> String {
-        let speed = self.turning();
-        let several = self.shaft.iter().filter(|shaft| **shaft != 0.0).count() > 1;
-        let whole = if several { format!("({speed})") } else { speed.clone() };
-        let sign = |width: f64| {
-            if width > 0.0 { format!("tanh({whole}/{width})") } else { format!("sign({speed})") }
-        };
-        let law = match self.law {
-            FrictionLaw::Offset => "1".into(),
-            FrictionLaw::Viscous => whole.clone(),
-            FrictionLaw::Coulomb { width } => sign(width),
-            FrictionLaw::Stribeck { speed: stribeck, width } => {
-                format!("exp(-({whole}/{stribeck})^2)*{}", sign(width))
-            }
-            FrictionLaw::Dahl { travel } => format!("dahl({}, {travel})", self.sum("q", "*")),
-        };
-        let load = self.load_text(|joint| format!("*|G{joint}|"));
-        law + &load + &self.condition(|relation| format!(" [{speed} {relation} 0]"))
+        self.written(false)
     }
 
     /// The same in LaTeX; nothing for an offset.
     pub fn latex(&self) -> String {
-        let speed = self.sum(r"\dot q_", r"\,");
+        self.written(true)
+    }
+
+    fn written(&self, is_latex: bool) -> String {
+        let [q, dq, times, space] =
+            if is_latex { ["q_", r"\dot q_", r"\,", r"\,"] } else { ["q", "dq", "*", " "] };
+        let [tanh, sign, g] =
+            if is_latex { [r"\tanh", r"\operatorname{sign}", "G_"] } else { ["tanh", "sign", "G"] };
+        let speed = self.sum(dq, times);
         let several = self.shaft.iter().filter(|shaft| **shaft != 0.0).count() > 1;
         let whole = if several { format!("({speed})") } else { speed.clone() };
-        let sign = |width: f64| {
+        let dry = |width: f64| {
             if width > 0.0 {
-                format!(r"\tanh({whole}/{width})")
+                format!("{tanh}({whole}/{width})")
             } else {
-                format!(r"\operatorname{{sign}}({speed})")
+                format!("{sign}({speed})")
             }
         };
         let law = match self.law {
-            FrictionLaw::Offset => String::new(),
+            FrictionLaw::Offset => if is_latex { "" } else { "1" }.into(),
             FrictionLaw::Viscous => whole.clone(),
-            FrictionLaw::Coulomb { width } => sign(width),
-            FrictionLaw::Stribeck { speed: stribeck, width } => {
-                format!(r"e^{{-({whole}/{stribeck})^{{2}}}}\,{}", sign(width))
+            FrictionLaw::Coulomb { width } => dry(width),
+            FrictionLaw::Stribeck { speed, width } if is_latex => {
+                format!(r"e^{{-({whole}/{speed})^{{2}}}}\,{}", dry(width))
             }
-            FrictionLaw::Dahl { travel } => {
-                format!(r"x_{{{travel}}}({})", self.sum("q_", r"\,"))
+            FrictionLaw::Stribeck { speed, width } => {
+                format!("exp(-({whole}/{speed})^2)*{}", dry(width))
             }
+            FrictionLaw::Dahl { travel } if is_latex => {
+                format!("x_{{{travel}}}({})", self.sum(q, times))
+            }
+            FrictionLaw::Dahl { travel } => format!("dahl({}, {travel})", self.sum(q, times)),
         };
-        let load = self.load_text(|joint| format!(r"\,|G_{{{joint}}}|"));
-        law + &load + &self.condition(|relation| format!(r"\,[{speed} {relation} 0]"))
+        let load = self.joint().filter(|_| self.load).map(|own| indexed(g, own));
+        let load = load.map_or_else(String::new, |load| format!("{times}|{load}|"));
+        match self.direction {
+            Direction::Both => law + &load,
+            Direction::Backward => format!("{law}{load}{space}[{speed} < 0]"),
+        }
     }
 
     /// Whether it knows the direction of the shaft at most, neither its speed nor a load.
@@ -257,24 +257,9 @@ impl FrictionTerm {
         self.sum("dq", "*")
     }
 
-    /// The load as a factor, its joint counted from 1; nothing where it does not matter.
-    fn load_text(&self, factor: impl Fn(usize) -> String) -> String {
-        let joint = if self.load { self.joint() } else { None };
-        joint.map_or_else(String::new, |joint| factor(joint + 1))
-    }
-
-    /// Iverson's bracket of the direction.
-    fn condition(&self, bracket: impl Fn(&str) -> String) -> String {
-        match self.direction {
-            Direction::Both => String::new(),
-            Direction::Backward => bracket("<"),
-        }
-    }
-
     /// The shaft as a sum over its joints: `dq5 + dq6`, `dq5 - 0.5*dq6`.
     fn sum(&self, letter: &str, times: &str) -> String {
         let mut text = String::new();
-        let [open, close] = if letter.ends_with('_') { ["{", "}"] } else { ["", ""] };
         for (joint, &shaft) in self.shaft.iter().enumerate().filter(|(_, shaft)| **shaft != 0.0) {
             text.push_str(match (shaft < 0.0, text.is_empty()) {
                 (true, true) => "-",
@@ -282,14 +267,20 @@ impl FrictionTerm {
                 (false, true) => "",
                 (false, false) => " + ",
             });
-            // Writing to a String cannot fail.
             if (shaft.abs() - 1.0).abs() > f64::EPSILON {
+                // Writing to a String cannot fail.
                 let _ = write!(text, "{}{times}", shaft.abs());
             }
-            let _ = write!(text, "{letter}{open}{}{close}", joint + 1);
+            text += &indexed(letter, joint);
         }
         text
     }
+}
+
+/// A letter with its joint, counted from 1: `q2`, in LaTeX `q_{2}`.
+pub(crate) fn indexed(letter: &str, joint: usize) -> String {
+    let [open, close] = if letter.ends_with('_') { ["{", "}"] } else { ["", ""] };
+    format!("{letter}{open}{}{close}", joint + 1)
 }
 
 /// What the symbols of formulas mean that occur in lines of text.

@@ -1,11 +1,12 @@
 //! Products of sines and cosines as sums of sines and cosines of summed angles.
 
-use crate::term::{Factor, Trig};
+use crate::term::{Factor, Term, Trig};
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// sin(k·q) or cos(k·q).
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Harmonic {
+struct Harmonic {
     function: Trig,
     /// Integer multiple k of each joint angle, n.
     multiples: Vec<i32>,
@@ -13,7 +14,7 @@ pub struct Harmonic {
 
 impl Harmonic {
     /// As factors of a term: one, or none for cos 0; no answer where a term cannot hold it.
-    pub fn factors(self) -> Option<Vec<Factor>> {
+    fn factors(self) -> Option<Vec<Factor>> {
         if self.multiples.iter().all(|&k| k == 0) {
             return Some(Vec::new());
         }
@@ -38,18 +39,33 @@ impl Harmonic {
     }
 }
 
+/// A term with its functions of some joints alone as sines and cosines of summed angles, each with
+/// its share; `None` where that takes more than `most`, or a multiple is too large for a term.
+pub fn summed_angles(term: &Term, joints: &Range<usize>, most: usize) -> Option<Vec<(f64, Term)>> {
+    // Positions of what slides stay as they are, as does what other joints turn.
+    let is_inside = |factor: &Factor| {
+        let mut turned = factor.multiples.iter().enumerate().filter(|(_, k)| **k != 0);
+        factor.function != Trig::Position && turned.all(|(joint, _)| joints.contains(&joint))
+    };
+    let (inside, outside): (Vec<_>, Vec<_>) = term.factors.iter().cloned().partition(is_inside);
+    let whole = |(harmonic, share): (Harmonic, f64)| {
+        let mut factors = outside.clone();
+        factors.extend(harmonic.factors()?);
+        factors.sort();
+        Some((share, Term { factors, ..term.clone() }))
+    };
+    sum_of_product(&inside, term.n_joints(), most)?.into_iter().map(whole).collect()
+}
+
 /// A product of sines and cosines as a sum of such, each with its share; `None` where that takes
-/// more than `most`, or a factor is neither.
-pub fn sum_of_product(
+/// more than `most`.
+fn sum_of_product(
     factors: &[Factor],
     n_joints: usize,
     most: usize,
-) -> Option<Vec<(f64, Harmonic)>> {
+) -> Option<BTreeMap<Harmonic, f64>> {
     let one = Harmonic { function: Trig::Cos, multiples: vec![0; n_joints] };
     let mut sum = BTreeMap::from([(one, 1.0)]);
-    if factors.iter().any(|factor| factor.function == Trig::Position) {
-        return None;
-    }
     for factor in factors {
         for _ in 0..factor.power {
             let mut longer: BTreeMap<Harmonic, f64> = BTreeMap::new();
@@ -63,7 +79,7 @@ pub fn sum_of_product(
             sum = longer;
         }
     }
-    Some(sum.into_iter().map(|(harmonic, share)| (share, harmonic)).collect())
+    Some(sum)
 }
 
 /// 2 cos a cos b = cos(a − b) + cos(a + b), and so on.

@@ -246,13 +246,6 @@ mod tests {
     }
 
     #[test]
-    fn angle_functions_have_the_sizes_of_the_method() {
-        let sizes: Vec<usize> = (1..=6).map(|order| angle_functions(3, order).len()).collect();
-
-        assert_eq!(sizes, [7, 25, 63, 129, 231, 377]);
-    }
-
-    #[test]
     fn product_libraries_have_the_sizes_of_the_method() {
         let whole = product_library(3, 4, &Degree::up_to(2));
         let steps = [(Kind::Gravity, 2), (Kind::Coriolis, 4), (Kind::Inertia, 4)]

@@ -4,7 +4,7 @@ use crate::energy::EnergyTerm;
 use crate::error::ModelError;
 use crate::friction::FrictionTerm;
 use crate::rigid_chain::{JointKinds, RigidChain};
-use crate::term::{Sum, Term, collect};
+use crate::term::{Sum, Term};
 pub use crate::weighted::Weighted;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -201,21 +201,35 @@ impl Training {
 impl Form {
     /// τᵢ as a sum of terms for each of n joints, equal terms joined.
     pub fn equations(&self, n_joints: usize) -> Vec<Sum> {
-        match self {
-            Self::Torque(joints) => joints
-                .iter()
-                .map(|terms| terms.iter().map(|w| (w.coefficient, w.term.clone())).collect())
-                .collect(),
-            Self::Energy(terms) => (0..n_joints)
-                .map(|joint| {
-                    let torque = |w: &Weighted<EnergyTerm>| -> Sum {
-                        let sum = w.term.torque(joint).into_iter();
-                        sum.map(|(weight, term)| (weight * w.coefficient, term)).collect()
-                    };
-                    collect(terms.iter().flat_map(torque).collect())
-                })
-                .collect(),
-        }
+        let plain = |terms: Vec<Weighted<Term>>| {
+            terms.into_iter().map(|w| (w.coefficient, w.term)).collect()
+        };
+        self.weighted(n_joints).into_iter().map(plain).collect()
+    }
+
+    /// The same with the standard error of each weight: where an energy term is the only source of
+    /// a torque term, that of its coefficient scaled; where several meet, they are independent.
+    pub(crate) fn weighted(&self, n_joints: usize) -> Vec<Vec<Weighted<Term>>> {
+        let terms = match self {
+            Self::Torque(joints) => return joints.clone(),
+            Self::Energy(terms) => terms,
+        };
+        let of_joint = |joint| {
+            let mut sums: BTreeMap<Term, (f64, f64)> = BTreeMap::new();
+            for w in terms {
+                for (weight, term) in w.term.torque(joint) {
+                    let sum = sums.entry(term).or_insert((0.0, 0.0));
+                    sum.0 += weight * w.coefficient;
+                    sum.1 += (weight * w.std_error).powi(2);
+                }
+            }
+            let weighted = |(term, (coefficient, variance)): (Term, (f64, f64))| Weighted {
+                std_error: variance.sqrt(),
+                ..Weighted::new(term, coefficient)
+            };
+            sums.into_iter().filter(|(_, sum)| sum.0 != 0.0).map(weighted).collect()
+        };
+        (0..n_joints).map(of_joint).collect()
     }
 
     /// Number of coefficients that act on each joint, n.

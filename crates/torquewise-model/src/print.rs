@@ -332,51 +332,25 @@ fn signed<T>(weighted: &Weighted<T>, function: &str) -> String {
 /// Energy terms grouped: M₁₁, M₁₂, … then V.
 pub fn weighted_energies(terms: &[Weighted<EnergyTerm>]) -> Vec<(Place, Vec<Weighted<Term>>)> {
     let mut groups: BTreeMap<Place, Vec<Weighted<Term>>> = BTreeMap::new();
-    for weighted in terms {
-        groups.entry(weighted.term.place).or_default().push(Weighted {
-            term: weighted.term.function.clone(),
-            coefficient: weighted.coefficient,
-            std_error: weighted.std_error,
-            inclusion: weighted.inclusion,
-        });
+    for Weighted { term, coefficient, std_error, inclusion } in terms.iter().cloned() {
+        let own = Weighted { term: term.function, coefficient, std_error, inclusion };
+        groups.entry(term.place).or_default().push(own);
     }
     let (potential, inertia): (Vec<_>, Vec<_>) =
         groups.into_iter().partition(|(place, _)| *place == Place::Potential);
     inertia.into_iter().chain(potential).collect()
 }
 
-/// The torque equations with a standard error for each weight. Where an energy term is the only
-/// source of a torque term, that is the error of its coefficient scaled; where several meet, their
-/// errors are taken as independent.
+/// The torque equations with a standard error for each weight, inertia first where the model has
+/// energies.
 pub fn weighted_equations(model: &Model) -> Vec<Vec<Weighted<Term>>> {
-    let terms = match &model.form {
-        Form::Torque(joints) => return joints.clone(),
-        Form::Energy(terms) => terms,
-    };
-    (0..model.n_joints())
-        .map(|joint| {
-            let mut sums: BTreeMap<Term, (f64, f64)> = BTreeMap::new();
-            for w in terms {
-                for (weight, term) in w.term.torque(joint) {
-                    let sum = sums.entry(term).or_insert((0.0, 0.0));
-                    sum.0 += weight * w.coefficient;
-                    sum.1 += (weight * w.std_error).powi(2);
-                }
-            }
-            let mut equation: Vec<Weighted<Term>> = sums
-                .into_iter()
-                .filter(|(_, (coefficient, _))| *coefficient != 0.0)
-                .map(|(term, (coefficient, variance))| Weighted {
-                    term,
-                    coefficient,
-                    std_error: variance.sqrt(),
-                    inclusion: None,
-                })
-                .collect();
+    let mut equations = model.form.weighted(model.n_joints());
+    if matches!(model.form, Form::Energy(_)) {
+        for equation in &mut equations {
             equation.sort_by_key(|w| std::cmp::Reverse(w.term.kind()));
-            equation
-        })
-        .collect()
+        }
+    }
+    equations
 }
 
 /// The friction of each joint, with the coefficients and errors its shafts hand on to it.

@@ -1,8 +1,8 @@
 //! Which terms of an equation are printed, and in which form.
 
 use crate::energy::Place;
-use crate::harmonic::sum_of_product;
-use crate::term::{Factor, Kind, Term, Trig};
+use crate::harmonic::summed_angles;
+use crate::term::{Kind, Term};
 use crate::weighted::Weighted;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -119,12 +119,7 @@ fn summed(
     // Coefficient, sum of errors or of their squares, least share of resampled logs.
     let mut sums: BTreeMap<Term, (f64, f64, Option<f64>)> = BTreeMap::new();
     for Weighted { term, coefficient, std_error, inclusion } in terms {
-        let (inside, outside) = parted(&term.factors, joints);
-        for (share, harmonic) in sum_of_product(&inside, term.n_joints(), MOST_SUMMED)? {
-            let mut factors = outside.clone();
-            factors.extend(harmonic.factors()?);
-            factors.sort();
-            let function = Term { factors, ..term.clone() };
+        for (share, function) in summed_angles(term, joints, MOST_SUMMED)? {
             let sum = sums.entry(function).or_insert((0.0, 0.0, *inclusion));
             let error = (share * std_error).abs();
             sum.0 += share * coefficient;
@@ -137,18 +132,6 @@ fn summed(
         Weighted { term, coefficient, std_error, inclusion }
     };
     Some(sums.into_iter().map(weighted).collect())
-}
-
-/// Factors of the angles of some joints alone, and the others, positions of what slides among them.
-pub fn parted(factors: &[Factor], joints: &Range<usize>) -> (Vec<Factor>, Vec<Factor>) {
-    let is_inside = |factor: &Factor| {
-        if factor.function == Trig::Position {
-            return false;
-        }
-        let turned = factor.multiples.iter().enumerate().filter(|(_, multiple)| **multiple != 0);
-        turned.into_iter().all(|(joint, _)| joints.contains(&joint))
-    };
-    factors.iter().cloned().partition(is_inside)
 }
 
 #[cfg(test)]

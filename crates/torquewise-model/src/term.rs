@@ -1,8 +1,8 @@
 //! Terms: products of sines and cosines, or slide positions, with velocities, accelerations.
 
+use crate::friction::indexed;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 /// Sine or cosine; of a sliding joint, the position itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -174,25 +174,25 @@ impl Term {
 
     /// Readable name, joints counted from 1: `sin(q2)*cos(q3)*dq1*dq2`.
     pub fn name(&self) -> String {
-        let mut parts: Vec<String> = self.factors.iter().map(Factor::name).collect();
-        for (letter, all) in [("dq", &self.dq), ("ddq", &self.ddq)] {
-            for (joint, &power) in all.iter().enumerate().filter(|&(_, &power)| power > 0) {
-                parts.push(raised(format!("{letter}{}", joint + 1), power));
-            }
-        }
-        if parts.is_empty() { "1".into() } else { parts.join("*") }
+        let name = self.written(false);
+        if name.is_empty() { "1".into() } else { name }
     }
 
     /// The same in LaTeX: `\sin q_{2} \cos q_{3}\, \dot q_{1} \dot q_{2}`.
     pub fn latex(&self) -> String {
-        let mut parts: Vec<String> = self.factors.iter().map(Factor::latex).collect();
-        for (letter, all) in [(r"\dot q", &self.dq), (r"\ddot q", &self.ddq)] {
+        self.written(true)
+    }
+
+    fn written(&self, is_latex: bool) -> String {
+        let [dq, ddq, times] =
+            if is_latex { [r"\dot q_", r"\ddot q_", r"\,"] } else { ["dq", "ddq", "*"] };
+        let mut parts: Vec<_> = self.factors.iter().map(|own| own.written(is_latex)).collect();
+        for (letter, all) in [(dq, &self.dq), (ddq, &self.ddq)] {
             for (joint, &power) in all.iter().enumerate().filter(|&(_, &power)| power > 0) {
-                let exponent = if power > 1 { format!("^{{{power}}}") } else { String::new() };
-                parts.push(format!("{letter}_{{{}}}{exponent}", joint + 1));
+                parts.push(indexed(letter, joint) + &exponent(power, is_latex));
             }
         }
-        parts.join(r"\,")
+        parts.join(times)
     }
 }
 
@@ -208,36 +208,20 @@ impl Factor {
         base.powi(i32::from(self.power))
     }
 
-    fn name(&self) -> String {
+    fn written(&self, is_latex: bool) -> String {
+        let [sin, cos, q, times] =
+            if is_latex { [r"\sin", r"\cos", "q_", r"\,"] } else { ["sin", "cos", "q", "*"] };
+        let (angle, power) = (self.angle(q, times), exponent(self.power, is_latex));
         let function = match self.function {
-            Trig::Sin => "sin",
-            Trig::Cos => "cos",
-            Trig::Position => {
-                let angle = self.angle(|joint| format!("q{joint}"), "*");
-                return raised(
-                    if self.is_plain() { angle } else { format!("({angle})") },
-                    self.power,
-                );
-            }
+            Trig::Sin => sin,
+            Trig::Cos => cos,
+            Trig::Position if self.is_plain() => return angle + &power,
+            Trig::Position => return format!("({angle}){power}"),
         };
-        raised(format!("{function}({})", self.angle(|joint| format!("q{joint}"), "*")), self.power)
-    }
-
-    fn latex(&self) -> String {
-        let function = match self.function {
-            Trig::Sin => r"\sin",
-            Trig::Cos => r"\cos",
-            Trig::Position => "",
-        };
-        let power = if self.power > 1 { format!("^{{{}}}", self.power) } else { String::new() };
-        let angle = self.angle(|joint| format!("q_{{{joint}}}"), r"\,");
-        if self.function == Trig::Position {
-            return if self.is_plain() { angle + &power } else { format!("({angle}){power}") };
-        }
-        if self.is_plain() {
-            format!("{function}{power} {angle}")
-        } else {
-            format!("{function}{power}({angle})")
+        match (is_latex, self.is_plain()) {
+            (false, _) => format!("{function}({angle}){power}"),
+            (true, true) => format!("{function}{power} {angle}"),
+            (true, false) => format!("{function}{power}({angle})"),
         }
     }
 
@@ -247,7 +231,7 @@ impl Factor {
     }
 
     /// The angle as text: `q2`, `2*q2`, `q2+q3`.
-    fn angle(&self, joint: impl Fn(usize) -> String, times: &str) -> String {
+    fn angle(&self, letter: &str, times: &str) -> String {
         let mut text = String::new();
         for (j, &k) in self.multiples.iter().enumerate().filter(|&(_, &k)| k != 0) {
             let sign = if k < 0 {
@@ -258,15 +242,15 @@ impl Factor {
                 "+"
             };
             let count = if k.abs() == 1 { String::new() } else { format!("{}{times}", k.abs()) };
-            // Writing to a String cannot fail.
-            let _ = write!(text, "{sign}{count}{}", joint(j + 1));
+            text = text + sign + &count + &indexed(letter, j);
         }
         text
     }
 }
 
-fn raised(base: String, power: u8) -> String {
-    if power > 1 { format!("{base}^{power}") } else { base }
+fn exponent(power: u8, is_latex: bool) -> String {
+    let [open, close] = if is_latex { ["{", "}"] } else { ["", ""] };
+    if power > 1 { format!("^{open}{power}{close}") } else { String::new() }
 }
 
 fn powers(powers: &[u8], x: &[f64]) -> f64 {
@@ -317,12 +301,5 @@ mod tests {
             // Central difference: h² truncation, ε/h rounding.
             assert!((slope - exact).abs() < 1e-9, "{joint}: {slope} {exact}");
         }
-    }
-
-    #[test]
-    fn a_term_knows_its_kind() {
-        assert_eq!(sample().kind(), Kind::Coriolis);
-        assert_eq!(sample().times_ddq(0).kind(), Kind::Inertia);
-        assert_eq!(Term::one(1).kind(), Kind::Gravity);
     }
 }

@@ -4,7 +4,7 @@ use crate::error::ModelError;
 use crate::friction::FrictionTerm;
 use crate::links::Links;
 use crate::model::{Form, Model, Weighted};
-use crate::products::{Entry, Mass, Product, numbered};
+use crate::products::{Product, numbered};
 use crate::rigid_chain::{Drive, RigidChain};
 use crate::term::{Factor, Kind};
 use faer::{Mat, prelude::Solve};
@@ -53,7 +53,6 @@ pub struct Torque {
     n_joints: usize,
     factors: Vec<Factor>,
     joints: Vec<Vec<Product>>,
-    mass: Mass,
     friction: Vec<Weighted<FrictionTerm>>,
     /// Travels of the elements by which friction remembers the path \[rad\].
     travels: Vec<f64>,
@@ -75,11 +74,10 @@ impl Torque {
             _ => model.equations(),
         };
         let (factors, joints) = numbered(&equations);
-        let mass = Mass::of(equations, model.n_joints());
         let friction = model.friction.clone();
         let (n_joints, travels) = (model.n_joints(), model.travels());
         let is_load_dependent = friction.iter().any(|weighted| weighted.term.load);
-        Self { n_joints, factors, joints, mass, friction, travels, is_load_dependent, links }
+        Self { n_joints, factors, joints, friction, travels, is_load_dependent, links }
     }
 
     /// Elements by which friction remembers the path, before the first sample. Feed them every
@@ -197,11 +195,15 @@ impl Torque {
     /// [`ModelError::Shape`] if `q` has another length than the model has joints.
     pub fn mass_matrix(&self, q: &[f64]) -> Result<Mat<f64>, ModelError> {
         self.check_length("q", q)?;
-        let factors: Vec<f64> = self.mass.factors.iter().map(|factor| factor.value(q)).collect();
+        let mut factors = vec![None; self.factors.len()];
+        let mut value = |&k: &usize| *factors[k].get_or_insert_with(|| self.factors[k].value(q));
         let mut matrix = Mat::zeros(self.n_joints, self.n_joints);
-        for Entry { place, coefficient, factors: places } in &self.mass.entries {
-            let angles: f64 = places.iter().map(|&place| factors[place]).product();
-            matrix[*place] += coefficient * angles;
+        for (row, products) in self.joints.iter().enumerate() {
+            for Product { coefficient, factors, column, .. } in products {
+                let Some(column) = *column else { continue };
+                let angles: f64 = factors.iter().map(&mut value).product();
+                matrix[(row, column)] += coefficient * angles;
+            }
         }
         if let Some(links) = &self.links {
             links.visit_mass_matrix(q, |i, j, value| {

@@ -10,9 +10,9 @@ pub type Result<T, E = ReportError> = std::result::Result<T, E>;
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum ReportError {
-    #[error("{signal} is {}x{}, expected {}x{}", found[0], found[1], expected[0], expected[1])]
-    #[diagnostic(help("give one row per time stamp and one column per joint"))]
-    Shape { signal: &'static str, found: [usize; 2], expected: [usize; 2] },
+    #[error("residuals of {found} joints are not of a model of {expected}")]
+    #[diagnostic(help("give what `diagnose` says of the model that was reconstructed"))]
+    Joints { found: usize, expected: usize },
     #[error("a report of {rows} rows and {joints} joints shows nothing")]
     #[diagnostic(help("give two rows of one joint"))]
     Empty { rows: usize, joints: usize },

@@ -27,13 +27,13 @@ mod conditioning;
 pub struct Findings<'a> {
     /// What was reconstructed from a log.
     pub found: &'a Reconstruction,
-    /// The residuals of that model over the log.
+    /// The residuals of that same model over the log.
     pub diagnosis: &'a Diagnosis,
     /// Whether the model is physics, if that was looked at.
     pub checks: Option<&'a Checks>,
     /// Its residuals over a log of another motion, if there is one.
     pub test: Option<&'a Diagnosis>,
-    /// Cost of its torque as it was after each step and as it is; none if that was not counted.
+    /// Cost of its torque as it was after each step and as it is; empty if that was not counted.
     pub costs: &'a [CallCost],
     /// Logs, command and date.
     pub origin: Origin<'a>,
@@ -47,9 +47,7 @@ pub struct Findings<'a> {
 /// left out.
 ///
 /// # Errors
-/// [`ReportError::Shape`] if found model and diagnosis are of different arms, or there are costs of
-/// fewer or more models than steps and the whole,
-/// [`ReportError::Empty`] if the diagnosis has no rows, [`ReportError::Step`] if the model after a
+/// [`ReportError::Empty`] if a diagnosis has no rows, [`ReportError::Joints`] if it is of another arm, [`ReportError::Step`] if the model after a
 /// step cannot be evaluated, [`ReportError::Page`] if the page cannot be written.
 pub fn fit_report(findings: &Findings<'_>) -> Result<String> {
     findings.check()?;
@@ -106,36 +104,17 @@ impl<'a> Findings<'a> {
     }
 
     fn check(&self) -> Result<()> {
-        let mut diagnoses = std::iter::once(self.diagnosis).chain(self.test);
-        diagnoses.try_for_each(|diagnosis| self.check_shape(diagnosis))?;
-        let (found, expected) = (self.costs.len(), self.found.model.stages.len() + 1);
-        let signal = "costs of the steps and the whole";
-        match found {
-            0 => Ok(()),
-            _ => same_shape(signal, [found, 1], [expected, 1]),
+        let expected = self.n_joints();
+        for diagnosis in std::iter::once(self.diagnosis).chain(self.test) {
+            let motion = &diagnosis.trace.motion;
+            let (rows, found) = (motion.n_rows(), motion.n_joints());
+            if rows < 2 || expected == 0 {
+                return Err(ReportError::Empty { rows, joints: expected });
+            }
+            if found != expected {
+                return Err(ReportError::Joints { found, expected });
+            }
         }
+        Ok(())
     }
-
-    fn check_shape(&self, diagnosis: &Diagnosis) -> Result<()> {
-        let trace = &diagnosis.trace;
-        let (rows, n) = (trace.motion.n_rows(), self.n_joints());
-        if rows < 2 || n == 0 {
-            return Err(ReportError::Empty { rows, joints: n });
-        }
-        let shapes = [
-            ("diagnosed motion", rows, trace.motion.n_joints()),
-            ("diagnosed torque", trace.tau_hat.nrows(), trace.tau_hat.ncols()),
-            ("diagnosed patterns", trace.patterns.len(), n),
-            ("scores", rows, diagnosis.scores.joints.len()),
-            ("residual histograms", rows, diagnosis.histograms.len()),
-            ("residual autocorrelation", rows, diagnosis.autocorrelation.len()),
-            ("importance of terms", rows, diagnosis.importance.len()),
-        ];
-        let mut shapes = shapes.into_iter();
-        shapes.try_for_each(|(signal, m, columns)| same_shape(signal, [m, columns], [rows, n]))
-    }
-}
-
-fn same_shape(signal: &'static str, found: [usize; 2], expected: [usize; 2]) -> Result<()> {
-    if found == expected { Ok(()) } else { Err(ReportError::Shape { signal, found, expected }) }
 }

@@ -6,12 +6,11 @@ use torquewise::dynamics::friction::{Friction, Stribeck};
 use torquewise::dynamics::{Arm, MotionKind, MotionPlan, Noise, SimulatedLog, add_noise};
 use torquewise::motion::Motion;
 
-/// A log to try the page with.
+/// A log of two joints to try the page with.
 #[derive(Clone, Copy, Debug)]
 pub struct Example {
     /// What the page asks for it by, and what its file is called but for the ending.
     pub name: &'static str,
-    arm: &'static str,
     kind: MotionKind,
     seconds: f64,
     seed: u64,
@@ -33,7 +32,6 @@ const TORQUE_CONSTANT: f64 = 2.5;
 pub const EXAMPLES: [Example; 3] = [
     Example {
         name: "two-joints",
-        arm: "planar-2",
         kind: MotionKind::Moves,
         seconds: 120.0,
         seed: 1,
@@ -43,7 +41,6 @@ pub const EXAMPLES: [Example; 3] = [
     },
     Example {
         name: "two-joints-other-motion",
-        arm: "planar-2",
         kind: MotionKind::Sines,
         seconds: 20.0,
         seed: 2,
@@ -53,7 +50,6 @@ pub const EXAMPLES: [Example; 3] = [
     },
     Example {
         name: "raw-columns",
-        arm: "planar-2",
         kind: MotionKind::Moves,
         seconds: 60.0,
         seed: 3,
@@ -69,7 +65,7 @@ impl Example {
     /// # Errors
     /// [`Error::Arm`] if the arm is not known.
     pub fn csv(&self) -> Result<String, Error> {
-        let arm = Arm::builtin(self.arm)?;
+        let arm = Arm::builtin("planar-2")?;
         let plan =
             MotionPlan { kind: self.kind, seconds: self.seconds, rate: RATE, seed: self.seed };
         let mut log = SimulatedLog::new(&arm, &plan)?;

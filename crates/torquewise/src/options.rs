@@ -344,22 +344,6 @@ mod tests {
     const SIX_FILTERED: Facts = Facts { joints: 6, filtered: true };
 
     #[test]
-    fn a_refusal_names_the_option_the_method_the_reason_and_the_way_out() {
-        let options = FitOptions { threshold: Some(0.1), ..FitOptions::default() };
-
-        let error = options.plan(SIX_FILTERED).unwrap_err();
-
-        assert_eq!(
-            error.to_string(),
-            "threshold is not used by a learned chain of rigid bodies, which is fitted because \
-             the log is filtered"
-        );
-        let help = "leave it out or choose library energy or library product (energy needs \
-                    interaction beyond four joints)";
-        assert_eq!(error.advice(crate::setting::plain).as_deref(), Some(help));
-    }
-
-    #[test]
     fn options_that_are_used_pass() {
         let chain = FitOptions {
             friction: Some(FrictionKind::Auto),
@@ -381,19 +365,5 @@ mod tests {
         let turning = FitOptions { kinds: Some(vec![JointKind::default(); 4]), ..chain };
         let error = turning.plan(SIX_FILTERED).unwrap_err();
         assert_eq!(error.to_string(), "kinds: rrrr is of 4 joints, the log has 6");
-    }
-
-    #[test]
-    fn the_log_decides_what_is_fitted() {
-        let method = |joints, filtered, options: &FitOptions| {
-            options.plan(Facts { joints, filtered }).unwrap().method
-        };
-        let usual = FitOptions::default();
-
-        assert!(matches!(method(3, false, &usual), Method::Library(_)));
-        assert!(matches!(method(3, true, &usual), Method::Chain(_)));
-        assert!(matches!(method(6, false, &usual), Method::Chain(_)));
-        let sindy = method(6, true, &FitOptions::sindy());
-        assert!(matches!(sindy, Method::Library(o) if o.regression == Regression::OneShot));
     }
 }

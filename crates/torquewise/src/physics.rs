@@ -49,8 +49,7 @@ impl MassMatrix {
     /// [`ModelError::Shape`] if the parts of the model do not fit each other.
     pub fn of(model: &Model) -> Result<Self, ModelError> {
         let states = random_states(model, Range::Trained, STATES);
-        let states: Vec<Vec<f64>> = states.into_iter().map(|(q, _)| q).collect();
-        let (smallest_eigenvalue, q) = weakest_state(model, &states)?;
+        let (smallest_eigenvalue, q) = weakest_state(model, states.iter().map(|(q, _)| q))?;
         Ok(Self { positive_definite: smallest_eigenvalue > 0.0, smallest_eigenvalue, q })
     }
 

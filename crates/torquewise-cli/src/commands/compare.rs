@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let options = arguments.plan.options("stepwise")?;
     let open = |paths: &[PathBuf]| -> Result<_> {
-        let log = arguments.filter.open(paths)?;
+        let log = arguments.filter.signals.open(paths)?;
         log.files.require_tau()?;
         Ok(log)
     };

@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let log = match arguments.filter.open(&arguments.logs) {
+    let log = match arguments.filter.signals.open(&arguments.logs) {
         Ok(log) => log,
         // Columns by other names are no mistake; a mistake in our own names is.
         Err(error @ CliError::Library(Error::Log(LogError::NoColumn { .. }))) => {

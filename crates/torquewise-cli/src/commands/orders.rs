@@ -55,7 +55,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let figure = arguments.output.iter().map(|file| (file.as_path(), &["svg"][..]));
     check_files(&arguments.logs, figure)?;
-    let log = arguments.filter.open(&arguments.logs)?;
+    let log = arguments.filter.signals.open(&arguments.logs)?;
     log.files.require_tau()?;
     let logs = arguments.filter.prepare(&log, Rows::Filtered)?;
     let plan = OrderPlan {

@@ -34,7 +34,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_files(&arguments.logs, arguments.output.iter().map(|file| (file.as_path(), &[][..])))?;
-    let log = arguments.filter.open(&arguments.logs)?;
+    let log = arguments.filter.signals.open(&arguments.logs)?;
     let logs = arguments.filter.prepare(&log, Rows::Every)?;
     let found = {
         let (shown, rows) = (watch(), logs.rows_hint());

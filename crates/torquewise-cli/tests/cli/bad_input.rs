@@ -1,6 +1,5 @@
 //! Input that is wrong: told what, where and what to do, and no file is left behind.
 
-use crate::spoilt::Table;
 use crate::terminal::Terminal;
 
 /// `log.csv` of a [`Terminal::with_log`], one cell replaced; row 0 is the header.
@@ -71,23 +70,6 @@ fn five_rows_are_too_few() {
 
     terminal.refused("fit few.csv -o out.json", &["5 rows", "at least 50", "longer"]);
     assert_eq!(terminal.json("inspect few.csv")["rows"], 5, "but they can be looked at");
-}
-
-#[test]
-fn a_joint_that_never_moves_is_named_in_a_warning() {
-    let terminal = Terminal::with_log();
-    let still = Table::of(&terminal, "log.csv")
-        .with("q2", |_, _, _| 0.3)
-        .scaled(&["dq2", "ddq2"], 0.0)
-        .with("tau1", |_, _, row| 2.0 * row[5] + 9.81 * row[1].cos())
-        .with("tau2", |_, _, row| 0.5 * row[5] + 3.0 * (row[1] + 0.3).cos());
-    terminal.write("still.csv", &still.text());
-
-    let said = terminal.run("fit still.csv -o model.json --strict");
-
-    assert_eq!(said.code, 3, "{said:?}");
-    assert!(said.stderr.contains("warning: joint2 never moves"), "{said:?}");
-    assert!(terminal.path("model.json").exists());
 }
 
 #[test]

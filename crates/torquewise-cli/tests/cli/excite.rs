@@ -66,26 +66,6 @@ fn limits_of_the_file_are_kept_and_reported() {
 }
 
 #[test]
-fn limits_of_the_torque_are_kept_for_a_urdf_and_for_a_learned_model() {
-    let terminal = Terminal::with_log();
-    terminal.write("two.urdf", URDF);
-    terminal.done("fit log.csv --library chain -o model.json");
-    let limits = "--torque-limit shoulder=7,elbow=1.5";
-
-    let text = terminal.done(&format!("excite two.urdf -o plan {QUICK} {limits} --home -0.5,0"));
-    assert!(text.contains("peak tau [N·m]"), "{text}");
-
-    let line = format!("excite model.json -o learned {QUICK}");
-    let found = terminal.json(&format!("{line} --torque-limit 40"));
-    for joint in found["joints"].as_array().unwrap() {
-        assert_eq!(joint["torque"]["limit"], 40.0, "{joint}");
-        let peak = joint["torque"]["peak"].as_f64().unwrap();
-        assert!(0.0 < peak && peak <= 40.0, "{joint}");
-    }
-    terminal.refused(&format!("{line} --torque-limit 0.1"), &["joint1", "within 0.1 N·m"]);
-}
-
-#[test]
 fn what_cannot_be_planned_is_refused_and_leaves_no_folder() {
     let terminal = Terminal::new();
     terminal.write("two.urdf", URDF);

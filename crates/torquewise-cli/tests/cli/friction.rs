@@ -162,24 +162,3 @@ fn predict_prints_the_torque_of_a_pose() {
     terminal.misused("predict rubbing.json --q 0.3,NaN", &["a number for each joint"]);
     terminal.misused("predict rubbing.json log.csv --q 0.3,0 -o a.csv", &["cannot be used with"]);
 }
-
-#[test]
-fn predict_writes_friction_as_a_part() {
-    let terminal = with_friction();
-
-    let json = terminal.json("predict rubbing.json log.csv -o torque.csv --parts");
-
-    assert_eq!(json["columns"][9], "friction1");
-    let [log, torque] = ["log.csv", "torque.csv"].map(|file| Table::of(&terminal, file));
-    let friction = ["friction1", "friction2"].map(|name| torque.column(name));
-    for (row, (dq1, dq2)) in log.column("dq1").iter().zip(log.column("dq2")).enumerate() {
-        let shaft = 2.0 * (dq1 + 0.5 * dq2);
-        let dry = if dq2 == 0.0 { 0.0 } else { 0.7 * dq2.signum() };
-        for (part, expected) in friction.iter().zip([shaft, 0.5 * shaft + dry]) {
-            assert!((part[row] - expected).abs() < 1e-12, "row {row}");
-        }
-    }
-    let bare = terminal.json("predict model.json log.csv -o bare.csv --parts");
-    assert_eq!(bare["columns"], json["columns"]);
-    assert!(Table::of(&terminal, "bare.csv").column("friction2").iter().all(|part| *part == 0.0));
-}

@@ -20,25 +20,6 @@ fn parts_merged_and_solved_are_the_model_of_fit() {
 }
 
 #[test]
-fn a_seed_and_a_chain_are_taken_along() {
-    let terminal = Terminal::with_log();
-
-    terminal.run("moments log.csv -o c.moments --library chain --seed 7");
-    terminal.run("solve c.moments -o c.json --friction none");
-    // Passes over the rows, as many as are asked for.
-    for _ in 0..10 {
-        if terminal.path("c.json").exists() {
-            break;
-        }
-        terminal.run("moments log.csv -o c.moments --seed 7 --request c.request");
-        terminal.run("solve c.moments -o c.json");
-    }
-    terminal.run("fit log.csv -o f.json --library chain --seed 7 --friction none");
-
-    assert_eq!(terminal.read("c.json"), terminal.read("f.json"));
-}
-
-#[test]
 fn moments_tell_what_they_are() {
     let terminal = Terminal::with_log();
 

@@ -2,17 +2,12 @@
 
 #![expect(clippy::float_cmp, reason = "the same bits are meant")]
 
-use faer::Mat;
-use proptest::prelude::*;
 use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::model::{Candidate, Choice};
-use torquewise_model::print::{latex, text};
-use torquewise_model::selection::Selection;
 use torquewise_model::{
-    Form, FrictionTerm, Kind, Model, ModelError, Stage, Term, Torque, Trig, Weighted, check,
-    from_json, to_json,
+    Form, FrictionTerm, Model, ModelError, Stage, Term, Torque, Trig, Weighted, check, from_json,
+    to_json,
 };
-use torquewise_motion::{Motion, Signals};
 
 pub(crate) fn weighted<T>(term: T, coefficient: f64) -> Weighted<T> {
     Weighted { term, coefficient, std_error: 0.01, inclusion: Some(0.98) }
@@ -171,23 +166,6 @@ fn terms_read_as_their_formulas() {
 }
 
 #[test]
-fn each_torque_ends_with_its_friction() {
-    let shown = text(&model(all_laws()), &Selection::default());
-    let (hip, knee) = shown.split_once("tau2 =").unwrap();
-
-    // The knee feels the coupled shaft by half, and turned round.
-    assert!(hip.ends_with(
-        "* sin(q1)  (98 %)\n  friction:\n  + 0.300 ± 0.010  (98 %)\n  \
-         + 1.200 ± 0.010 * (dq1 - 0.5*dq2)  (98 %)\n\n"
-    ));
-    assert!(knee.contains("  - 0.1500 ± 0.0050  (98 %)\n"), "{knee}");
-    assert!(knee.contains("  friction:\n  + F2(dq2)\n  - 0.1500"), "{knee}");
-    assert!(!text(&model(vec![]), &Selection::default()).contains("friction"));
-    let tex = latex(&model(all_laws()), &Selection::default());
-    assert!(tex.contains("(0.300 \\pm 0.010) + (1.200 \\pm 0.010)\\,(\\dot q_{1}"), "{tex}");
-}
-
-#[test]
 fn a_saved_model_keeps_friction_steps_and_choices() {
     let mut whole = model(all_laws());
     whole.friction[1].coefficient = 0.1 + 0.2;
@@ -314,58 +292,6 @@ fn a_choice_without_a_number_is_refused() {
     whole.choices = vec![Choice { what, chosen, rule, from }];
 
     assert!(matches!(to_json(&whole), Err(ModelError::NotFinite { .. })));
-}
-
-fn friction_term() -> impl Strategy<Value = FrictionTerm> {
-    let law = prop_oneof![
-        Just(FrictionLaw::Offset),
-        Just(FrictionLaw::Viscous),
-        (0.0..0.2).prop_map(|width| FrictionLaw::Coulomb { width }),
-        (0.01..1.0, 0.0..0.2).prop_map(|(speed, width)| FrictionLaw::Stribeck { speed, width }),
-    ];
-    let direction = prop_oneof![Just(Direction::Both), Just(Direction::Backward)];
-    (proptest::collection::vec(-2.0..2.0, 2), law, direction)
-        .prop_map(|(shaft, law, direction)| FrictionTerm { shaft, law, direction, load: false })
-}
-
-fn signal(rows: usize) -> impl Strategy<Value = Mat<f64>> {
-    proptest::collection::vec(-3.0..3.0, 2 * rows)
-        .prop_map(move |values| Mat::from_fn(rows, 2, |row, joint| values[2 * row + joint]))
-}
-
-proptest! {
-    #[test]
-    fn the_parts_add_up_to_the_torque(
-        terms in proptest::collection::vec((friction_term(), -5.0..5.0), 0..6),
-        (q, dq, ddq) in (signal(4), signal(4), signal(4)),
-    ) {
-        let friction = terms.into_iter().map(|(term, c)| weighted(term, c)).collect();
-        let torque = Torque::new(&model(friction));
-        let t = vec![0.0, 0.1, 0.2, 0.3];
-        let joints = vec!["hip".into(), "knee".into()];
-        let motion = Motion::new(Signals { joints, t, q, dq, ddq, tau: None }).unwrap();
-
-        let parts = torque.parts(&motion).unwrap();
-        let total = parts.total();
-
-        for row in 0..4 {
-            let [q, dq, ddq] = [motion.q(), motion.dq(), motion.ddq()]
-                .map(|x| vec![x[(row, 0)], x[(row, 1)]]);
-            let whole = torque.at(&q, &dq, &ddq).unwrap();
-            let rub = torque.friction(&q, &dq).unwrap();
-            for joint in 0..2 {
-                prop_assert!((total[(row, joint)] - whole[joint]).abs() < 1e-12);
-                prop_assert_eq!(parts.friction[(row, joint)], rub[joint]);
-            }
-        }
-    }
-}
-
-#[test]
-fn friction_has_a_kind_by_name() {
-    let names = [Kind::Inertia, Kind::Coriolis, Kind::Gravity, Kind::Friction].map(Kind::name);
-
-    assert_eq!(names, ["inertia", "coriolis", "gravity", "friction"]);
 }
 
 #[test]

@@ -89,19 +89,6 @@ fn the_weakest_state_is_where_the_mass_matrix_is_least() {
 }
 
 #[test]
-fn friction_that_takes_power_at_every_speed_drives_nothing() {
-    let law = |law, coefficient| Weighted::new(FrictionTerm::of_joint(2, 1, law), coefficient);
-    let friction = vec![
-        law(FrictionLaw::Coulomb { width: 0.0 }, 1.0),
-        law(FrictionLaw::Viscous, -0.3),
-        law(FrictionLaw::Offset, -5.0),
-    ];
-
-    // |v| − 0.3 v² is above zero up to 3.3 rad/s, the peak is 3; the offset is left aside.
-    assert_eq!(driving_friction(&model(energies(), friction)), None);
-}
-
-#[test]
 fn friction_that_drives_its_shaft_is_found_with_its_speed_and_power() {
     let shaft = FrictionTerm {
         shaft: vec![1.0, -1.0],

@@ -50,15 +50,6 @@ fn torque(chain: &RigidChain, friction: Vec<Weighted<FrictionTerm>>) -> Vec<f64>
 }
 
 #[test]
-fn a_rotor_is_half_the_square_of_its_speed() {
-    let rotor = Drive::Rotor { shaft: vec![1.0, -0.5], inertia: 0.8 };
-
-    let inertia = |i, j| EnergyTerm { place: Place::Inertia(i, j), function: Term::one(2) };
-    let expected = [(inertia(0, 0), 0.8), (inertia(0, 1), -0.4), (inertia(1, 1), 0.2)];
-    assert_eq!(rotor.energy_terms(), expected);
-}
-
-#[test]
 fn parameters_go_into_the_chain_they_came_from() {
     let chain = chain();
     let known = chain.parameters(&friction());

@@ -73,20 +73,3 @@ fn measured_ends_lie_in_the_band_of_arms_around_the_true_one_alone() {
     assert!(share([0.2, 0.3, 0.4, 0.5, 0.6])[1] > 0.99);
     assert!(share([0.6, 0.7, 0.8, 0.9, 1.0])[1] < 0.01);
 }
-
-#[test]
-fn windows_of_a_motion_that_obeys_the_model_stay_with_it() {
-    let model = knee(FrictionLaw::Viscous, 0.4);
-    let motion = obeying(&model).unwrap();
-
-    let found = drifts(&model, &[], &motion, &[0.2, 0.5]).unwrap();
-
-    assert_eq!(found.iter().map(|drift| drift.horizon_s).collect::<Vec<_>>(), [0.2, 0.5]);
-    for drift in found {
-        assert!(drift.windows >= 4);
-        for joint in 0..2 {
-            let [own, held] = [drift.rms_drift_rad[joint], drift.hold_rms_rad[joint]];
-            assert!(own < 2e-3 && held > 0.05, "{own} {held}");
-        }
-    }
-}

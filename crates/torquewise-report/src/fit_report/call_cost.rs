@@ -1,6 +1,6 @@
 //! Which step's torque fits which control rate, by counted operations.
 
-use crate::error::{ReportError, Result};
+use crate::error::Result;
 use crate::fit_report::Findings;
 use crate::fit_report::method::{members, nrmse_percent};
 use crate::html::number::{count, significant};
@@ -45,8 +45,7 @@ pub(crate) fn section(findings: &Findings<'_>) -> Result<Section> {
         members(findings)?.into_iter().enumerate().zip(findings.costs)
     {
         let worst = |diagnosis: &Diagnosis| -> Result<f64> {
-            let joints = nrmse_percent(&diagnosis.trace.motion, &model)
-                .map_err(|source| ReportError::Step { step: place + 1, source })?;
+            let joints = nrmse_percent(&diagnosis.trace.motion, (place + 1, &model))?;
             Ok(joints.into_iter().filter(|percent| percent.is_finite()).fold(0.0, f64::max))
         };
         let (on_log, on_test) = (worst(findings.diagnosis)?, findings.test.map(worst).transpose()?);

@@ -6,7 +6,7 @@ use crate::fit_report::clock::{self, Clock};
 use crate::fit_report::torques::LINK;
 use crate::html::number::{count, significant};
 use crate::html::{Chart, Colour, Column, Item, Label, Mark, Section, Series, Table};
-use torquewise_model::{Model, ModelError, Torque};
+use torquewise_model::{Model, Torque};
 use torquewise_motion::{Motion, Pattern};
 
 pub(crate) fn section(findings: &Findings<'_>) -> Result<Section> {
@@ -57,8 +57,7 @@ fn steps(findings: &Findings<'_>) -> Result<Table> {
         cells.extend(active.iter().map(|&terms| Label::from(count(terms))));
         // The last of the members is the whole.
         let model = &members[place.min(members.len() - 1)].1;
-        let errors = nrmse_percent(&findings.diagnosis.trace.motion, model)
-            .map_err(|source| ReportError::Step { step: place + 1, source })?;
+        let errors = nrmse_percent(&findings.diagnosis.trace.motion, (place + 1, model))?;
         cells.extend(errors.into_iter().map(|percent| Label::from(significant(percent, 3))));
         rows.push(cells);
     }
@@ -101,9 +100,10 @@ pub(crate) fn members(findings: &Findings<'_>) -> Result<Vec<(String, Model)>> {
     Ok(members)
 }
 
-/// Error of each joint's torque over its standard deviation in percent, n.
-pub(crate) fn nrmse_percent(motion: &Motion, model: &Model) -> Result<Vec<f64>, ModelError> {
-    let tau_hat = Torque::new(model).over(motion)?;
+/// Error of each joint's torque over its standard deviation in percent after a step, n.
+pub(crate) fn nrmse_percent(motion: &Motion, (step, model): (usize, &Model)) -> Result<Vec<f64>> {
+    let tau_hat = Torque::new(model).over(motion);
+    let tau_hat = tau_hat.map_err(|source| ReportError::Step { step, source })?;
     let of = |joint: usize| {
         let measured: Vec<f64> =
             motion.tau().map_or_else(Vec::new, |tau| tau.col(joint).iter().copied().collect());

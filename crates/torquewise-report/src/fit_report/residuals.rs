@@ -4,6 +4,7 @@ use crate::fit_report::Findings;
 use crate::fit_report::clock::{self, Clock};
 use crate::fit_report::torques::LINK;
 use crate::html::number::significant;
+use crate::html::thin::rows_of_cloud;
 use crate::html::{Chart, Colour, Guide, Item, Mark, Section, Series};
 use faer::MatRef;
 use std::f64::consts::PI;
@@ -68,9 +69,7 @@ impl Residual<'_> {
     }
 
     fn over(&self, signal: MatRef<'_, f64>, label: &str) -> Chart {
-        let m = signal.nrows();
-        let taken = m.min(MOST_POINTS);
-        let rows = (0..taken).map(|place| place * m / taken.max(1));
+        let rows = rows_of_cloud(signal.nrows(), MOST_POINTS).into_iter();
         let points = rows.map(|row| [signal[(row, self.joint)], self.at(row)]).collect();
         let name = label.split(' ').next().unwrap_or(label);
         let series = vec![Series::new("residual", Mark::Cloud, Colour::Series(0), points)];

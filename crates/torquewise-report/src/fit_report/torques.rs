@@ -4,8 +4,9 @@ use crate::fit_report::Findings;
 use crate::fit_report::clock::{self, Clock};
 use crate::html::number::significant;
 use crate::html::{Chart, Colour, Item, Mark, Section, Series};
+use faer::Mat;
 use torquewise_identify::Diagnosis;
-use torquewise_model::{JointKind, Model, Torque, units};
+use torquewise_model::{JointKind, Torque, units};
 
 /// Charts of time with this word share their zoom.
 pub(crate) const LINK: &str = "time";
@@ -31,12 +32,14 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
 
 /// One chart per joint of what a diagnosis looked at; charts of one `link` share their zoom.
 fn charts(findings: &Findings<'_>, diagnosis: &Diagnosis, link: &str) -> Item {
-    let friction = friction(&findings.found.model, diagnosis);
+    let model = &findings.found.model;
+    let parts = Torque::new(model).parts(&diagnosis.trace.motion).ok();
     let clock = Clock::new(diagnosis.trace.motion.t());
-    let joints = 0..diagnosis.scores.joints.len();
-    let kinds = findings.found.model.kinds();
-    let of = |joint: usize| (joint, kinds.of(joint), &friction[joint][..]);
-    let charts = joints.map(|joint| chart(diagnosis, &clock, of(joint), link));
+    let charts = (0..diagnosis.scores.joints.len()).map(|joint| {
+        let rubs = model.friction.iter().any(|law| law.term.acts_on(joint));
+        let friction = parts.as_ref().filter(|_| rubs).map(|parts| &parts.friction);
+        chart(diagnosis, &clock, (joint, model.kinds().of(joint), friction), link)
+    });
     Item::Charts(charts.collect())
 }
 
@@ -67,22 +70,10 @@ fn parts(findings: &Findings<'_>) -> Option<Item> {
     Some(Item::Details { summary, items: vec![Item::Charts(charts)] })
 }
 
-/// Friction \[N·m\] of each joint at the rows of a diagnosis; empty for a joint without.
-fn friction(model: &Model, diagnosis: &Diagnosis) -> Vec<Vec<f64>> {
-    let parts = Torque::new(model).parts(&diagnosis.trace.motion);
-    let of_joint = |joint: usize| match &parts {
-        Ok(parts) if model.friction.iter().any(|w| w.term.acts_on(joint)) => {
-            parts.friction.col_as_slice(joint).to_vec()
-        }
-        _ => Vec::new(),
-    };
-    (0..model.n_joints()).map(of_joint).collect()
-}
-
 fn chart(
     diagnosis: &Diagnosis,
     clock: &Clock,
-    (joint, kind, friction): (usize, JointKind, &[f64]),
+    (joint, kind, friction): (usize, JointKind, Option<&Mat<f64>>),
     link: &str,
 ) -> Chart {
     let trace = &diagnosis.trace;
@@ -92,8 +83,9 @@ fn chart(
         Series::new("measured", Mark::BroadLine, Colour::Measured, points)
     });
     let predicted = Series::line("predicted", clock.curve(|row| trace.tau_hat[(row, joint)]));
-    let friction = (!friction.is_empty()).then(|| {
-        Series::new("friction", Mark::Line, Colour::Series(1), clock.curve(|row| friction[row]))
+    let friction = friction.map(|friction| {
+        let points = clock.curve(|row| friction[(row, joint)]);
+        Series::new("friction", Mark::Line, Colour::Series(1), points)
     });
     let title = format!("{}, NRMSE {} %", score.name, significant(score.nrmse_percent, 3));
     let series = measured.into_iter().chain([predicted]).chain(friction).collect();

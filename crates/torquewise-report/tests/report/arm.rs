@@ -8,7 +8,7 @@ use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Training;
 use torquewise_model::rigid_chain::RigidChain;
 use torquewise_model::{Form, FrictionTerm, Model, Weighted};
-use torquewise_report::{Findings, LogFile, Origin, fit_report};
+use torquewise_report::{Findings, LogFile, Origin, ReportError, fit_report};
 
 const JOINTS: usize = 6;
 
@@ -75,15 +75,13 @@ fn report() -> String {
 }
 
 #[test]
-fn the_torque_is_shown_in_its_parts() {
-    let (found, diagnosis) = crate::fitted(10.0, |_| {});
+fn residuals_of_another_arm_are_refused() {
+    let (mut found, diagnosis) = crate::fitted(10.0, |_| {});
+    found.model.joints.pop();
 
-    let html = fit_report(&findings(&found, &diagnosis)).unwrap();
+    let refused = fit_report(&findings(&found, &diagnosis));
 
-    assert!(html.contains("Its parts: inertia, Coriolis, gravity, friction"));
-    for part in ["inertia", "Coriolis", "gravity"] {
-        assert!(html.contains(&format!("\"label\":\"{part}\"")), "{part}");
-    }
+    assert!(matches!(refused, Err(ReportError::Joints { .. })));
 }
 
 #[test]
