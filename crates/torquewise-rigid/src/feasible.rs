@@ -100,11 +100,10 @@ impl Prior {
             let value = positive.value(x);
             let slope = strength * positive.weight * (1.0 / positive.nominal - 1.0 / value);
             let curvature = strength * positive.weight / (value * value);
-            for &(i, a) in &positive.terms {
-                gradient[i] += slope * a;
-                for &(j, b) in &positive.terms {
-                    hessian[(i, j)] += curvature * a * b;
-                }
+            for &(j, b) in &positive.terms {
+                gradient[j] += slope * b;
+                let column = hessian.col_as_slice_mut(j);
+                positive.terms.iter().for_each(|&(i, a)| column[i] += curvature * a * b);
             }
         }
         for &(k, sigma) in &self.small {
