@@ -6,8 +6,8 @@ use crate::mapping::{Mapping, Ranges, Slot, Time};
 use crate::profile::unit::{factor, time_factor};
 use crate::profile::{Columns, PerJoint, Profile, SignalColumns};
 use crate::rows::Rows;
-use crate::signal::Signal;
 use std::path::Path;
+use torquewise_motion::signals::Signal;
 
 /// The mapping that a profile describes for a file.
 ///

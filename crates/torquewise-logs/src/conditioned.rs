@@ -125,7 +125,7 @@ impl ConditionedLogs {
             out.hand_out(rest)
         };
         let begin = *first;
-        self.logs.read_raw_of(file, &mut |own, block| -> ReadResult {
+        self.logs.read_raw(Some(file), &mut |own, block| -> ReadResult {
             let trajectory = begin + own;
             if trajectory != out.trajectory {
                 end(open.take(), out)?;

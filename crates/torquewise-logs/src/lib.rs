@@ -41,7 +41,6 @@ mod parquet_rows;
 mod bag;
 #[cfg(feature = "formats")]
 mod arrays;
-mod signal;
 mod mapping;
 mod plain;
 pub mod profile;

@@ -2,12 +2,12 @@
 
 use crate::error::{LogError, Result};
 use crate::joints;
-use crate::signal::Signal;
 use crate::sink::{Column, Values};
 use crate::table::TableWriter;
 use faer::MatRef;
 use std::path::{Path, PathBuf};
 use torquewise_motion::Motion;
+use torquewise_motion::signals::Signal;
 
 /// A log file that is written block by block; it appears when it is whole.
 pub struct LogWriter {

@@ -6,13 +6,13 @@ use crate::format::is_bag;
 use crate::frame::Frame;
 use crate::joints;
 use crate::log_input::LogInput;
-use crate::signal::Signal;
 use crate::signal_rows::ReadReport;
 use crate::source::{Options, Source};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use torquewise_motion::signals::Raw;
+use torquewise_motion::signals::Signal;
 use torquewise_motion::{Motion, ReadResult, Recording, Repairs, Visit};
 
 /// Log files of one arm.
@@ -172,22 +172,16 @@ impl Logs {
     /// Blocks have at most 1 024 rows and are cut as those of [`Recording::read`] are, but missing
     /// dq and ddq stay missing.
     ///
-    /// # Errors
-    /// [`LogError`] if a file cannot be read or a row is wrong, or the first that `visit` returns.
-    pub fn read_raw<E: From<LogError>>(&self, visit: Each<'_, Raw, E>) -> Result<(), E> {
-        self.each(None, false, Blocks::raw_block, visit)
-    }
-
-    /// The same for one file, counted from 0.
+    /// - `only`: the file to read, counted from 0; all without
     ///
     /// # Errors
-    /// As [`Self::read_raw`].
-    pub fn read_raw_of<E: From<LogError>>(
+    /// [`LogError`] if a file cannot be read or a row is wrong, or the first that `visit` returns.
+    pub fn read_raw<E: From<LogError>>(
         &self,
-        file: usize,
+        only: Option<usize>,
         visit: Each<'_, Raw, E>,
     ) -> Result<(), E> {
-        self.each(Some(file), false, Blocks::raw_block, visit)
+        self.each(only, false, |blocks, rows| Ok(blocks.raw_block(rows)), visit)
     }
 
     /// What the last complete reading of each file came to: rows, and what was dropped or sorted.

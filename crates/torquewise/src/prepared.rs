@@ -64,7 +64,7 @@ impl Prepared {
         let Some(motion) = raw.beside_raw_torque()? else { return Ok(None) };
         let signals = &raw.conditioned.report.signals;
         let noise = signals.iter().filter(|signal| signal.signal == "tau");
-        Ok(Some((motion, noise.map(|signal| signal.noise.sigma).collect())))
+        Ok(Some((motion, noise.map(|signal| signal.noise).collect())))
     }
 
     /// What was done to the signals, if anything was.

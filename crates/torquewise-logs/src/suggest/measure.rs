@@ -3,10 +3,10 @@
 use crate::error::Result;
 use crate::log_input::LogInput;
 use crate::profile::unit::of_step;
-use crate::signal::Signal;
 use crate::source::named_rows;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
+use torquewise_motion::signals::Signal;
 use torquewise_motion::stats::median;
 
 /// Rows that are looked at closely.

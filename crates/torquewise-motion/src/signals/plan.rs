@@ -6,7 +6,7 @@ use crate::signals::clean::{Base, Even, clean};
 use crate::signals::cutoff::above_motion;
 use crate::signals::delay::TAPS;
 use crate::signals::derivative::REACH;
-use crate::signals::raw::{Columns, Q, Raw};
+use crate::signals::raw::{Raw, Signal};
 use crate::signals::settings::{Conditioning, Cutoff};
 use crate::stats::whole;
 
@@ -38,20 +38,18 @@ impl Plan {
     /// # Errors
     /// [`MotionError`] about settings, shapes, stamps, or too few rows.
     pub fn new(raw: &Raw, settings: &Conditioning) -> Result<Self> {
-        Self::with_even(&raw.columns()?, settings).map(|(plan, _)| plan)
+        Self::with_even(raw, settings).map(|(plan, _)| plan)
     }
 
     /// The plan, and the clean signals it was made from.
-    pub(crate) fn with_even(columns: &Columns, settings: &Conditioning) -> Result<(Self, Even)> {
+    pub(crate) fn with_even(columns: &Raw, settings: &Conditioning) -> Result<(Self, Even)> {
+        columns.check()?;
         settings.check()?;
         let base = Base::of(columns)?;
         let even = clean(columns, &base, (columns.t[0], 0))?;
         let rate = base.timing.rate;
         let cutoff = match settings.cutoff {
-            Cutoff::Auto => {
-                let q = even.columns.signals[Q].as_deref().unwrap_or_default();
-                Some(above_motion(q, rate)?)
-            }
+            Cutoff::Auto => Some(above_motion(even.columns.of(Signal::Q), rate)?),
             Cutoff::Hz(cutoff) => Some(cutoff),
             Cutoff::Off => None,
         };
@@ -115,7 +113,7 @@ impl Plan {
         if delay > 0.0 { rows((delay * self.rate).ceil()) + TAPS } else { 0 }
     }
 
-    pub(crate) fn check(&self, columns: &Columns) -> Result<()> {
+    pub(crate) fn check(&self, columns: &Raw) -> Result<()> {
         if columns.joints == self.joints { Ok(()) } else { Err(MotionError::Block) }
     }
 }
