@@ -1,7 +1,7 @@
 //! Rows of a log joined with those of further files.
 
 use crate::error::{LogError, Place, Result};
-use crate::rows::{Irregular, Rows};
+use crate::rows::Rows;
 use std::path::PathBuf;
 
 /// Clocks may differ by this \[s\], and by a few roundings of a long time.
@@ -150,7 +150,7 @@ impl Rows for SideBySide {
         self.parts[0].rows.place()
     }
 
-    fn irregular(&self) -> Irregular {
+    fn irregular(&self) -> [u64; 2] {
         self.parts[0].rows.irregular()
     }
 }

@@ -36,8 +36,6 @@ pub(crate) struct Blocks {
     at_end_of_file: bool,
     pub(crate) usual_step: Option<UsualStep>,
     trajectory: usize,
-    /// Gaps at which a trajectory ended so far.
-    pub(crate) gaps: u64,
     /// Where the rows of `columns` come from.
     origins: Vec<Origin>,
 }
@@ -61,7 +59,6 @@ impl Blocks {
             at_end_of_file: false,
             usual_step: None,
             trajectory: 0,
-            gaps: 0,
             origins: Vec::new(),
         }
     }
@@ -88,7 +85,7 @@ impl Blocks {
         if rows > 0 {
             return Ok(Some(rows));
         }
-        if self.rows.report().rows > 0 {
+        if self.rows.report.rows > 0 {
             return Ok(None);
         }
         Err(self.rows.none_left())
@@ -117,7 +114,7 @@ impl Blocks {
         while self.known < t.len() && !self.ended {
             let another = self.origins[self.known].part != self.origins[self.known - 1].part;
             let gap = !another && usual.is_gap(t[self.known] - t[self.known - 1]);
-            self.gaps += u64::from(gap);
+            self.rows.report.repairs.splits += u64::from(gap);
             self.ended = another || gap;
             self.known += usize::from(!self.ended);
         }
@@ -148,7 +145,7 @@ impl Blocks {
             }
             gone.sort_unstable();
             gone.dedup();
-            self.rows.report.absurd += gone.len() as u64;
+            self.rows.report.repairs.absurd += gone.len() as u64;
             for &row in gone.iter().rev() {
                 self.columns.iter_mut().for_each(|column| {
                     column.remove(row);

@@ -79,7 +79,7 @@ pub use logs::Logs;
 pub use preview::preview;
 pub use profile::Profile;
 pub use signal_rows::{Clock, ReadReport};
-pub use sink::{Column, ColumnKind, Values};
+pub use sink::{Column, Values};
 pub use source::Options;
 #[cfg(feature = "formats")]
 pub use suggest::{Suggestion, suggest};

@@ -38,7 +38,6 @@ pub struct Logs {
 struct Reading {
     report: ReadReport,
     trajectories: usize,
-    gaps: u64,
     /// Usual step of its last trajectory \[s\].
     usual_step: Option<f64>,
     /// The first value that was absurd: row, column and value.
@@ -187,7 +186,9 @@ impl Logs {
     /// What the last complete reading of each file came to: rows, and what was dropped or sorted.
     pub fn report(&self) -> ReadReport {
         let readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
-        readings.iter().fold(ReadReport::default(), |all, reading| all.and(reading.report))
+        let mut all = ReadReport::default();
+        readings.iter().for_each(|reading| all.add(&reading.report));
+        all
     }
 
     /// The first value that the last complete reading left out as absurd: file, row in it, column and
@@ -215,7 +216,7 @@ impl Logs {
     /// log; those that are sound are not listed.
     pub fn repairs(&self) -> BTreeMap<String, Repairs> {
         let readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
-        self.by_name(readings.iter().map(Reading::repairs))
+        self.by_name(readings.iter().map(|reading| reading.report.repairs.clone()))
     }
 
     /// Repairs of each file, in their order, by the name of the log: that of its file, its ending
@@ -265,10 +266,9 @@ impl Logs {
                 last = first + trajectory;
                 visit(last, block)?;
             }
-            let (report, gaps) = (blocks.rows.report(), blocks.gaps);
+            let (report, trajectories) = (blocks.rows.report(), last + 1 - first);
             let (usual_step, absurd) = (blocks.usual_step.map(|step| step.0), blocks.first_absurd);
-            let trajectories = last + 1 - first;
-            let reading = Reading { report, trajectories, gaps, usual_step, absurd };
+            let reading = Reading { report, trajectories, usual_step, absurd };
             let mut readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some(old) = readings.get_mut(file) {
                 *old = reading;
@@ -276,20 +276,6 @@ impl Logs {
             first = last + 1;
         }
         Ok(())
-    }
-}
-
-impl Reading {
-    fn repairs(&self) -> Repairs {
-        let ReadReport { repeated, went_back, not_finite, absurd, .. } = self.report;
-        Repairs {
-            repeated_stamps: repeated,
-            earlier_stamps: went_back,
-            not_finite,
-            absurd,
-            splits: self.gaps,
-            ..Repairs::default()
-        }
     }
 }
 
@@ -341,7 +327,7 @@ fn agreed_joints(sources: &[Source]) -> Result<Vec<String>> {
         let (file, found) = ((&other.file).into(), other.mapping.n_joints);
         return Err(LogError::JointCount { file, found, first: (&first.file).into(), expected });
     }
-    let mut named = sources.iter().filter_map(|s| Some((s.file.path(), s.joints.as_ref()?)));
+    let mut named = sources.iter().filter_map(|s| Some((&*s.file, s.joints.as_ref()?)));
     let Some((first, expected)) = named.next() else {
         return Ok(joints::numbered(expected));
     };

@@ -73,8 +73,8 @@ impl TableWriter {
         }
         let rows = values.first().map_or(0, |first| first.len());
         for (Column { name, kind }, values) in self.columns.iter().zip(values) {
-            if values.kind() != *kind {
-                let (found, expected) = (values.kind().name(), kind.name());
+            let (found, expected) = (values.name(), kind.name());
+            if found != expected {
                 return misfit(format!(
                     "column {name} is to hold {expected}, but {found} is given"
                 ));

@@ -35,11 +35,11 @@ impl Stribeck {
 ///
 /// dz = v − σ₀|v|/g(v)·z, f = σ₀ z + σ₁ dz + f_v v, where g is the curve of dry friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bristles {
+struct Bristles {
     /// σ₀ \[N·m/rad\], above 0.
-    pub stiffness: f64,
+    stiffness: f64,
     /// σ₁ \[N·m·s/rad\], 0 or more.
-    pub damping: f64,
+    damping: f64,
 }
 
 /// Bristles that slip before they are bent so far \[rad\] are none.
@@ -122,15 +122,6 @@ impl Friction {
     pub fn new(joints: &[Stribeck]) -> Result<Self> {
         let bristles = vec![None; joints.len()];
         Self::checked(joints.iter().map(|&both| [both; 2]).collect(), bristles, WIDTH)
-    }
-
-    /// The same where the dry friction of every joint bends bristles before it slips.
-    ///
-    /// # Errors
-    /// [`SimError::Limit`] for a number out of bounds.
-    pub fn with_bristles(self, bristles: Bristles) -> Result<Self> {
-        let all = vec![Some(bristles); self.joints.len()];
-        Self::checked(self.joints, all, self.width)
     }
 
     /// Reads friction from TOML: a table for each joint that rubs, under its name.
@@ -326,9 +317,8 @@ mod tests {
 
     #[test]
     fn bristles_turn_over_along_a_way_and_stay_bent_at_rest() {
-        let curve = Stribeck { coulomb: 4.0, stiction: 4.0, speed: 1.0, viscous: 0.0 };
-        let bristles = Bristles { stiffness: 400.0, damping: 0.0 };
-        let friction = Friction::new(&[curve]).unwrap().with_bristles(bristles).unwrap();
+        let text = "[a]\ncoulomb = 4.0\nstiffness = 400.0";
+        let friction = Friction::from_toml(text, &joints()).unwrap();
         let mut bent = Bent::default();
         let mut moved =
             |v: f64, rows: usize| (0..rows).fold(0.0, |_, _| friction.next(0, v, 0.001, &mut bent));

@@ -190,8 +190,9 @@ fn repeated_stamps_and_holes_are_dropped_with_a_profile_and_counted() {
     // Seven lost rows in a row are a gap.
     assert_eq!(parts.iter().map(Motion::n_rows).collect::<Vec<_>>(), [27, 23]);
     let report = logs.report();
-    assert_eq!((report.rows, report.repeated, report.not_finite), (50, 1, 8));
-    assert_eq!((report.went_back, report.first_back), (1, Some(12)));
+    let repairs = &report.repairs;
+    assert_eq!((report.rows, repairs.repeated_stamps, repairs.not_finite), (50, 1, 8));
+    assert_eq!((repairs.earlier_stamps, report.first_back), (1, Some(12)));
     assert!(matches!(strict, Err(LogError::NotFinite { .. } | LogError::TimeOrder { .. })));
     assert_eq!(repaired.read_all().unwrap().len(), 2);
     assert_eq!(repaired.report(), report);

@@ -3,8 +3,9 @@
 use crate::control::gains::Gains;
 use crate::control::knowledge::{Knowledge, sum};
 use crate::control::moving::Slopes;
+use crate::control::plant::Plant;
 use crate::control::reference::period;
-use crate::error::{Result, check_above_zero, check_joints};
+use crate::error::{Result, check_joints};
 use crate::state::State;
 use torquewise_motion::Motion;
 use torquewise_motion::path::Path;
@@ -39,13 +40,12 @@ impl Law {
 }
 
 /// A controller at work.
-pub struct Controller<'a> {
-    pub(crate) law: Law,
+pub(crate) struct Controller<'a> {
+    law: Law,
     known: &'a dyn Knowledge,
-    pub(crate) gains: Gains,
-    /// Commands are kept within ± this \[N·m\], n.
-    limit: Vec<f64>,
-    cutoff: f64,
+    gains: &'a Gains,
+    /// Commands are kept within the limits of its drives, velocities below the cut-off of its sensors.
+    plant: &'a Plant,
     pub(crate) period: f64,
     /// The way of the desired motion.
     path: Path,
@@ -55,56 +55,21 @@ pub struct Controller<'a> {
 }
 
 impl<'a> Controller<'a> {
-    /// A controller for a desired motion, whose rows are its ticks. Commands have no limit, and
-    /// velocities are plain differences.
-    ///
-    /// # Errors
-    /// `SimError::JointCount` or `SimError::Setting` if these do not belong together;
-    /// `SimError::Uneven` or `SimError::TooShort` for a motion without a rate.
-    pub fn new(law: Law, known: &'a dyn Knowledge, gains: &Gains, wanted: &Motion) -> Result<Self> {
-        let n = known.n_joints();
+    /// A controller for a desired motion, whose rows are its ticks.
+    pub(crate) fn new(
+        law: Law,
+        known: &'a dyn Knowledge,
+        gains: &'a Gains,
+        plant: &'a Plant,
+        wanted: &Motion,
+    ) -> Result<Self> {
+        let n = plant.arm.n_joints();
         gains.check(n)?;
         check_joints("the desired motion", wanted.n_joints(), n)?;
-        Ok(Self {
-            law,
-            known,
-            gains: gains.clone(),
-            limit: vec![f64::INFINITY; n],
-            cutoff: f64::INFINITY,
-            period: period(wanted)?,
-            path: known.path(),
-            integral: vec![0.0; n],
-            slopes: None,
-        })
-    }
-
-    /// The same with commands within ± `limit` \[N·m\], n: where a command is at its limit, the
-    /// integral does not grow any further.
-    ///
-    /// # Errors
-    /// `SimError::JointCount` or `SimError::Setting`.
-    pub fn with_limit(mut self, limit: &[f64]) -> Result<Self> {
-        check_joints("the limit of the torque", limit.len(), self.limit.len())?;
-        for &limit in limit {
-            check_above_zero("the limit of the torque [N·m]", limit)?;
-        }
-        self.limit = limit.to_vec();
-        Ok(self)
-    }
-
-    /// The same with velocities below a cut-off \[Hz\].
-    ///
-    /// # Errors
-    /// `SimError::Setting`.
-    pub fn with_cutoff(mut self, cutoff: f64) -> Result<Self> {
-        check_above_zero("the cut-off of the velocity [Hz]", cutoff)?;
-        self.cutoff = cutoff;
-        Ok(self)
-    }
-
-    /// Number of joints n.
-    pub fn n_joints(&self) -> usize {
-        self.limit.len()
+        check_joints("what is known", known.n_joints(), n)?;
+        let (period, integral) = (period(wanted)?, vec![0.0; n]);
+        let path = known.path();
+        Ok(Self { law, known, gains, plant, period, path, integral, slopes: None })
     }
 
     /// Torque command \[N·m\], n, at a tick where the encoders say `measured` \[rad\], n.
@@ -117,7 +82,7 @@ impl<'a> Controller<'a> {
         let error: Vec<f64> = sum(wanted.q.clone(), -1.0, measured);
         let [of_error, of_position] = self.slopes.get_or_insert_with(|| {
             let still = vec![0.0; measured.len()];
-            let slopes = |first: &[f64]| Slopes::new(self.period, self.cutoff, first);
+            let slopes = |first: &[f64]| Slopes::new(self.period, self.plant.sensors.cutoff, first);
             [slopes(&still), slopes(&wanted.dq)]
         });
         // Differences of the error rather than of the position: a delay of the one is harmless,
@@ -130,8 +95,9 @@ impl<'a> Controller<'a> {
             *integral += self.period * error;
         }
         let command = self.unlimited(wanted, [measured, &dq], [&error, &rate])?;
+        // Where a command is at its limit, the integral does not grow any further.
         for (joint, tau) in command.iter().enumerate() {
-            if tau.abs() > self.limit[joint] && tau * error[joint] > 0.0 {
+            if tau.abs() > self.plant.drive.limit[joint] && tau * error[joint] > 0.0 {
                 self.integral[joint] = before[joint];
             }
         }
@@ -153,7 +119,7 @@ impl<'a> Controller<'a> {
             let rigid = self.known.rigid(q, dq, &asked.collect::<Vec<_>>())?;
             return Ok(sum(rigid, 1.0, &self.known.friction(&self.path, &wanted.dq)?));
         }
-        let Gains { proportional, integral, derivative, .. } = &self.gains;
+        let Gains { proportional, integral, derivative, .. } = self.gains;
         let feedback = (0..error.len()).map(|i| {
             proportional[i] * error[i] + integral[i] * self.integral[i] + derivative[i] * rate[i]
         });
@@ -169,7 +135,7 @@ impl<'a> Controller<'a> {
     }
 
     fn within(&self, mut command: Vec<f64>) -> Vec<f64> {
-        for (tau, &limit) in command.iter_mut().zip(&self.limit) {
+        for (tau, &limit) in command.iter_mut().zip(&self.plant.drive.limit) {
             *tau = tau.clamp(-limit, limit);
         }
         command

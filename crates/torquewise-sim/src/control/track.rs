@@ -5,7 +5,7 @@ use crate::control::gains::Gains;
 use crate::control::knowledge::Knowledge;
 use crate::control::moving::Moving;
 use crate::control::plant::Plant;
-use crate::error::{Result, check_joints};
+use crate::error::Result;
 use crate::state::State;
 use faer::Mat;
 use torquewise_motion::Motion;
@@ -34,14 +34,21 @@ pub struct Tracking {
 /// With [`Law::HandGuiding`] a hand leads the arm: a spring and a damper with the gains of the
 /// controller, pulling at every joint. The torque of the hand says how heavy the arm feels.
 ///
+/// Commands are kept within the limits of the drives, velocities below the cut-off of the sensors.
+///
 /// # Errors
 /// `SimError::JointCount` if they are of different arms; `SimError::Diverged` for a
 /// loop that is unstable.
-pub fn track(plant: &Plant, controller: &mut Controller<'_>, wanted: &Motion) -> Result<Tracking> {
-    let hand = (controller.law == Law::HandGuiding).then(|| controller.gains.clone());
+pub fn track(
+    plant: &Plant,
+    law: Law,
+    known: &dyn Knowledge,
+    gains: &Gains,
+    wanted: &Motion,
+) -> Result<Tracking> {
+    let mut controller = Controller::new(law, known, gains, plant, wanted)?;
+    let hand = (law == Law::HandGuiding).then_some(gains);
     let (m, n) = (wanted.n_rows(), plant.arm.n_joints());
-    check_joints("the desired motion", wanted.n_joints(), n)?;
-    check_joints("the controller", controller.n_joints(), n)?;
     let first = State::of(wanted, 0);
     let mut moving = Moving::new(plant, &first.q, &first.dq)?;
     let [mut q, mut dq, mut error, mut tau, mut led] = std::array::from_fn(|_| Mat::zeros(m, n));
@@ -52,7 +59,7 @@ pub fn track(plant: &Plant, controller: &mut Controller<'_>, wanted: &Motion) ->
         let command = controller.command(&target, &measured)?;
         let pull: Vec<f64> = (0..n)
             .map(|i| {
-                hand.as_ref().map_or(0.0, |hand| {
+                hand.map_or(0.0, |hand| {
                     let [e, de] = [target.q[i] - moving.q()[i], target.dq[i] - moving.dq()[i]];
                     hand.proportional[i] * e + hand.derivative[i] * de
                 })
@@ -78,8 +85,6 @@ pub fn track(plant: &Plant, controller: &mut Controller<'_>, wanted: &Motion) ->
 /// Lets each law drive the plant along the same desired motion with the same gains, each on a
 /// thread of its own.
 ///
-/// Commands are kept within the limits of the drives, velocities below the cut-off of the sensors.
-///
 /// # Errors
 /// Those of [`track`], of the first law that has one.
 pub fn compare(
@@ -90,12 +95,7 @@ pub fn compare(
     wanted: &Motion,
 ) -> Result<Vec<Tracking>> {
     plant.check()?;
-    let run = |law: Law| {
-        let controller = Controller::new(law, known, gains, wanted)?;
-        let controller = controller.with_limit(&plant.drive.limit)?;
-        let mut controller = controller.with_cutoff(plant.sensors.cutoff)?;
-        track(plant, &mut controller, wanted)
-    };
+    let run = |law: Law| track(plant, law, known, gains, wanted);
     std::thread::scope(|scope| {
         let running: Vec<_> = laws.iter().map(|&law| scope.spawn(move || run(law))).collect();
         let done = running

@@ -1,9 +1,9 @@
 //! The tree of links and joints of a URDF: which links move as one, and the joint that leaves them.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
-use crate::arm::{check_body, check_finite};
+use crate::arm::{check_body, check_finite, direction};
 use crate::error::{Result, SimError};
-use crate::spatial::{Body, Pose};
+use crate::spatial::{Body, Pose, shifted_turned, with_z_along};
 use crate::urdf::robot::{Joint, Link, Origin, Robot};
 use std::collections::{HashMap, HashSet};
 
@@ -23,8 +23,14 @@ pub(crate) struct Welded<'a> {
     exits: Vec<(&'a Joint, Pose)>,
 }
 
-/// A joint that moves, its frame in that of the link before, and what hangs on it.
-pub(crate) type Hinge<'a> = (&'a Joint, Pose, Welded<'a>);
+/// A joint that moves, and what hangs on it.
+pub(crate) struct Hinge<'a> {
+    pub(crate) joint: &'a Joint,
+    /// Its frame, turned so that z is the axis, in that of the joint before and in that of its link.
+    pub(crate) X_PJ: Pose,
+    pub(crate) X_LJ: Pose,
+    pub(crate) after: Welded<'a>,
+}
 
 impl<'a> Tree<'a> {
     /// Resolves names and checks that the joints make one tree and that those left unlocked turn or slide.
@@ -108,10 +114,13 @@ impl<'a> Tree<'a> {
     pub(crate) fn chain(&self) -> Result<(Welded<'a>, Vec<Hinge<'a>>)> {
         let base = self.welded(self.root)?;
         let (mut exit, mut joints) = (self.only_exit(&base)?, Vec::new());
-        while let Some((joint, X_PJ)) = exit {
+        let mut X_PL = Pose::identity();
+        while let Some((joint, X_LL)) = exit {
             let after = self.welded(&joint.child)?;
             exit = self.only_exit(&after)?;
-            joints.push((joint, X_PJ, after));
+            let X_LJ = with_z_along(&direction(&joint.name, joint.axis)?);
+            joints.push(Hinge { joint, X_PJ: X_PL * X_LL * X_LJ, X_LJ, after });
+            X_PL = X_LJ.inverse();
         }
         Ok((base, joints))
     }
@@ -220,5 +229,5 @@ fn body_of(link: &Link) -> Result<Body> {
 fn pose(name: &str, origin: &Origin) -> Result<Pose> {
     check_finite("origin", name, &origin.xyz)?;
     check_finite("origin", name, &origin.rpy)?;
-    Ok(Pose::from_xyz_rpy(origin.xyz, origin.rpy))
+    Ok(shifted_turned(origin.xyz, origin.rpy))
 }

@@ -144,7 +144,9 @@ fn rows_are_thinned_and_ends_dropped_unless_all_are_wanted() {
 #[test]
 fn a_coarse_current_is_told() {
     let mut raw = measure(&BAD);
-    torque_of(&mut raw).iter_mut().for_each(|tau| *tau = (*tau / 4.0).round() * 4.0);
+    for tau in torque_of(&mut raw) {
+        *tau = (*tau / 4.0).round() * 4.0;
+    }
 
     let report = condition(&raw, &Conditioning::default()).unwrap().report;
 
