@@ -66,14 +66,12 @@ mod sink;
 #[cfg(feature = "formats")]
 mod parquet_sink;
 pub mod table;
-pub mod log_writer;
 
 pub use conditioned::ConditionedLogs;
 pub use error::{LogError, Place};
 pub use format::{is_bag, is_log};
 pub use frame::Frame;
 pub use log_input::{HeldBytes, LogInput};
-pub use log_writer::{LogWriter, write_motion};
 pub use logs::Logs;
 #[cfg(feature = "formats")]
 pub use preview::preview;
@@ -83,4 +81,4 @@ pub use sink::{Column, Values};
 pub use source::Options;
 #[cfg(feature = "formats")]
 pub use suggest::{Suggestion, suggest};
-pub use table::TableWriter;
+pub use table::{LogWriter, TableWriter, write_motion};

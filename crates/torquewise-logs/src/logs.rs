@@ -11,8 +11,7 @@ use crate::source::{Options, Source};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use torquewise_motion::signals::Raw;
-use torquewise_motion::signals::Signal;
+use torquewise_motion::signals::{Raw, Signal};
 use torquewise_motion::{Motion, ReadResult, Recording, Repairs, Visit};
 
 /// Log files of one arm.
@@ -74,7 +73,7 @@ impl Logs {
     /// As [`open_with`](Self::open_with).
     pub fn of_inputs(files: &[LogInput], options: &Options) -> Result<Self> {
         let sources = files.iter().map(|file| Source::open(file, options));
-        Self::of_sources(sources.collect::<Result<_>>()?, files.iter().map(PathBuf::from).collect())
+        Self::of_sources(sources.collect::<Result<_>>()?)
     }
 
     /// Reads tables in memory instead of files; each has a label, which stands for the name of a
@@ -86,12 +85,12 @@ impl Logs {
         let open = |(label, frame): &(PathBuf, Arc<dyn Frame>)| {
             Source::of_frame(label, frame.clone(), options)
         };
-        let sources = frames.iter().map(open).collect::<Result<Vec<_>, _>>()?;
-        Self::of_sources(sources, frames.iter().map(|(label, _)| label.clone()).collect())
+        Self::of_sources(frames.iter().map(open).collect::<Result<_>>()?)
     }
 
-    fn of_sources(sources: Vec<Source>, paths: Vec<PathBuf>) -> Result<Self> {
+    fn of_sources(sources: Vec<Source>) -> Result<Self> {
         let joints = agreed_joints(&sources)?;
+        let paths = sources.iter().map(|source| (&source.file).into()).collect();
         let readings = Arc::new(Mutex::new(vec![Reading::default(); sources.len()]));
         Ok(Self { sources, paths, joints, readings })
     }

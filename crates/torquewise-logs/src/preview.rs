@@ -2,7 +2,8 @@
 
 use crate::error::Result;
 use crate::log_input::LogInput;
-use crate::source::{first_values, named_rows};
+use crate::rows::Rows;
+use crate::source::named_rows;
 use serde::Serialize;
 
 /// Columns that are shown at most.
@@ -35,6 +36,20 @@ pub fn preview(file: &LogInput, rows: usize) -> Result<Vec<PreviewColumn>> {
     });
     let columns = names.into_iter().zip(values);
     Ok(columns.map(|(name, values)| PreviewColumn { name, values }).collect())
+}
+
+/// First values of some columns of a log.
+pub(crate) fn first_values(
+    mut log: Box<dyn Rows>,
+    columns: &[usize],
+    most: usize,
+) -> Result<Vec<Vec<f64>>> {
+    log.choose(columns)?;
+    let (mut row, mut values) = (vec![0.0; columns.len()], vec![Vec::new(); columns.len()]);
+    while values.first().is_some_and(|own| own.len() < most) && log.next(&mut row)? {
+        values.iter_mut().zip(&row).for_each(|(own, value)| own.push(*value));
+    }
+    Ok(values)
 }
 
 #[cfg(test)]

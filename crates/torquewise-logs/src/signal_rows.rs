@@ -184,7 +184,8 @@ impl SignalRows {
         let name = self.rows.names().get(self.mapping.chosen[chosen]).cloned();
         let (place, column) = (self.place(), name.unwrap_or_default());
         if self.rows.is_null(chosen) {
-            return Err(LogError::Null { place, column });
+            let problem = format!(", column {column} has no value (null)");
+            return Err(LogError::unusable(place, &problem, "fill it or drop the row"));
         }
         let value = at_fault.map_or(value, |place| self.raw[*place]);
         Err(LogError::NotFinite { place, column, value })

@@ -4,7 +4,7 @@
 use crate::arrays::ArrayRows;
 #[cfg(feature = "formats")]
 use crate::bag::{BagRows, Survey};
-use crate::beside::{Beside, ClockColumn, SideBySide};
+use crate::beside::{ClockColumn, SideBySide};
 use crate::by_profile::by_profile;
 use crate::csv_rows::CsvRows;
 use crate::error::{LogError, Result};
@@ -148,9 +148,8 @@ impl Source {
         if self.beside.is_empty() {
             return Ok(log);
         }
-        let beside = |(name, file): &(String, LogInput)| {
-            Ok(Beside { file: file.into(), name: name.clone(), rows: named_rows(file)? })
-        };
+        let beside =
+            |(name, file): &(String, LogInput)| Ok((name.clone(), file.into(), named_rows(file)?));
         let beside = self.beside.iter().map(beside).collect::<Result<_>>()?;
         Ok(Box::new(SideBySide::new(((&self.file).into(), log), beside, self.clock_column.clone())))
     }
@@ -169,20 +168,6 @@ fn lines_of(file: &LogInput) -> Option<u64> {
 /// The rows of any file as they stand, of a bag all joints of its first message.
 pub(crate) fn named_rows(file: &LogInput) -> Result<Box<dyn Rows>> {
     Origin::of(file, None, &[])?.rows(file)
-}
-
-/// First values of some columns of a log.
-pub(crate) fn first_values(
-    mut log: Box<dyn Rows>,
-    columns: &[usize],
-    most: usize,
-) -> Result<Vec<Vec<f64>>> {
-    log.choose(columns)?;
-    let (mut row, mut values) = (vec![0.0; columns.len()], vec![Vec::new(); columns.len()]);
-    while values.first().is_some_and(|own| own.len() < most) && log.next(&mut row)? {
-        values.iter_mut().zip(&row).for_each(|(own, value)| own.push(*value));
-    }
-    Ok(values)
 }
 
 impl Origin {

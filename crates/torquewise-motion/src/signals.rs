@@ -21,7 +21,6 @@
 //! ```
 
 mod butterworth;
-mod zero_phase;
 mod spline;
 mod resample;
 mod noise;
@@ -30,7 +29,6 @@ mod cutoff;
 mod derivative;
 mod delay;
 mod raw;
-mod settings;
 mod clean;
 mod plan;
 mod smooth;
@@ -44,9 +42,8 @@ pub use clean::Outliers;
 pub use condition::{Conditioned, condition};
 pub use delay::Shift;
 pub use noise::Quantisation;
-pub use plan::Plan;
+pub use plan::{Conditioning, Cutoff, Plan};
 pub use raw::{Raw, Signal};
 pub use report::{ConditionReport, CutoffFrom, SignalReport};
 pub use resample::Timing;
-pub use settings::{Conditioning, Cutoff};
 pub use spline::lagrange;

@@ -6,9 +6,8 @@ use crate::spatial::{Body, Pose, is_positive_semidefinite, placement, pose};
 use nalgebra::{Unit, Vector3};
 use std::f64::consts::PI;
 use torquewise_motion::unfit_joint_name;
-use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::recursion::PER_BODY;
-use torquewise_rigid::{JointKind, JointKinds, Kinematics};
+use torquewise_rigid::{Geometry, JointKind, JointKinds, Kinematics};
 
 /// Gravity \[m/s²\] where none is given: along −z of the world.
 pub(crate) const STANDARD_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
@@ -153,12 +152,8 @@ pub struct ArmParts {
     pub name: String,
     /// Joint names, base to tip, n.
     pub joints: Vec<String>,
-    /// Which of them turn and which slide.
-    pub kinds: JointKinds,
-    /// The frame of each joint at q = 0 in the one before, z the axis, n.
-    pub placements: Vec<Placement>,
-    /// Gravity in the frame of the base \[m/s²\].
-    pub gravity: [f64; 3],
+    /// Where their axes lie, and gravity.
+    pub geometry: Geometry,
     /// Inertial parameters of each body in the frame of its joint, 10n.
     pub inertial: Vec<f64>,
     /// Rotors as felt at their joints \[kg·m²\], n.
@@ -173,12 +168,13 @@ impl Arm {
     /// # Errors
     /// The variant of [`SimError`] that names the joint or number at fault.
     pub fn from_parts(parts: ArmParts) -> Result<Self> {
-        let ArmParts { name, joints, kinds, placements, gravity, inertial, rotors, limits } = parts;
-        let frames = joints.into_iter().zip(placements).zip(inertial.chunks_exact(PER_BODY));
+        let ArmParts { name, joints, geometry, inertial, rotors, limits } = parts;
+        let frames =
+            joints.into_iter().zip(geometry.placements()).zip(inertial.chunks_exact(PER_BODY));
         let frames = frames.zip(rotors.into_iter().zip(limits));
         let all = frames.enumerate().map(|(k, frame)| {
             let (((name, placement), body), (rotor, (range, velocity))) = frame;
-            let kind = kinds.of(k);
+            let kind = geometry.kinds().of(k);
             let joint = Joint {
                 kind,
                 X_PJ: pose(&placement),
@@ -189,7 +185,7 @@ impl Arm {
             };
             (name, joint)
         });
-        Self::new(name, gravity, all.collect())
+        Self::new(name, geometry.gravity(), all.collect())
     }
 }
 

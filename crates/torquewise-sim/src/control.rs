@@ -26,13 +26,11 @@ pub mod reference;
 pub mod knowledge;
 pub mod gains;
 pub mod controller;
-pub mod track;
 pub mod record;
 
-pub use controller::Law;
+pub use controller::{Law, Tracking, compare, track};
 pub use gains::{Gains, mean_inertia};
 pub use knowledge::{Knowledge, Learned};
 pub use plant::{Drive, Plant, Sensors};
 pub use record::record;
 pub use reference::{Periodic, periodic};
-pub use track::{Tracking, compare, track};

@@ -12,8 +12,7 @@ use torquewise_rigid::JointKind;
 #[serde(deny_unknown_fields)]
 struct Table {
     name: String,
-    #[serde(default = "standard_gravity")]
-    gravity: [f64; 3],
+    gravity: Option<[f64; 3]>,
     #[serde(default)]
     base_rpy: [f64; 3],
     joints: Vec<Row>,
@@ -36,10 +35,6 @@ struct Row {
     range: Option<[f64; 2]>,
     #[serde(default)]
     kind: JointKind,
-}
-
-fn standard_gravity() -> [f64; 3] {
-    STANDARD_GRAVITY
 }
 
 impl Arm {
@@ -99,7 +94,7 @@ impl Arm {
             joints.push((row.name, joint));
             X_PF = X_JF;
         }
-        Self::new(table.name, table.gravity, joints)
+        Self::new(table.name, table.gravity.unwrap_or(STANDARD_GRAVITY), joints)
     }
 }
 

@@ -73,14 +73,9 @@ const WIDTH: f64 = 1e-3;
 
 #[derive(Deserialize)]
 struct Table {
-    #[serde(default = "default_width")]
-    width: f64,
+    width: Option<f64>,
     #[serde(flatten)]
     joints: BTreeMap<String, Row>,
-}
-
-fn default_width() -> f64 {
-    WIDTH
 }
 
 #[derive(Deserialize)]
@@ -156,7 +151,7 @@ impl Friction {
             Some((joint, _)) => {
                 Err(SimError::UnknownJoint { what: "friction", joint, known: joints.join(", ") })
             }
-            None => Self::checked(curves, bristles, table.width),
+            None => Self::checked(curves, bristles, table.width.unwrap_or(WIDTH)),
         }
     }
 

@@ -112,27 +112,10 @@ impl Body {
 }
 
 /// Whether no principal moment of a symmetric matrix is negative, up to rounding.
-///
-/// All principal minors are compared with 0, after scaling to the largest entry so that no
-/// product overflows.
 pub(crate) fn is_positive_semidefinite(inertia: &Matrix3<f64>) -> bool {
     let scale = inertia.amax();
-    if scale == 0.0 {
-        return true;
-    }
-    let unit = inertia / scale;
-    let minor = |i: usize, j: usize| unit[(i, i)] * unit[(j, j)] - unit[(i, j)] * unit[(j, i)];
-    let minors = [
-        unit[(0, 0)],
-        unit[(1, 1)],
-        unit[(2, 2)],
-        minor(0, 1),
-        minor(0, 2),
-        minor(1, 2),
-        unit.determinant(),
-    ];
     // Tables are printed to six digits or so: a flat body may come out a little negative.
-    minors.iter().all(|&minor| minor >= -1e-6)
+    scale == 0.0 || (inertia / scale).symmetric_eigenvalues().min() >= -1e-6
 }
 
 #[cfg(test)]

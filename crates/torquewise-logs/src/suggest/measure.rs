@@ -2,8 +2,9 @@
 
 use crate::error::Result;
 use crate::log_input::LogInput;
+use crate::preview::first_values;
 use crate::profile::unit::of_step;
-use crate::source::{first_values, named_rows};
+use crate::source::named_rows;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use torquewise_motion::signals::Signal;

@@ -1,14 +1,13 @@
 //! Pieces of logs at several bandwidths, with the raw torque (E12).
 
 use crate::error::{MotionError, Result};
-use crate::memory::Memory;
+use crate::motion::Memory;
 use crate::path::{Path, TRAVELS};
 use crate::signals::clean::Even;
 use crate::signals::cutoff::{HIGHEST, LOWEST};
 use crate::signals::delay::shift_at;
-use crate::signals::plan::Plan;
+use crate::signals::plan::{Conditioning, Cutoff, Plan};
 use crate::signals::raw::{Raw, Signal};
-use crate::signals::settings::{Conditioning, Cutoff};
 use crate::signals::smooth::{Smooth, filter, smooth};
 use crate::stats::whole;
 use crate::{Motion, Signals};

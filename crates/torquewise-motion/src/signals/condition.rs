@@ -5,11 +5,10 @@ use crate::error::{MotionError, Result};
 use crate::signals::clean::Even;
 use crate::signals::delay::{Shift, lag};
 use crate::signals::noise::{quantisation, standstill, white_noise};
-use crate::signals::plan::Plan;
+use crate::signals::plan::{Conditioning, Cutoff, Plan};
 use crate::signals::raw::{Raw, Signal};
 use crate::signals::report::{ConditionReport, CutoffFrom, SignalReport};
 use crate::signals::resample::timing;
-use crate::signals::settings::{Conditioning, Cutoff};
 use crate::signals::smooth::{filter, smooth};
 use faer::Mat;
 

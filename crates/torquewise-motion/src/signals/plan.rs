@@ -1,4 +1,4 @@
-//! The plan of conditioning: what every part of a log goes through.
+//! Settings and plan of conditioning: what every part of a log goes through.
 
 use crate::error::{MotionError, Result};
 use crate::signals::butterworth::{low_pass, settle_time};
@@ -7,7 +7,6 @@ use crate::signals::cutoff::above_motion;
 use crate::signals::delay::TAPS;
 use crate::signals::derivative::REACH;
 use crate::signals::raw::{Raw, Signal};
-use crate::signals::settings::{Conditioning, Cutoff};
 use crate::stats::whole;
 
 /// Samples per period of the cut-off that are kept.
@@ -17,6 +16,49 @@ const SETTLED: f64 = 0.01;
 const MAX_TRIM: f64 = 0.1;
 /// What the ends of a block may still matter to the rows that leave it.
 const FORGOTTEN: f64 = 1e-13;
+
+/// The cut-off of the low-pass filter that all signals pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cutoff {
+    /// Eight times the frequency of the motion.
+    Auto,
+    /// This many \[Hz\]; half the amplitude passes there.
+    Hz(f64),
+    /// No filter.
+    Off,
+}
+
+/// How raw signals are conditioned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditioning {
+    /// Of the low-pass filter.
+    pub cutoff: Cutoff,
+    /// Whether only so many rows are kept as the cut-off asks for: eight times it per second.
+    pub thins: bool,
+    /// Seconds by which the torque lags the motion: it is advanced by as much.
+    pub delay: f64,
+    /// Whether both ends are dropped until the filter has settled to 1 %, at most a tenth of the
+    /// trajectory at each.
+    pub trims: bool,
+}
+
+impl Default for Conditioning {
+    /// Everything by itself: cut-off above the motion, no delay.
+    fn default() -> Self {
+        Self { cutoff: Cutoff::Auto, thins: true, delay: 0.0, trims: true }
+    }
+}
+
+impl Conditioning {
+    /// Refuses what no log could be conditioned with.
+    pub(crate) fn check(&self) -> Result<()> {
+        if self.delay.is_finite() && self.delay.abs() <= 1.0 {
+            return Ok(());
+        }
+        let expected = "within 1 s: it is in seconds";
+        Err(MotionError::Setting { what: "delay of the torque", value: self.delay, expected })
+    }
+}
 
 /// All that is decided about a log before its rows are conditioned, so that any part of it, or
 /// another trajectory of the same arm, can be conditioned alike.

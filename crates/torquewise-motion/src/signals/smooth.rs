@@ -1,13 +1,12 @@
 //! Filtered q, q̇, q̈, τ, and the rows of them that are kept.
 
 use crate::error::Result;
-use crate::signals::butterworth::low_pass;
+use crate::signals::butterworth::{filtfilt, low_pass};
 use crate::signals::clean::Even;
 use crate::signals::delay::shift;
 use crate::signals::derivative::even_derivative;
 use crate::signals::plan::Plan;
 use crate::signals::raw::{Raw, Signal, matrix};
-use crate::signals::zero_phase::filtfilt;
 use crate::{Motion, Signals};
 use std::ops::Range;
 

@@ -54,14 +54,7 @@ struct WeldedLink {
 
 /// A body as a URDF has it, in the frame of its link.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UrdfInertial {
-    /// \[kg\]
-    pub mass: f64,
-    /// Centre of mass \[m\].
-    pub center: [f64; 3],
-    /// Moments about the centre of mass, axes those of the link: xx, yy, zz, xy, xz, yz \[kg·m²\].
-    pub moments: [f64; 6],
-}
+pub struct UrdfInertial(pub(crate) Body);
 
 impl UrdfChain {
     /// The chain of the named joints: all others are locked. Where the file has none of the names,
@@ -117,7 +110,7 @@ impl UrdfChain {
         locked.extend_from_slice(named);
         let tree = Tree::new(robot, &locked)?;
         let links = |welded: &Welded<'_>| -> Vec<String> {
-            welded.links.iter().map(|(link, _)| (*link).to_owned()).collect()
+            welded.links.iter().map(|(link, ..)| (*link).to_owned()).collect()
         };
         let (base, chain) = tree.chain()?;
         let (mut joints, mut placements) = (Vec::new(), Vec::new());
@@ -180,21 +173,13 @@ impl UrdfJoint {
                 continue;
             }
             let first = self.links.first().cloned().unwrap_or_default();
-            let mut changes = vec![(first, Some(UrdfInertial::of(&rest)))];
+            let mut changes = vec![(first, Some(UrdfInertial(rest)))];
             let emptied = others.iter().filter(|link| !stay(link));
             changes.extend(emptied.map(|link| (link.name.clone(), None)));
             let all_stay = changes.len() == 1;
             return (changes, all_stay);
         }
         (Vec::new(), true)
-    }
-}
-
-impl UrdfInertial {
-    fn of(Body { mass, com, inertia }: &Body) -> Self {
-        let [xx, yy, zz] = [inertia.m11, inertia.m22, inertia.m33];
-        let moments = [xx, yy, zz, inertia.m12, inertia.m13, inertia.m23];
-        Self { mass: *mass, center: (*com).into(), moments }
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::signals::condition;
+use crate::signals::plan::{Conditioning, Cutoff};
 use crate::signals::raw::Signal;
-use crate::signals::settings::{Conditioning, Cutoff};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

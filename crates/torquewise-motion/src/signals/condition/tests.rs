@@ -1,7 +1,7 @@
 //! A pendulum whose motion and torque are known, measured badly.
 
 use super::*;
-use crate::signals::settings::Cutoff;
+use crate::signals::plan::Cutoff;
 use approx::assert_abs_diff_eq;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
