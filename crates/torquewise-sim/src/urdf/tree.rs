@@ -36,11 +36,10 @@ impl<'a> Tree<'a> {
     pub(crate) fn new(robot: &'a Robot, locked: &'a [String]) -> Result<Self> {
         let links = by_name("link", robot.links.iter().map(|link| (link.name.as_str(), link)))?;
         let joints = by_name("joint", robot.joints.iter().map(|j| (j.name.as_str(), j)))?;
-        let locked: HashSet<&str> = locked.iter().map(String::as_str).collect();
-        if let Some(unknown) = locked.iter().find(|name| !joints.contains_key(*name)) {
+        if let Some(unknown) = locked.iter().find(|name| !joints.contains_key(name.as_str())) {
             let moving = robot.joints.iter().filter(|j| j.kind != "fixed");
             let known = moving.map(|j| j.name.as_str()).collect::<Vec<_>>().join(", ");
-            return Err(SimError::UnknownLocked { joint: (*unknown).into(), known });
+            return Err(SimError::UnknownLocked { joint: unknown.clone(), known });
         }
 
         let root = only_root(robot, &links)?;
@@ -48,6 +47,7 @@ impl<'a> Tree<'a> {
         for joint in &robot.joints {
             below.entry(joint.parent.as_str()).or_default().push(joint);
         }
+        let locked = locked.iter().map(String::as_str).collect();
         let tree = Self { links, below, root, locked };
         tree.check_loops(robot)?;
         tree.check_types(robot)?;
