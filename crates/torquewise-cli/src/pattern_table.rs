@@ -5,7 +5,7 @@ use crate::files::staged;
 use crate::table::Table;
 use std::path::Path;
 use torquewise::inspect::count_patterns;
-use torquewise::logs::{Column, ColumnKind, LogError, TableWriter, Values};
+use torquewise::logs::{Column, LogError, TableWriter, Values};
 use torquewise::motion::Pattern;
 
 pub(crate) struct PatternTable {
@@ -17,7 +17,7 @@ pub(crate) struct PatternTable {
 impl PatternTable {
     pub(crate) fn create(file: Option<&Path>) -> Result<Self> {
         let columns =
-            [Column::new("row", ColumnKind::Count), Column::new("pattern", ColumnKind::Text)];
+            [Column::new("row", Values::Counts(&[])), Column::new("pattern", Values::Texts(&[]))];
         let create = |file| -> Result<_> { Ok(TableWriter::create(&staged(file)?, &columns)?) };
         Ok(Self { writer: file.map(create).transpose()?, rows: 0, counts: [0; 3] })
     }

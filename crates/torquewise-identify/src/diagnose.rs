@@ -8,7 +8,7 @@ use torquewise_model::print::weighted_friction;
 use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::term::Sum;
 use torquewise_model::{FrictionTerm, Model, Term, Torque, Weighted};
-use torquewise_motion::memory::Memory;
+use torquewise_motion::motion::Memory;
 use torquewise_motion::path::Path;
 use torquewise_motion::{Motion, Pattern, Recording};
 use torquewise_stepwise::error::IdentifyError;

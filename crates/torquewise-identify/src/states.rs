@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use torquewise_model::term::Factor;
 use torquewise_model::{EnergyTerm, FrictionTerm, Place, Trig};
 use torquewise_motion::Motion;
-use torquewise_motion::memory::Memory;
+use torquewise_motion::motion::Memory;
 
 /// States of an arm, each sine and cosine of them once.
 pub(crate) struct States {

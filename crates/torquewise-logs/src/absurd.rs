@@ -1,6 +1,6 @@
 //! Rows with a value that no motion leads to: a flipped bit, a sensor that dropped out.
 
-use crate::signal::Signal;
+use torquewise_motion::signals::Signal;
 
 /// Rows in a row that may be absurd; more are taken for what happened.
 pub(crate) const LONGEST: usize = 3;

@@ -1,19 +1,15 @@
 //! Rows of a log joined with those of further files.
 
 use crate::error::{LogError, Place, Result};
-use crate::rows::{Irregular, Rows};
+use crate::rows::Rows;
 use std::path::PathBuf;
 
 /// Clocks may differ by this \[s\], and by a few roundings of a long time.
 const CLOCK_TOLERANCE: f64 = 1e-6;
 
-/// A file with the same rows as the log.
-pub(crate) struct Beside {
-    pub(crate) file: PathBuf,
-    /// What its columns are called with: `NAME.column`.
-    pub(crate) name: String,
-    pub(crate) rows: Box<dyn Rows>,
-}
+/// A file with the same rows as the log: what its columns are called with (`NAME.column`), where it
+/// is, and its rows.
+pub(crate) type Beside = (String, PathBuf, Box<dyn Rows>);
 
 /// The clock of the log: name of its column, and seconds of its unit.
 pub(crate) type ClockColumn = (String, f64);
@@ -44,7 +40,7 @@ impl SideBySide {
         let mut names = log.1.names().to_vec();
         let part = |file, rows, first| Part { file, rows, first, row: Vec::new(), clock: None };
         let mut parts = vec![part(log.0, log.1, 0)];
-        for Beside { file, name, rows } in beside {
+        for (name, file, rows) in beside {
             let first = names.len();
             names.extend(rows.names().iter().map(|column| format!("{name}.{column}")));
             parts.push(part(file, rows, first));
@@ -150,7 +146,7 @@ impl Rows for SideBySide {
         self.parts[0].rows.place()
     }
 
-    fn irregular(&self) -> Irregular {
+    fn irregular(&self) -> [u64; 2] {
         self.parts[0].rows.irregular()
     }
 }

@@ -3,10 +3,10 @@
 use crate::absurd::{LONGEST, absurd};
 use crate::error::{LogError, Result};
 use crate::gaps::UsualStep;
-use crate::signal::Signal;
 use crate::signal_rows::{Origin, SignalRows};
 use faer::Mat;
 use torquewise_motion::signals::Raw;
+use torquewise_motion::signals::Signal;
 use torquewise_motion::{BLOCK_ROWS, HALF_WINDOW, Motion, MotionError, Signals, derivative};
 
 /// The blocks of one log file.
@@ -36,8 +36,6 @@ pub(crate) struct Blocks {
     at_end_of_file: bool,
     pub(crate) usual_step: Option<UsualStep>,
     trajectory: usize,
-    /// Gaps at which a trajectory ended so far.
-    pub(crate) gaps: u64,
     /// Where the rows of `columns` come from.
     origins: Vec<Origin>,
 }
@@ -61,7 +59,6 @@ impl Blocks {
             at_end_of_file: false,
             usual_step: None,
             trajectory: 0,
-            gaps: 0,
             origins: Vec::new(),
         }
     }
@@ -88,7 +85,7 @@ impl Blocks {
         if rows > 0 {
             return Ok(Some(rows));
         }
-        if self.rows.report().rows > 0 {
+        if self.rows.report.rows > 0 {
             return Ok(None);
         }
         Err(self.rows.none_left())
@@ -117,7 +114,7 @@ impl Blocks {
         while self.known < t.len() && !self.ended {
             let another = self.origins[self.known].part != self.origins[self.known - 1].part;
             let gap = !another && usual.is_gap(t[self.known] - t[self.known - 1]);
-            self.gaps += u64::from(gap);
+            self.rows.report.repairs.splits += u64::from(gap);
             self.ended = another || gap;
             self.known += usize::from(!self.ended);
         }
@@ -148,7 +145,7 @@ impl Blocks {
             }
             gone.sort_unstable();
             gone.dedup();
-            self.rows.report.absurd += gone.len() as u64;
+            self.rows.report.repairs.absurd += gone.len() as u64;
             for &row in gone.iter().rev() {
                 self.columns.iter_mut().for_each(|column| {
                     column.remove(row);
@@ -203,27 +200,25 @@ impl Blocks {
     }
 
     pub(crate) fn block(&self, rows: usize) -> Result<Motion> {
-        let Raw { joints, t, q, dq, ddq, tau } = self.raw_block(rows)?;
+        let (start, end) = (self.done, self.done + rows);
+        let [q, dq, ddq, tau] = Signal::ALL.map(|signal| self.signal(signal, start, end));
+        let q = q.ok_or_else(|| self.refused(start, MotionError::Missing("q")))?;
         let has_dq = dq.is_some();
         let dq = dq.map_or_else(|| self.derived(Signal::Q, 1, rows), Ok)?;
         let (signal, order) = if has_dq { (Signal::Dq, 1) } else { (Signal::Q, 2) };
         let ddq = ddq.map_or_else(|| self.derived(signal, order, rows), Ok)?;
+        let (joints, t) = (self.joints.clone(), self.columns[0][start..end].to_vec());
         Motion::new(Signals { joints, t, q, dq, ddq, tau })
-            .map_err(|source| self.refused(self.done, source))
+            .map_err(|source| self.refused(start, source))
     }
 
-    pub(crate) fn raw_block(&self, rows: usize) -> Result<Raw> {
-        let (start, end) = (self.done, self.done + rows);
-        let part = |signal| self.signal(signal, start, end);
-        let no_q = || self.refused(start, MotionError::Missing("q"));
-        Ok(Raw {
-            joints: self.joints.clone(),
-            t: self.columns[0][start..end].to_vec(),
-            q: part(Signal::Q).ok_or_else(no_q)?,
-            dq: part(Signal::Dq),
-            ddq: part(Signal::Ddq),
-            tau: part(Signal::Tau),
-        })
+    pub(crate) fn raw_block(&self, rows: usize) -> Raw {
+        let part = |column: &Vec<f64>| column[self.done..self.done + rows].to_vec();
+        let signals = Signal::ALL.map(|signal| {
+            let first = self.rows.mapping.slot(signal)?;
+            Some(self.columns[first..first + self.joints.len()].iter().map(part).collect())
+        });
+        Raw { joints: self.joints.clone(), t: part(&self.columns[0]), signals }
     }
 
     /// Number in the file of the row at `place` of `columns`.

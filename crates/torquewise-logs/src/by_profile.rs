@@ -1,13 +1,13 @@
 //! The mapping of columns that a profile says.
 
-use crate::error::{LogError, Result, shown};
+use crate::error::{LogError, Result, listed, shown};
 use crate::joints;
 use crate::mapping::{Mapping, Ranges, Slot, Time};
 use crate::profile::unit::{factor, time_factor};
 use crate::profile::{Columns, PerJoint, Profile, SignalColumns};
 use crate::rows::Rows;
-use crate::signal::Signal;
 use std::path::Path;
+use torquewise_motion::signals::Signal;
 
 /// The mapping that a profile describes for a file.
 ///
@@ -67,7 +67,7 @@ impl Build<'_> {
             None => {
                 return Err(LogError::unusable(
                     self.file.display(),
-                    &format!(" has no clock, found {}", self.found()),
+                    &format!(" has no clock, found {}", listed(self.names, 30)),
                     "name its column as [t] column = \"…\" or give rate = … (Hz) in the profile",
                 ));
             }
@@ -158,18 +158,11 @@ impl Build<'_> {
         self.names.iter().any(|known| known == name)
     }
 
-    fn found(&self) -> String {
-        let names: Vec<_> = self.names.iter().take(30).map(|name| shown(name.as_bytes())).collect();
-        names.join(", ") + if self.names.len() > 30 { ", …" } else { "" }
-    }
-
     fn missing(&self, key: &str, missing: &str) -> LogError {
-        LogError::NoProfileColumn {
-            file: self.file.into(),
-            key: key.into(),
-            missing: shown(missing.as_bytes()),
-            found: self.found(),
-        }
+        let (missing, found) = (shown(missing.as_bytes()), listed(self.names, 30));
+        let problem =
+            format!(" has no column {missing}, which {key} of the profile needs, found {found}");
+        LogError::unusable(self.file.display(), &problem, "name the columns as the file does")
     }
 }
 

@@ -1,8 +1,7 @@
 //! Rows at the times they were sampled: held rows left out, late stamps corrected.
 
-use faer::Mat;
 use torquewise_motion::Repairs;
-use torquewise_motion::signals::{Raw, lagrange};
+use torquewise_motion::signals::{Raw, Signal, lagrange};
 use torquewise_motion::stats::median;
 
 /// Repeats of position and torque that a logger faster than its device makes; a longer run is an
@@ -43,8 +42,8 @@ impl ClockRepair {
             let kept = held.then(|| without_held(piece, &mut Held::default()));
             let piece = kept.as_ref().unwrap_or(piece);
             let mended = mended(&piece.t);
-            off[0] += roughness(&piece.t, &piece.q);
-            off[1] += roughness(&mended, &piece.q);
+            off[0] += roughness(&piece.t, piece.of(Signal::Q));
+            off[1] += roughness(&mended, piece.of(Signal::Q));
         }
         Self { held, late: off[1] < BETTER * BETTER * off[0] }
     }
@@ -59,11 +58,10 @@ pub(crate) struct Held {
 
 fn held(block: &Raw, state: &mut Held) -> Vec<bool> {
     // Velocities may have been derived after the device, so that they never repeat.
-    let signals = [Some(&block.q), block.tau.as_ref()];
+    let columns = || block.of(Signal::Q).iter().chain(block.of(Signal::Tau));
     let mut found = Vec::with_capacity(block.t.len());
     for row in 0..block.t.len() {
-        let values = signals.into_iter().flatten().flat_map(|x| x.row(row).iter().copied());
-        let values: Vec<f64> = values.collect();
+        let values: Vec<f64> = columns().map(|x| x[row]).collect();
         state.run = if values == state.last { state.run + 1 } else { 0 };
         state.last = values;
         found.push((1..=MOST_HELD).contains(&state.run));
@@ -73,19 +71,7 @@ fn held(block: &Raw, state: &mut Held) -> Vec<bool> {
 
 fn without_held(block: &Raw, state: &mut Held) -> Raw {
     let held = held(block, state);
-    select(block, &(0..block.t.len()).filter(|row| !held[*row]).collect::<Vec<_>>())
-}
-
-fn select(block: &Raw, rows: &[usize]) -> Raw {
-    let pick = |x: &Mat<f64>| Mat::from_fn(rows.len(), x.ncols(), |row, j| x[(rows[row], j)]);
-    Raw {
-        joints: block.joints.clone(),
-        t: rows.iter().map(|&row| block.t[row]).collect(),
-        q: pick(&block.q),
-        dq: block.dq.as_ref().map(pick),
-        ddq: block.ddq.as_ref().map(pick),
-        tau: block.tau.as_ref().map(pick),
-    }
+    block.select(&(0..block.t.len()).filter(|row| !held[*row]).collect::<Vec<_>>())
 }
 
 /// Stamps on the line of least squares through those around them, between gaps.
@@ -124,10 +110,9 @@ fn on_line(t: &[f64], row: usize) -> f64 {
 
 /// Square of what positions are off the cubic through the two rows on each side, over that of their
 /// steps, each at the median over the rows; the sum of the joints.
-fn roughness(t: &[f64], q: &Mat<f64>) -> f64 {
+fn roughness(t: &[f64], q: &[Vec<f64>]) -> f64 {
     let mut sum = 0.0;
-    for joint in 0..q.ncols() {
-        let x = q.col_as_slice(joint);
+    for x in q {
         let off = |k: usize| {
             let at = [k - 2, k - 1, k + 1, k + 2];
             let weights = lagrange(&at.map(|row| t[row]), t[k]);
@@ -151,7 +136,7 @@ pub(crate) struct ClockLane {
     repair: ClockRepair,
     held: Held,
     /// Rows that wait for those after them, or are needed by those.
-    waiting: Option<Raw>,
+    waiting: Raw,
     /// Of these, rows that were handed out.
     done: usize,
     /// Rows left out and stamps moved so far.
@@ -172,33 +157,27 @@ impl ClockLane {
         if !self.repair.late {
             return Some(block).filter(|block| !block.t.is_empty());
         }
-        let waiting = match self.waiting.take() {
-            None => block,
-            Some(before) => joined(vec![before, block]),
-        };
-        let known = waiting.t.len().saturating_sub(WINDOW);
-        let out = self.hand_out(&waiting, known);
+        self.waiting.append(block);
+        let out = self.hand_out(self.waiting.t.len().saturating_sub(WINDOW));
         // A gap before the window, and the usual step, are found from rows long done.
         let forgotten = self.done.saturating_sub(MEMORY);
         self.done -= forgotten;
-        let rows: Vec<usize> = (forgotten..waiting.t.len()).collect();
-        self.waiting = Some(select(&waiting, &rows));
+        self.waiting.forget(forgotten);
         out
     }
 
     pub(crate) fn finish(&mut self) -> Option<Raw> {
-        let waiting = self.waiting.take()?;
-        let rows = waiting.t.len();
-        self.hand_out(&waiting, rows)
+        self.hand_out(self.waiting.t.len())
     }
 
-    fn hand_out(&mut self, waiting: &Raw, known: usize) -> Option<Raw> {
+    fn hand_out(&mut self, known: usize) -> Option<Raw> {
         if known <= self.done {
             return None;
         }
+        let waiting = &self.waiting;
         let t = mended(&waiting.t);
         let rows: Vec<usize> = (self.done..known).collect();
-        let mut out = select(waiting, &rows);
+        let mut out = waiting.select(&rows);
         out.t = rows.iter().map(|&row| t[row]).collect();
         let moved = rows.iter().filter(|&&row| t[row].to_bits() != waiting.t[row].to_bits());
         self.repairs.late_stamps += moved.count() as u64;
@@ -209,32 +188,6 @@ impl ClockLane {
 
 /// Rows that are remembered once they are done.
 const MEMORY: usize = 4 * WINDOW;
-
-pub(crate) fn joined(mut blocks: Vec<Raw>) -> Raw {
-    if blocks.len() == 1 {
-        return blocks.remove(0);
-    }
-    let t: Vec<f64> = blocks.iter().flat_map(|block| &block.t).copied().collect();
-    let place: Vec<(usize, usize)> = (blocks.iter().enumerate())
-        .flat_map(|(index, block)| (0..block.t.len()).map(move |row| (index, row)))
-        .collect();
-    let signal = |of: &dyn Fn(&Raw) -> Option<&Mat<f64>>| -> Option<Mat<f64>> {
-        let parts: Vec<&Mat<f64>> = blocks.iter().map(of).collect::<Option<_>>()?;
-        let n = parts.first()?.ncols();
-        Some(Mat::from_fn(t.len(), n, |row, joint| {
-            let (index, row) = place[row];
-            parts[index][(row, joint)]
-        }))
-    };
-    Raw {
-        joints: blocks.first().map(|block| block.joints.clone()).unwrap_or_default(),
-        q: signal(&|block| Some(&block.q)).unwrap_or_else(|| Mat::zeros(t.len(), 0)),
-        dq: signal(&|block| block.dq.as_ref()),
-        ddq: signal(&|block| block.ddq.as_ref()),
-        tau: signal(&|block| block.tau.as_ref()),
-        t,
-    }
-}
 
 #[cfg(test)]
 mod tests;

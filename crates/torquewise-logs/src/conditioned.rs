@@ -125,7 +125,7 @@ impl ConditionedLogs {
             out.hand_out(rest)
         };
         let begin = *first;
-        self.logs.read_raw_of(file, &mut |own, block| -> ReadResult {
+        self.logs.read_raw(Some(file), &mut |own, block| -> ReadResult {
             let trajectory = begin + own;
             if trajectory != out.trajectory {
                 end(open.take(), out)?;
@@ -227,7 +227,9 @@ impl Recording for ConditionedLogs {
     fn read(&self, visit: Visit<'_>) -> ReadResult {
         if !self.visit(None, None, &mut |trajectory, motion, _| visit(trajectory, motion))? {
             let cutoff = self.report.cutoff.unwrap_or_default();
-            return Err(LogError::NothingLeft { cutoff }.into());
+            let problem = format!("no trajectory is long enough to be filtered at {cutoff:.2} Hz");
+            let help = "raise the cut-off, or record longer motions";
+            return Err(LogError::Unusable { problem, help }.into());
         }
         Ok(())
     }

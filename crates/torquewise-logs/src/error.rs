@@ -53,9 +53,6 @@ pub enum LogError {
     #[error("{}, trajectory {trajectory}: its signals cannot be conditioned{doubts}", file.display())]
     #[diagnostic(forward(source))]
     Signals { file: PathBuf, trajectory: usize, doubts: String, source: MotionError },
-    #[error("no trajectory is long enough to be filtered at {cutoff:.2} Hz")]
-    #[diagnostic(help("raise the cut-off, or record longer motions"))]
-    NothingLeft { cutoff: f64 },
     #[error("{} has a header but no rows", file.display())]
     #[diagnostic(help("record the motion again"))]
     NoRows { file: PathBuf },
@@ -103,9 +100,6 @@ pub enum LogError {
     #[error("{place}, column {column} is {value}")]
     #[diagnostic(help("repair or drop the row"))]
     NotFinite { place: Place, column: String, value: f64 },
-    #[error("{place}, column {column} has no value (null)")]
-    #[diagnostic(help("fill it or drop the row"))]
-    Null { place: Place, column: String },
     #[error("{place}: t = {t:?} s does not follow {before:?} s")]
     #[diagnostic(help(
         "sort the rows and drop repeated ones, or put each trajectory in a file of its own"
@@ -120,9 +114,6 @@ pub enum LogError {
          `rate = HZ`"
     ))]
     CoarseClock { place: Place, repeated: u64, rows: u64 },
-    #[error("{}: this build of torquewise reads no .{extension}", file.display())]
-    #[diagnostic(help("{}", missing_feature(extension)))]
-    NotBuilt { file: PathBuf, extension: String },
     #[error("{} is a folder without .db3 or .mcap files", file.display())]
     #[diagnostic(help("give the folder of a ROS 2 bag, or log files"))]
     EmptyFolder { file: PathBuf },
@@ -143,12 +134,6 @@ pub enum LogError {
     Array { file: PathBuf, array: String, reason: &'static str },
     #[error("{profile}: {key} has {found}, expected {expected}")]
     ProfileKey { profile: String, key: String, found: String, expected: String },
-    #[error(
-        "{} has no column {missing}, which {key} of the profile needs, found {found}",
-        file.display()
-    )]
-    #[diagnostic(help("name the columns as the file does"))]
-    NoProfileColumn { file: PathBuf, key: String, missing: String, found: String },
     #[error("{} names {found} joints but has {expected}", file.display())]
     #[diagnostic(help("name each joint once"))]
     JointNameCount { file: PathBuf, found: usize, expected: usize },
@@ -231,14 +216,10 @@ pub(crate) fn guarded<T>(file: &Path, work: impl FnOnce() -> Result<T>) -> Resul
         .unwrap_or_else(|_| Err(LogError::Damaged { file: file.into() }))
 }
 
-fn missing_feature(extension: &str) -> &'static str {
-    match extension {
-        "db3" => {
-            "convert it to .mcap with `ros2 bag convert`, or read it with a build that has the \
-             feature `sqlite`, such as the command line"
-        }
-        _ => "build with the feature `formats`",
-    }
+/// So many names at most.
+pub(crate) fn listed(names: &[String], most: usize) -> String {
+    let all: Vec<_> = names.iter().take(most).map(|name| shown(name.as_bytes())).collect();
+    all.join(", ") + if names.len() > most { ", …" } else { "" }
 }
 
 /// At most 40 characters of a text, with whatever does not print escaped.

@@ -38,12 +38,18 @@ impl Format {
             let extension = shown(extension.as_bytes());
             return Err(LogError::UnknownExtension { file: file.into(), extension });
         };
-        let is_built = match format {
-            Self::Csv => true,
-            Self::Db3 => cfg!(feature = "sqlite"),
-            _ => cfg!(feature = "formats"),
+        let (is_built, help) = match format {
+            Self::Csv => (true, ""),
+            Self::Db3 => (
+                cfg!(feature = "sqlite"),
+                "convert it to .mcap with `ros2 bag convert`, or read it with a build that has the \
+                 feature `sqlite`, such as the command line",
+            ),
+            _ => (cfg!(feature = "formats"), "build with the feature `formats`"),
         };
-        if is_built { Ok(format) } else { Err(LogError::NotBuilt { file: file.into(), extension }) }
+        let problem = format!(": this build of torquewise reads no .{extension}");
+        let refused = || LogError::unusable(file.display(), &problem, help);
+        is_built.then_some(format).ok_or_else(refused)
     }
 }
 

@@ -41,7 +41,6 @@ mod parquet_rows;
 mod bag;
 #[cfg(feature = "formats")]
 mod arrays;
-mod signal;
 mod mapping;
 mod plain;
 pub mod profile;
@@ -67,21 +66,19 @@ mod sink;
 #[cfg(feature = "formats")]
 mod parquet_sink;
 pub mod table;
-pub mod log_writer;
 
 pub use conditioned::ConditionedLogs;
 pub use error::{LogError, Place};
 pub use format::{is_bag, is_log};
 pub use frame::Frame;
 pub use log_input::{HeldBytes, LogInput};
-pub use log_writer::{LogWriter, write_motion};
 pub use logs::Logs;
 #[cfg(feature = "formats")]
 pub use preview::preview;
 pub use profile::Profile;
 pub use signal_rows::{Clock, ReadReport};
-pub use sink::{Column, ColumnKind, Values};
+pub use sink::{Column, Values};
 pub use source::Options;
 #[cfg(feature = "formats")]
 pub use suggest::{Suggestion, suggest};
-pub use table::TableWriter;
+pub use table::{LogWriter, TableWriter, write_motion};

@@ -49,10 +49,6 @@ impl LogInput {
         Self { path: name.into(), held: Some(bytes) }
     }
 
-    pub(crate) fn path(&self) -> &Path {
-        &self.path
-    }
-
     pub(crate) fn is_held(&self) -> bool {
         self.held.is_some()
     }
@@ -77,12 +73,6 @@ impl LogInput {
 impl<P: AsRef<Path>> From<P> for LogInput {
     fn from(path: P) -> Self {
         Self { path: path.as_ref().into(), held: None }
-    }
-}
-
-impl From<&Self> for LogInput {
-    fn from(file: &Self) -> Self {
-        file.clone()
     }
 }
 

@@ -6,13 +6,12 @@ use crate::format::is_bag;
 use crate::frame::Frame;
 use crate::joints;
 use crate::log_input::LogInput;
-use crate::signal::Signal;
 use crate::signal_rows::ReadReport;
 use crate::source::{Options, Source};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use torquewise_motion::signals::Raw;
+use torquewise_motion::signals::{Raw, Signal};
 use torquewise_motion::{Motion, ReadResult, Recording, Repairs, Visit};
 
 /// Log files of one arm.
@@ -38,7 +37,6 @@ pub struct Logs {
 struct Reading {
     report: ReadReport,
     trajectories: usize,
-    gaps: u64,
     /// Usual step of its last trajectory \[s\].
     usual_step: Option<f64>,
     /// The first value that was absurd: row, column and value.
@@ -75,7 +73,7 @@ impl Logs {
     /// As [`open_with`](Self::open_with).
     pub fn of_inputs(files: &[LogInput], options: &Options) -> Result<Self> {
         let sources = files.iter().map(|file| Source::open(file, options));
-        Self::of_sources(sources.collect::<Result<_>>()?, files.iter().map(PathBuf::from).collect())
+        Self::of_sources(sources.collect::<Result<_>>()?)
     }
 
     /// Reads tables in memory instead of files; each has a label, which stands for the name of a
@@ -87,12 +85,12 @@ impl Logs {
         let open = |(label, frame): &(PathBuf, Arc<dyn Frame>)| {
             Source::of_frame(label, frame.clone(), options)
         };
-        let sources = frames.iter().map(open).collect::<Result<Vec<_>, _>>()?;
-        Self::of_sources(sources, frames.iter().map(|(label, _)| label.clone()).collect())
+        Self::of_sources(frames.iter().map(open).collect::<Result<_>>()?)
     }
 
-    fn of_sources(sources: Vec<Source>, paths: Vec<PathBuf>) -> Result<Self> {
+    fn of_sources(sources: Vec<Source>) -> Result<Self> {
         let joints = agreed_joints(&sources)?;
+        let paths = sources.iter().map(|source| (&source.file).into()).collect();
         let readings = Arc::new(Mutex::new(vec![Reading::default(); sources.len()]));
         Ok(Self { sources, paths, joints, readings })
     }
@@ -172,28 +170,24 @@ impl Logs {
     /// Blocks have at most 1 024 rows and are cut as those of [`Recording::read`] are, but missing
     /// dq and ddq stay missing.
     ///
-    /// # Errors
-    /// [`LogError`] if a file cannot be read or a row is wrong, or the first that `visit` returns.
-    pub fn read_raw<E: From<LogError>>(&self, visit: Each<'_, Raw, E>) -> Result<(), E> {
-        self.each(None, false, Blocks::raw_block, visit)
-    }
-
-    /// The same for one file, counted from 0.
+    /// - `only`: the file to read, counted from 0; all without
     ///
     /// # Errors
-    /// As [`Self::read_raw`].
-    pub fn read_raw_of<E: From<LogError>>(
+    /// [`LogError`] if a file cannot be read or a row is wrong, or the first that `visit` returns.
+    pub fn read_raw<E: From<LogError>>(
         &self,
-        file: usize,
+        only: Option<usize>,
         visit: Each<'_, Raw, E>,
     ) -> Result<(), E> {
-        self.each(Some(file), false, Blocks::raw_block, visit)
+        self.each(only, false, |blocks, rows| Ok(blocks.raw_block(rows)), visit)
     }
 
     /// What the last complete reading of each file came to: rows, and what was dropped or sorted.
     pub fn report(&self) -> ReadReport {
         let readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
-        readings.iter().fold(ReadReport::default(), |all, reading| all.and(reading.report))
+        let mut all = ReadReport::default();
+        readings.iter().for_each(|reading| all.add(&reading.report));
+        all
     }
 
     /// The first value that the last complete reading left out as absurd: file, row in it, column and
@@ -221,7 +215,7 @@ impl Logs {
     /// log; those that are sound are not listed.
     pub fn repairs(&self) -> BTreeMap<String, Repairs> {
         let readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
-        self.by_name(readings.iter().map(Reading::repairs))
+        self.by_name(readings.iter().map(|reading| reading.report.repairs.clone()))
     }
 
     /// Repairs of each file, in their order, by the name of the log: that of its file, its ending
@@ -271,10 +265,9 @@ impl Logs {
                 last = first + trajectory;
                 visit(last, block)?;
             }
-            let (report, gaps) = (blocks.rows.report(), blocks.gaps);
+            let (report, trajectories) = (blocks.rows.report(), last + 1 - first);
             let (usual_step, absurd) = (blocks.usual_step.map(|step| step.0), blocks.first_absurd);
-            let trajectories = last + 1 - first;
-            let reading = Reading { report, trajectories, gaps, usual_step, absurd };
+            let reading = Reading { report, trajectories, usual_step, absurd };
             let mut readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some(old) = readings.get_mut(file) {
                 *old = reading;
@@ -282,20 +275,6 @@ impl Logs {
             first = last + 1;
         }
         Ok(())
-    }
-}
-
-impl Reading {
-    fn repairs(&self) -> Repairs {
-        let ReadReport { repeated, went_back, not_finite, absurd, .. } = self.report;
-        Repairs {
-            repeated_stamps: repeated,
-            earlier_stamps: went_back,
-            not_finite,
-            absurd,
-            splits: self.gaps,
-            ..Repairs::default()
-        }
     }
 }
 
@@ -347,7 +326,7 @@ fn agreed_joints(sources: &[Source]) -> Result<Vec<String>> {
         let (file, found) = ((&other.file).into(), other.mapping.n_joints);
         return Err(LogError::JointCount { file, found, first: (&first.file).into(), expected });
     }
-    let mut named = sources.iter().filter_map(|s| Some((s.file.path(), s.joints.as_ref()?)));
+    let mut named = sources.iter().filter_map(|s| Some((&*s.file, s.joints.as_ref()?)));
     let Some((first, expected)) = named.next() else {
         return Ok(joints::numbered(expected));
     };

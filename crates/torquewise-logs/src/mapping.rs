@@ -1,6 +1,6 @@
 //! Which columns give which signal in SI units, multiplied by what and added.
 
-use crate::signal::Signal;
+use torquewise_motion::signals::Signal;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Mapping {

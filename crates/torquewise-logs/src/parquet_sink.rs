@@ -2,7 +2,7 @@
 
 use crate::error::LogError;
 use crate::joints::PARQUET_KEY;
-use crate::sink::{Column, ColumnKind, Sink, Values, write_error};
+use crate::sink::{Column, Sink, Values, write_error};
 use parquet::basic::{Compression, LogicalType, Repetition, Type};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::{ParquetError, Result};
@@ -50,9 +50,9 @@ impl ParquetSink {
             .and_then(|schema| SerializedFileWriter::new(output, schema, properties.into()))
             .map_err(refused(file))?;
         let held = |column: &Column| match column.kind {
-            ColumnKind::Number => Held::Numbers(Vec::new()),
-            ColumnKind::Count => Held::Counts(Vec::new()),
-            ColumnKind::Text => Held::Texts(Vec::new()),
+            Values::Numbers(_) => Held::Numbers(Vec::new()),
+            Values::Counts(_) => Held::Counts(Vec::new()),
+            Values::Texts(_) => Held::Texts(Vec::new()),
         };
         Ok(Self { file: file.into(), writer, held: columns.iter().map(held).collect(), rows: 0 })
     }
@@ -118,9 +118,9 @@ impl Sink for ParquetSink {
 fn schema(columns: &[Column]) -> Result<TypePtr> {
     let field = |column: &Column| {
         let (stored, logical) = match column.kind {
-            ColumnKind::Number => (Type::DOUBLE, None),
-            ColumnKind::Count => (Type::INT64, Some(LogicalType::integer(64, false))),
-            ColumnKind::Text => (Type::BYTE_ARRAY, Some(LogicalType::String)),
+            Values::Numbers(_) => (Type::DOUBLE, None),
+            Values::Counts(_) => (Type::INT64, Some(LogicalType::integer(64, false))),
+            Values::Texts(_) => (Type::BYTE_ARRAY, Some(LogicalType::String)),
         };
         let field = Schema::primitive_type_builder(&column.name, stored)
             .with_repetition(Repetition::REQUIRED)

@@ -1,6 +1,6 @@
 //! Pieces of all trajectories, from which their conditioning is chosen.
 
-use crate::clock::{ClockLane, ClockRepair, joined};
+use crate::clock::{ClockLane, ClockRepair};
 use crate::error::{LogError, Result};
 use crate::logs::Logs;
 use torquewise_motion::signals::Raw;
@@ -26,8 +26,9 @@ impl Pieces {
         let clock = ClockRepair::of(&recorded);
         let mend = |piece: Raw| {
             let mut lane = ClockLane::new(clock);
-            let mended = lane.push(piece);
-            joined(mended.into_iter().chain(lane.finish()).collect())
+            let mut mended = lane.push(piece).unwrap_or_default();
+            mended.append(lane.finish().unwrap_or_default());
+            mended
         };
         Ok(Self { clock, all: recorded.into_iter().map(mend).collect(), trajectories })
     }
@@ -41,14 +42,14 @@ impl Pieces {
 
 fn recorded(logs: &Logs) -> Result<Vec<(usize, Raw)>> {
     let (mut kept, mut every, mut count) = (Vec::<(usize, Raw)>::new(), 1, 0);
-    let mut open: (usize, Vec<Raw>) = (0, Vec::new());
-    let mut take = |(trajectory, blocks): &mut (usize, Vec<Raw>)| {
-        if blocks.is_empty() {
+    let mut open = (0, Raw::default());
+    let mut take = |(trajectory, piece): &mut (usize, Raw)| {
+        if piece.t.is_empty() {
             return;
         }
-        let blocks = std::mem::take(blocks);
+        let piece = std::mem::take(piece);
         if count % every == 0 {
-            kept.push((*trajectory, joined(blocks)));
+            kept.push((*trajectory, piece));
         }
         count += 1;
         let rows: usize = kept.iter().map(|(_, piece)| piece.t.len()).sum();
@@ -61,13 +62,12 @@ fn recorded(logs: &Logs) -> Result<Vec<(usize, Raw)>> {
             });
         }
     };
-    logs.read_raw(&mut |trajectory, block| -> Result<()> {
-        let rows: usize = open.1.iter().map(|block| block.t.len()).sum();
-        if trajectory != open.0 || rows >= FIRST_ROWS {
+    logs.read_raw(None, &mut |trajectory, block| -> Result<()> {
+        if trajectory != open.0 || open.1.t.len() >= FIRST_ROWS {
             take(&mut open);
         }
         open.0 = trajectory;
-        open.1.push(block);
+        open.1.append(block);
         Ok(())
     })?;
     take(&mut open);

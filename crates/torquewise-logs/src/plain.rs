@@ -2,8 +2,8 @@
 
 use crate::error::{LogError, Result, shown};
 use crate::mapping::{Mapping, Slot};
-use crate::signal::Signal;
 use std::path::Path;
+use torquewise_motion::signals::Signal;
 
 pub(crate) const MAX_COLUMNS: usize = 1_000;
 

@@ -22,8 +22,7 @@ pub struct PreviewColumn {
 ///
 /// # Errors
 /// `LogError` if the file cannot be read.
-pub fn preview(file: impl Into<LogInput>, rows: usize) -> Result<Vec<PreviewColumn>> {
-    let file = &file.into();
+pub fn preview(file: &LogInput, rows: usize) -> Result<Vec<PreviewColumn>> {
     let log = named_rows(file)?;
     let names: Vec<String> = log.names().iter().take(MOST_COLUMNS).cloned().collect();
     let all: Vec<usize> = (0..names.len()).collect();
@@ -39,14 +38,16 @@ pub fn preview(file: impl Into<LogInput>, rows: usize) -> Result<Vec<PreviewColu
     Ok(columns.map(|(name, values)| PreviewColumn { name, values }).collect())
 }
 
-/// First values of some columns.
-fn first_values(mut log: Box<dyn Rows>, columns: &[usize], most: usize) -> Result<Vec<Vec<f64>>> {
+/// First values of some columns of a log.
+pub(crate) fn first_values(
+    mut log: Box<dyn Rows>,
+    columns: &[usize],
+    most: usize,
+) -> Result<Vec<Vec<f64>>> {
     log.choose(columns)?;
     let (mut row, mut values) = (vec![0.0; columns.len()], vec![Vec::new(); columns.len()]);
-    let mut left = most;
-    while left > 0 && log.next(&mut row)? {
+    while values.first().is_some_and(|own| own.len() < most) && log.next(&mut row)? {
         values.iter_mut().zip(&row).for_each(|(own, value)| own.push(*value));
-        left -= 1;
     }
     Ok(values)
 }
@@ -61,7 +62,7 @@ mod tests {
     fn columns_of_words_have_no_values_and_those_beside_them_do() {
         let text = b"clock,state,x\n0,idle,1.5\n1,moving,2.5\n2,idle,3.5\n".to_vec();
 
-        let columns = preview(LogInput::held("a.csv", Arc::new(text)), 2).unwrap();
+        let columns = preview(&LogInput::held("a.csv", Arc::new(text)), 2).unwrap();
 
         let found: Vec<_> =
             columns.iter().map(|c| (c.name.as_str(), c.values.as_slice())).collect();

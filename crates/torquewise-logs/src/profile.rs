@@ -5,10 +5,10 @@ mod check;
 #[cfg(feature = "formats")]
 mod text;
 
-use crate::signal::Signal;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use torquewise_motion::signals::Signal;
 
 /// How to read logs that have other columns than `t`, `q1`…`qn`, …, or other units than SI.
 ///

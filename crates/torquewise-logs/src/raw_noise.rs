@@ -1,10 +1,9 @@
 //! From noise measured in raw signals to draws like it, conditioned as the signals are (E7).
 
-use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_motion::signals::{ConditionReport, Conditioner, Plan, Raw};
+use torquewise_motion::signals::{ConditionReport, Conditioner, Plan, Raw, Signal};
 use torquewise_motion::{Motion, MotionError};
 
 /// Standard deviation of the white noise of raw q of each joint, n: q̇ and q̈ are derived from it.
@@ -25,7 +24,7 @@ pub(crate) struct NoiseLane {
 impl RawNoise {
     pub(crate) fn of(report: &ConditionReport, seed: u64) -> Self {
         let positions = report.signals.iter().filter(|own| own.signal == "q");
-        Self { seed, deviations: positions.map(|own| own.noise.sigma).collect() }
+        Self { seed, deviations: positions.map(|own| own.noise).collect() }
     }
 
     pub(crate) fn lane(&self, plan: Plan) -> NoiseLane {
@@ -46,17 +45,16 @@ impl NoiseLane {
             random.set_stream(key_of(raw));
             random
         });
-        let n = raw.joints.len();
-        let mut q = Mat::<f64>::zeros(raw.t.len(), n);
+        let mut q = vec![Vec::with_capacity(raw.t.len()); raw.joints.len()];
         // Row by row, so that draws do not depend on where blocks end.
-        for row in 0..raw.t.len() {
-            for (joint, deviation) in self.noise.deviations.iter().enumerate() {
+        for _ in &raw.t {
+            for (q, deviation) in q.iter_mut().zip(&self.noise.deviations) {
                 let unit: f64 = StandardNormal.sample(random);
-                q[(row, joint)] = deviation * unit;
+                q.push(deviation * unit);
             }
         }
         let (joints, t) = (raw.joints.clone(), raw.t.clone());
-        self.conditioner.push(&Raw { joints, t, q, dq: None, ddq: None, tau: None })
+        self.conditioner.push(Raw { joints, t, signals: [Some(q), None, None, None] })
     }
 
     pub(crate) fn finish(mut self) -> Result<Vec<Motion>, MotionError> {
@@ -66,8 +64,7 @@ impl NoiseLane {
 
 /// A number that depends on the first row of a trajectory and on nothing else.
 fn key_of(raw: &Raw) -> u64 {
-    let torque = raw.tau.iter().flat_map(|tau| (0..tau.ncols()).map(|joint| tau[(0, joint)]));
-    let values = (0..raw.q.ncols()).map(|joint| raw.q[(0, joint)]).chain(torque);
+    let values = raw.of(Signal::Q).iter().chain(raw.of(Signal::Tau)).map(|x| x[0]);
     values.fold(0xcbf2_9ce4_8422_2325, |key: u64, x| {
         (key ^ x.to_bits()).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29)
     })

@@ -32,16 +32,8 @@ pub(crate) trait Rows {
         None
     }
 
-    /// What was not taken as it stands so far.
-    fn irregular(&self) -> Irregular {
-        Irregular::default()
+    /// Rows so far that came after one with a later time stamp and were sorted, and rows passed over.
+    fn irregular(&self) -> [u64; 2] {
+        [0, 0]
     }
-}
-
-/// Rows that a reader put elsewhere or passed over.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Irregular {
-    /// Rows that came after one with a later time stamp and were sorted.
-    pub(crate) sorted: u64,
-    pub(crate) passed_over: u64,
 }

@@ -2,7 +2,8 @@
 
 use crate::error::{LogError, Place, Result};
 use crate::mapping::{Mapping, Time};
-use crate::rows::{Irregular, Rows};
+use crate::rows::Rows;
+use torquewise_motion::Repairs;
 
 /// Clocks that begin later than this \[s\] count from a date; such times are counted from the first
 /// row, for seconds since 1970 cannot tell microseconds in 64 bits.
@@ -25,20 +26,14 @@ pub enum Clock {
 }
 
 /// What a reading came to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadReport {
     /// Rows handed out.
     pub rows: u64,
-    /// Rows dropped since they had the time stamp of the row before.
-    pub repeated: u64,
-    /// Rows dropped since their time stamp was earlier than that of a row before.
-    pub went_back: u64,
-    /// The first of these, 1 for the first row of its file.
+    /// Rows dropped, and where the log was split.
+    pub repairs: Repairs,
+    /// The first row that was earlier than one before, 1 for the first row of its file.
     pub first_back: Option<u64>,
-    /// Rows dropped since a value was missing, NaN or infinite.
-    pub not_finite: u64,
-    /// Rows dropped since a value was absurd.
-    pub absurd: u64,
     /// Messages of a bag that came after one with a later time stamp and were sorted.
     pub sorted: u64,
     /// Messages of a bag that were about other joints.
@@ -87,7 +82,7 @@ impl SignalRows {
         match self.number {
             0 => LogError::NoRows { file },
             found => {
-                let dropped = self.report.not_finite;
+                let dropped = self.report.repairs.not_finite;
                 let problem =
                     format!(": none of its {found} rows is left, {dropped} were not finite");
                 let help = "check rows and seconds of the profile, and the columns";
@@ -97,8 +92,8 @@ impl SignalRows {
     }
 
     pub(crate) fn report(&self) -> ReadReport {
-        let Irregular { sorted, passed_over } = self.rows.irregular();
-        ReadReport { sorted, passed_over, ..self.report }
+        let [sorted, passed_over] = self.rows.irregular();
+        ReadReport { sorted, passed_over, ..self.report.clone() }
     }
 
     /// Puts the next row of the ranges into `row`, one value per slot; `None` at the end.
@@ -125,7 +120,7 @@ impl SignalRows {
             row[0] = t;
             if let Some(slot) = row.iter().position(|value| !value.is_finite()) {
                 self.accept_fault(slot, row[slot])?;
-                self.report.not_finite += 1;
+                self.report.repairs.not_finite += 1;
                 continue;
             }
             if self.drops(t)? {
@@ -145,12 +140,12 @@ impl SignalRows {
             if self.clock == Clock::Strict {
                 return Ok(false);
             }
-            self.report.went_back += 1;
+            self.report.repairs.earlier_stamps += 1;
             self.report.first_back.get_or_insert(self.number);
             return Ok(true);
         }
-        self.report.repeated += 1;
-        let ReadReport { repeated, rows, .. } = self.report;
+        self.report.repairs.repeated_stamps += 1;
+        let (rows, repeated) = (self.report.rows, self.report.repairs.repeated_stamps);
         if repeated > FEW_REPEATED && repeated * MOST_REPEATED > rows {
             return Err(LogError::CoarseClock { place: self.place(), repeated, rows });
         }
@@ -189,7 +184,8 @@ impl SignalRows {
         let name = self.rows.names().get(self.mapping.chosen[chosen]).cloned();
         let (place, column) = (self.place(), name.unwrap_or_default());
         if self.rows.is_null(chosen) {
-            return Err(LogError::Null { place, column });
+            let problem = format!(", column {column} has no value (null)");
+            return Err(LogError::unusable(place, &problem, "fill it or drop the row"));
         }
         let value = at_fault.map_or(value, |place| self.raw[*place]);
         Err(LogError::NotFinite { place, column, value })
@@ -197,16 +193,11 @@ impl SignalRows {
 }
 
 impl ReadReport {
-    pub(crate) fn and(self, other: Self) -> Self {
-        Self {
-            rows: self.rows + other.rows,
-            repeated: self.repeated + other.repeated,
-            went_back: self.went_back + other.went_back,
-            first_back: self.first_back.or(other.first_back),
-            not_finite: self.not_finite + other.not_finite,
-            absurd: self.absurd + other.absurd,
-            sorted: self.sorted + other.sorted,
-            passed_over: self.passed_over + other.passed_over,
-        }
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.rows += other.rows;
+        self.repairs.add(&other.repairs);
+        self.first_back = self.first_back.or(other.first_back);
+        self.sorted += other.sorted;
+        self.passed_over += other.passed_over;
     }
 }

@@ -7,65 +7,44 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use torquewise_motion::whole_file::Output;
 
-/// What a column of a table holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ColumnKind {
-    /// Floating-point numbers, read back to the same bits.
-    Number,
-    /// Whole numbers, such as a row number.
-    Count,
-    /// Text, such as the name of a pattern.
-    Text,
-}
-
-impl ColumnKind {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Number => "numbers",
-            Self::Count => "counts",
-            Self::Text => "text",
-        }
-    }
-}
-
-/// The name and kind of a column.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// The name of a column, and what it holds.
+#[derive(Clone, Debug)]
 pub struct Column {
     /// Name, as it stands in the header.
     pub name: String,
-    /// What it holds.
-    pub kind: ColumnKind,
+    /// No values, of its kind.
+    pub kind: Values<'static>,
 }
 
 impl Column {
-    /// A column of `kind`.
-    pub fn new(name: impl Into<String>, kind: ColumnKind) -> Self {
+    /// A column of values such as these.
+    pub fn new(name: impl Into<String>, kind: Values<'static>) -> Self {
         Self { name: name.into(), kind }
     }
 
     /// Columns of numbers.
     pub fn numbers(names: &[String]) -> Vec<Self> {
-        names.iter().map(|name| Self::new(name, ColumnKind::Number)).collect()
+        names.iter().map(|name| Self::new(name, Values::Numbers(&[]))).collect()
     }
 }
 
 /// Some rows of one column.
 #[derive(Clone, Copy, Debug)]
 pub enum Values<'a> {
-    /// For [`ColumnKind::Number`].
+    /// Floating-point numbers, read back to the same bits.
     Numbers(&'a [f64]),
-    /// For [`ColumnKind::Count`].
+    /// Whole numbers, such as a row number.
     Counts(&'a [u64]),
-    /// For [`ColumnKind::Text`].
+    /// Text, such as the name of a pattern.
     Texts(&'a [&'a str]),
 }
 
 impl Values<'_> {
-    pub(crate) fn kind(self) -> ColumnKind {
+    pub(crate) fn name(self) -> &'static str {
         match self {
-            Self::Numbers(_) => ColumnKind::Number,
-            Self::Counts(_) => ColumnKind::Count,
-            Self::Texts(_) => ColumnKind::Text,
+            Self::Numbers(_) => "numbers",
+            Self::Counts(_) => "counts",
+            Self::Texts(_) => "text",
         }
     }
 

@@ -4,7 +4,7 @@
 use crate::arrays::ArrayRows;
 #[cfg(feature = "formats")]
 use crate::bag::{BagRows, Survey};
-use crate::beside::{Beside, ClockColumn, SideBySide};
+use crate::beside::{ClockColumn, SideBySide};
 use crate::by_profile::by_profile;
 use crate::csv_rows::CsvRows;
 use crate::error::{LogError, Result};
@@ -45,21 +45,16 @@ pub(crate) struct Source {
     pub(crate) file: LogInput,
     pub(crate) mapping: Mapping,
     pub(crate) joints: Option<Vec<String>>,
-    opening: Opening,
+    origin: Origin,
+    /// Further files with the same rows, and the column of the clock in all of them.
+    beside: Vec<(String, LogInput)>,
+    clock_column: Option<ClockColumn>,
     names: Vec<String>,
     clock: Clock,
     /// Why its torques may be none.
     pub(crate) torque_doubt: Option<&'static str>,
     /// About how many rows there are, if that can be told.
     pub(crate) rows_hint: Option<u64>,
-}
-
-/// All that is needed to open the files of a log again.
-#[derive(Clone, Debug)]
-struct Opening {
-    origin: Origin,
-    beside: Vec<(String, LogInput)>,
-    clock_column: Option<ClockColumn>,
 }
 
 #[derive(Clone, Debug)]
@@ -88,31 +83,41 @@ impl Source {
         let profile = options.profile.as_ref();
         let is_bag = !matches!(origin, Origin::File(_) | Origin::Frame(_));
         let is_text = matches!(origin, Origin::File(Format::Csv));
-        let opening = Opening::new(file, origin, profile);
-        let rows = opening.rows(file)?;
-        let mapping = match profile {
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let beside = profile.map(|profile| &profile.beside).into_iter().flatten();
+        let clock_column = profile
+            .and_then(|profile| profile.t.as_ref())
+            .map(|t| (t.column.clone(), time_factor(t.unit.as_deref()).unwrap_or(1.0)));
+        let mut source = Self {
+            file: file.clone(),
+            mapping: Mapping::default(),
+            joints: None,
+            origin,
+            beside: beside.map(|(name, path)| (name.clone(), folder.join(path).into())).collect(),
+            clock_column,
+            names: Vec::new(),
+            clock: if profile.is_some() { Clock::Repair } else { options.clock },
+            torque_doubt: profile.and_then(Profile::torque_doubt),
+            rows_hint: None,
+        };
+        let rows = source.open_rows()?;
+        source.mapping = match profile {
             Some(profile) => by_profile(profile, file, &*rows, is_bag)?,
             None if is_bag => by_profile(&Profile::default(), file, &*rows, true)?,
             None => plain(file, rows.names())?,
         };
-        let n = mapping.n_joints;
-        let own = |names: &[String]| joints::checked(file, names.to_vec(), n);
-        let joints = match &mapping.joints {
-            Some(names) => Some(own(names)?),
-            None => rows.joints().map(own).transpose()?,
-        };
-        let clock = if profile.is_some() { Clock::Repair } else { options.clock };
-        let names = rows.names().to_vec();
-        let rows_hint = rows.count().or_else(|| is_text.then(|| lines_of(file)).flatten());
-        let (file, torque_doubt) = (file.clone(), profile.and_then(Profile::torque_doubt));
-        let source = Self { file, mapping, joints, opening, names, clock, torque_doubt, rows_hint };
+        let named = source.mapping.joints.as_deref().or_else(|| rows.joints());
+        let own = |names: &[String]| joints::checked(file, names.to_vec(), source.mapping.n_joints);
+        source.joints = named.map(own).transpose()?;
+        source.names = rows.names().to_vec();
+        source.rows_hint = rows.count().or_else(|| is_text.then(|| lines_of(file)).flatten());
         // Columns that cannot be read are told now.
         source.rows_from(rows)?;
         Ok(source)
     }
 
     pub(crate) fn rows(&self) -> Result<SignalRows> {
-        let rows = self.opening.rows(&self.file)?;
+        let rows = self.open_rows()?;
         if rows.names() != self.names {
             return Err(LogError::Changed { file: (&self.file).into() });
         }
@@ -134,32 +139,19 @@ impl Source {
     }
 
     fn rows_from(&self, rows: Box<dyn Rows>) -> Result<SignalRows> {
-        let reads_on = !self.opening.beside.is_empty();
+        let reads_on = !self.beside.is_empty();
         SignalRows::new(rows, self.mapping.clone(), self.clock, reads_on)
     }
-}
 
-impl Opening {
-    fn new(file: &LogInput, origin: Origin, profile: Option<&Profile>) -> Self {
-        let folder = file.parent().unwrap_or(Path::new(""));
-        let beside = profile.map(|profile| &profile.beside).into_iter().flatten();
-        let beside = beside.map(|(name, path)| (name.clone(), folder.join(path).into())).collect();
-        let clock_column = profile
-            .and_then(|profile| profile.t.as_ref())
-            .map(|t| (t.column.clone(), time_factor(t.unit.as_deref()).unwrap_or(1.0)));
-        Self { origin, beside, clock_column }
-    }
-
-    fn rows(&self, file: &LogInput) -> Result<Box<dyn Rows>> {
-        let log = self.origin.rows(file)?;
+    fn open_rows(&self) -> Result<Box<dyn Rows>> {
+        let log = self.origin.rows(&self.file)?;
         if self.beside.is_empty() {
             return Ok(log);
         }
-        let beside = |(name, file): &(String, LogInput)| {
-            Ok(Beside { file: file.into(), name: name.clone(), rows: named_rows(file)? })
-        };
+        let beside =
+            |(name, file): &(String, LogInput)| Ok((name.clone(), file.into(), named_rows(file)?));
         let beside = self.beside.iter().map(beside).collect::<Result<_>>()?;
-        Ok(Box::new(SideBySide::new((file.into(), log), beside, self.clock_column.clone())))
+        Ok(Box::new(SideBySide::new(((&self.file).into(), log), beside, self.clock_column.clone())))
     }
 }
 
@@ -186,7 +178,7 @@ impl Origin {
         let format = Format::of(file)?;
         // A pipe or a device gives its bytes once; a log is read several times.
         if !file.is_held()
-            && fs::metadata(file.path()).is_ok_and(|found| !found.is_file() && !found.is_dir())
+            && fs::metadata(&**file).is_ok_and(|found| !found.is_file() && !found.is_dir())
         {
             return Err(LogError::unusable(
                 file.display(),

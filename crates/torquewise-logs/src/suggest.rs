@@ -8,10 +8,10 @@ use crate::error::{LogError, Result};
 use crate::format::Format;
 use crate::log_input::LogInput;
 use crate::profile::Profile;
-use crate::signal::Signal;
 use crate::source::named_rows;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use torquewise_motion::signals::Signal;
 
 /// A profile for a log that has other columns than `t`, `q1`…`qn`, …
 #[derive(Clone, Debug, PartialEq, Eq)]

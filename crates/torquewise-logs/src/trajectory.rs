@@ -1,9 +1,9 @@
 //! Filtered motion of one trajectory, and what was repaired on the way.
 
-use crate::clock::{ClockLane, ClockRepair, joined};
+use crate::clock::{ClockLane, ClockRepair};
 use crate::pieces::FIRST_ROWS;
 use crate::raw_noise::{NoiseLane, RawNoise};
-use torquewise_motion::signals::{Conditioner, Conditioning, Plan, Raw, condition};
+use torquewise_motion::signals::{Conditioner, Conditioning, Plan, Raw};
 use torquewise_motion::{Motion, MotionError, Repairs};
 
 /// Parts of motion that are done, and noise of the same rows where it is asked for.
@@ -22,7 +22,7 @@ pub(crate) struct Trajectory<'a> {
 
 enum Stretch {
     /// Too few rows to plan by so far.
-    Waiting(Vec<Raw>),
+    Waiting(Raw),
     Running(Box<Conditioner>, Option<Box<NoiseLane>>),
 }
 
@@ -33,84 +33,79 @@ impl<'a> Trajectory<'a> {
         noise: Option<&'a RawNoise>,
         clock: ClockRepair,
     ) -> Self {
-        let (clock, stretch) = (ClockLane::new(clock), Stretch::Waiting(Vec::new()));
+        let (clock, stretch) = (ClockLane::new(clock), Stretch::Waiting(Raw::default()));
         Self { settings, noise, clock, stretch }
     }
 
     pub(crate) fn push(&mut self, block: Raw) -> Result<Done, MotionError> {
-        match self.clock.push(block) {
-            Some(block) => self.filter(block),
-            None => Ok(Done::default()),
-        }
+        self.clock.push(block).map_or_else(|| Ok(Done::default()), |block| self.filter(block))
     }
 
     /// Hands out the rest; a trajectory that is too short to be filtered is left out.
     pub(crate) fn finish(mut self) -> Result<(Done, Repairs), MotionError> {
-        let mut done = match self.clock.finish() {
-            Some(rest) => self.filter(rest)?,
-            None => Done::default(),
-        };
+        let last = self.clock.finish();
+        let mut done = last.map_or_else(|| Ok(Done::default()), |rest| self.filter(rest))?;
         let mut repairs = self.clock.repairs.clone();
-        match self.stretch {
-            Stretch::Running(mut conditioner, noise) => {
-                done.motions.extend(conditioner.finish()?);
-                if let Some(noise) = noise {
-                    done.noise.extend(noise.finish()?);
-                }
-                repairs.add(&conditioner.repairs);
+        let waiting = match &mut self.stretch {
+            Stretch::Waiting(waiting) => std::mem::take(waiting),
+            Stretch::Running(..) => Raw::default(),
+        };
+        let rows = waiting.t.len();
+        let begun = if rows > 0 { self.begin(waiting).map(drop) } else { Ok(()) };
+        match begun.and_then(|()| self.rest()) {
+            Ok((rest, own)) if rows == 0 || !rest.motions.is_empty() => {
+                done.motions.extend(rest.motions);
+                done.noise.extend(rest.noise);
+                repairs.add(&own);
             }
-            Stretch::Waiting(blocks) => {
-                let raw = joined(blocks);
-                match condition(&raw, self.settings) {
-                    Ok(conditioned) => {
-                        done.motions.push(conditioned.motion);
-                        repairs.add(&conditioned.repairs);
-                    }
-                    Err(error) if error.is_too_short() => {
-                        repairs.too_short += raw.t.len() as u64;
-                        return Ok((done, repairs));
-                    }
-                    Err(error) => return Err(error),
-                }
-                if let Some(noise) = self.noise {
-                    let mut lane = noise.lane(Plan::new(&raw, self.settings)?);
-                    done.noise.extend(lane.push(&raw)?);
-                    done.noise.extend(lane.finish()?);
-                }
-            }
+            Err(error) if rows == 0 || !error.is_too_short() => return Err(error),
+            _ => repairs.too_short += rows as u64,
         }
         Ok((done, repairs))
     }
 
     fn filter(&mut self, block: Raw) -> Result<Done, MotionError> {
         match &mut self.stretch {
-            Stretch::Waiting(blocks) => {
-                blocks.push(block);
-                let rows: usize = blocks.iter().map(|block| block.t.len()).sum();
-                if rows < FIRST_ROWS {
+            Stretch::Waiting(waiting) => {
+                waiting.append(block);
+                if waiting.t.len() < FIRST_ROWS {
                     return Ok(Done::default());
                 }
-                let raw = joined(std::mem::take(blocks));
-                let plan = Plan::new(&raw, self.settings)?;
-                let mut noise = self.noise.map(|noise| Box::new(noise.lane(plan.clone())));
-                let mut conditioner = Box::new(Conditioner::new(plan));
-                let done = pushed(&mut conditioner, noise.as_deref_mut(), &raw)?;
-                self.stretch = Stretch::Running(conditioner, noise);
-                Ok(done)
+                let raw = std::mem::take(waiting);
+                self.begin(raw)
             }
             Stretch::Running(conditioner, noise) => {
-                pushed(conditioner, noise.as_deref_mut(), &block)
+                pushed(conditioner, noise.as_deref_mut(), block)
             }
         }
+    }
+
+    /// Plans by the first rows, and filters them.
+    fn begin(&mut self, raw: Raw) -> Result<Done, MotionError> {
+        let plan = Plan::new(&raw, self.settings)?;
+        let mut noise = self.noise.map(|noise| Box::new(noise.lane(plan.clone())));
+        let mut conditioner = Box::new(Conditioner::new(plan));
+        let done = pushed(&mut conditioner, noise.as_deref_mut(), raw)?;
+        self.stretch = Stretch::Running(conditioner, noise);
+        Ok(done)
+    }
+
+    /// What the filters still hold, and what they repaired in all.
+    fn rest(self) -> Result<(Done, Repairs), MotionError> {
+        let Stretch::Running(mut conditioner, noise) = self.stretch else {
+            return Ok(Default::default());
+        };
+        let motions = conditioner.finish()?;
+        let noise = noise.map_or_else(|| Ok(Vec::new()), |lane| lane.finish())?;
+        Ok((Done { motions, noise }, conditioner.repairs))
     }
 }
 
 fn pushed(
     conditioner: &mut Conditioner,
     noise: Option<&mut NoiseLane>,
-    raw: &Raw,
+    raw: Raw,
 ) -> Result<Done, MotionError> {
-    let motions = conditioner.push(raw)?;
-    let noise = noise.map_or_else(|| Ok(Vec::new()), |lane| lane.push(raw))?;
-    Ok(Done { motions, noise })
+    let noise = noise.map_or_else(|| Ok(Vec::new()), |lane| lane.push(&raw))?;
+    Ok(Done { motions: conditioner.push(raw)?, noise })
 }

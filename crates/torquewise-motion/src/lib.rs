@@ -23,7 +23,6 @@
 pub mod bounded_file;
 pub mod error;
 mod joint_names;
-pub mod memory;
 pub mod motion;
 pub mod path;
 pub mod pattern;

@@ -1,7 +1,6 @@
 //! States of Dahl elements along a path of positions (E13).
 
-use crate::memory::Memory;
-use crate::motion::Motion;
+use crate::motion::{Memory, Motion};
 use faer::Mat;
 use std::borrow::Cow;
 

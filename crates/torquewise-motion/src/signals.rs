@@ -6,12 +6,11 @@
 //! to a log of any length, block by block. Everything is a function of its arguments: no files.
 //!
 //! ```
-//! use faer::Mat;
 //! use torquewise_motion::signals::{Conditioning, Raw, condition};
 //!
 //! let t: Vec<f64> = (0..2000).map(|row| 0.01 * row as f64).collect();
-//! let q = Mat::from_fn(2000, 1, |row, _| (2.0 * t[row]).sin());
-//! let raw = Raw { joints: vec!["elbow".into()], t, q, dq: None, ddq: None, tau: None };
+//! let q = vec![t.iter().map(|t| (2.0 * t).sin()).collect()];
+//! let raw = Raw { joints: vec!["elbow".into()], t, signals: [Some(q), None, None, None] };
 //!
 //! let clean = condition(&raw, &Conditioning::default())?;
 //!
@@ -22,7 +21,6 @@
 //! ```
 
 mod butterworth;
-mod zero_phase;
 mod spline;
 mod resample;
 mod noise;
@@ -31,7 +29,6 @@ mod cutoff;
 mod derivative;
 mod delay;
 mod raw;
-mod settings;
 mod clean;
 mod plan;
 mod smooth;
@@ -44,10 +41,9 @@ pub use blocks::Conditioner;
 pub use clean::Outliers;
 pub use condition::{Conditioned, condition};
 pub use delay::Shift;
-pub use noise::{Quantisation, WhiteNoise};
-pub use plan::Plan;
-pub use raw::Raw;
+pub use noise::Quantisation;
+pub use plan::{Conditioning, Cutoff, Plan};
+pub use raw::{Raw, Signal};
 pub use report::{ConditionReport, CutoffFrom, SignalReport};
 pub use resample::Timing;
-pub use settings::{Conditioning, Cutoff};
 pub use spline::lagrange;

@@ -18,7 +18,6 @@ mod scenario;
 mod method;
 mod results;
 mod trial;
-mod charts;
 mod study {
     pub(crate) mod patterns;
     pub(crate) mod orders;

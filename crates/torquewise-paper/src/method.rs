@@ -3,6 +3,7 @@
 use torquewise_identify::plan::{LibraryOptions, Regression};
 use torquewise_regression::select::Selector;
 use torquewise_regression::select::lasso::Lasso;
+use torquewise_report::html::Colour;
 
 /// A coefficient larger than this counts as active in the paper.
 pub(crate) const ACTIVE: f64 = 0.1;
@@ -37,6 +38,11 @@ impl Method {
             Self::SindyLasso => "one-shot SINDy, LASSO + BIC + refit",
             Self::SindyCriterion => "one-shot SINDy, our rule",
         }
+    }
+
+    /// In all charts.
+    pub(crate) fn colour(self) -> Colour {
+        Colour::Series(self as usize)
     }
 
     /// What it offers, and which terms stay.

@@ -13,6 +13,7 @@ use std::time::Duration;
 use torquewise_identify::{Plan, reconstruct, score};
 use torquewise_model::{EnergyTerm, Form, Model, Stage, Torque, Weighted};
 use torquewise_motion::Motion;
+use torquewise_report::html::Colour;
 use torquewise_stepwise::Progress as Work;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -215,6 +216,15 @@ pub(crate) fn steps(model: &Model, ready: fn(&Model) -> Model, test: &Motion) ->
         })
     };
     model.stages.iter().enumerate().map(step).collect()
+}
+
+/// Name, colour and torque after each step, m×n.
+pub(crate) fn step_lines(steps: Vec<Step>) -> Vec<(String, Colour, Mat<f64>)> {
+    let colours = [5, 2, 1].map(Colour::Series);
+    let line = |(step, Step { name, torque, .. }): (usize, Step)| {
+        (format!("after step {}: {name}", step + 1), colours[step.min(2)], torque)
+    };
+    steps.into_iter().enumerate().map(line).collect()
 }
 
 /// CPU time of this thread; zero where the system does not tell.

@@ -2,11 +2,10 @@
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::error::{Result, SimError, check_joints};
-use crate::spatial::{Body, Pose, is_positive_semidefinite};
+use crate::spatial::{Body, Pose, is_positive_semidefinite, placement, pose};
 use nalgebra::{Unit, Vector3};
 use std::f64::consts::PI;
 use torquewise_motion::unfit_joint_name;
-use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Geometry, JointKind, JointKinds, Kinematics};
 
@@ -16,11 +15,10 @@ pub(crate) const STANDARD_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 /// A joint and the body it moves, in the frame J that moves with it.
 #[derive(Clone, Debug)]
 pub(crate) struct Joint {
-    /// J at q = 0, seen from the joint before (the world for the first).
+    /// J at q = 0, seen from the joint before (the world for the first); the joint turns about its z
+    /// or slides along it.
     pub(crate) X_PJ: Pose,
     pub(crate) kind: JointKind,
-    /// Direction the joint turns about or slides along, in J.
-    pub(crate) axis: Unit<Vector3<f64>>,
     /// All that moves with this joint and not with the next, in J.
     pub(crate) body: Body,
     /// Inertia of the motor's rotor \[kg·m²\], or \[kg\] of a slide, as felt at the joint: gear² × rotor.
@@ -60,9 +58,8 @@ pub struct Arm {
     joint_names: Vec<String>,
     pub(crate) joints: Vec<Joint>,
     gravity: [f64; 3],
-    /// The frames of the joints, each turned so that its z is the axis.
     pub(crate) kinematics: Kinematics,
-    /// Inertial parameters of all bodies in those frames, 10n.
+    /// Inertial parameters of all bodies in the frames of their joints, 10n.
     pub(crate) inertial: Vec<f64>,
 }
 
@@ -87,9 +84,9 @@ impl Arm {
         }
         joints.iter().try_for_each(|(name, joint)| joint.check(name))?;
         let (joint_names, joints): (_, Vec<Joint>) = joints.into_iter().unzip();
-        let kinematics =
-            Kinematics::of_frames(placements(&joints), gravity).of_kinds(kinds(&joints));
-        let inertial = joints.iter().flat_map(Joint::inertial_parameters).collect();
+        let placements = joints.iter().map(|joint| placement(&joint.X_PJ)).collect();
+        let kinematics = Kinematics::of_frames(placements, gravity).of_kinds(kinds(&joints));
+        let inertial = joints.iter().flat_map(|joint| joint.body.inertial_parameters()).collect();
         Ok(Self { name, joint_names, joints, gravity, kinematics, inertial })
     }
 
@@ -146,11 +143,6 @@ impl Arm {
         }
         Ok(self)
     }
-
-    /// Where its axes lie, as a fit is told of them.
-    pub fn geometry(&self) -> Geometry {
-        Geometry::of_joints(&placements(&self.joints), &self.kinds(), self.gravity).0
-    }
 }
 
 /// An arm by its frames and bodies, as a learned model has them.
@@ -160,12 +152,8 @@ pub struct ArmParts {
     pub name: String,
     /// Joint names, base to tip, n.
     pub joints: Vec<String>,
-    /// Which of them turn and which slide.
-    pub kinds: JointKinds,
-    /// The frame of each joint at q = 0 in the one before, z the axis, n.
-    pub placements: Vec<Placement>,
-    /// Gravity in the frame of the base \[m/s²\].
-    pub gravity: [f64; 3],
+    /// Where their axes lie, and gravity.
+    pub geometry: Geometry,
     /// Inertial parameters of each body in the frame of its joint, 10n.
     pub inertial: Vec<f64>,
     /// Rotors as felt at their joints \[kg·m²\], n.
@@ -180,16 +168,16 @@ impl Arm {
     /// # Errors
     /// The variant of [`SimError`] that names the joint or number at fault.
     pub fn from_parts(parts: ArmParts) -> Result<Self> {
-        let ArmParts { name, joints, kinds, placements, gravity, inertial, rotors, limits } = parts;
-        let frames = joints.into_iter().zip(placements).zip(inertial.chunks_exact(PER_BODY));
+        let ArmParts { name, joints, geometry, inertial, rotors, limits } = parts;
+        let frames =
+            joints.into_iter().zip(geometry.placements()).zip(inertial.chunks_exact(PER_BODY));
         let frames = frames.zip(rotors.into_iter().zip(limits));
         let all = frames.enumerate().map(|(k, frame)| {
             let (((name, placement), body), (rotor, (range, velocity))) = frame;
-            let kind = kinds.of(k);
+            let kind = geometry.kinds().of(k);
             let joint = Joint {
                 kind,
-                X_PJ: Pose { R_AB: placement.rotation, p_AB: placement.origin },
-                axis: Vector3::z_axis(),
+                X_PJ: pose(&placement),
                 body: Body::of_parameters(&std::array::from_fn(|k| body[k])),
                 rotor,
                 range: motion_range(kind, range),
@@ -197,20 +185,8 @@ impl Arm {
             };
             (name, joint)
         });
-        Self::new(name, gravity, all.collect())
+        Self::new(name, geometry.gravity(), all.collect())
     }
-}
-
-/// The frames of joints, each turned so that its z is the axis, each seen from the one before.
-fn placements(joints: &[Joint]) -> Vec<Placement> {
-    let mut X_ZP = Pose::identity();
-    let placed = joints.iter().map(|joint| {
-        let X_JZ = Pose::with_z_along(&joint.axis);
-        let X_ZZ = X_ZP * joint.X_PJ * X_JZ;
-        X_ZP = X_JZ.inverse();
-        Placement { rotation: X_ZZ.R_AB, origin: X_ZZ.p_AB }
-    });
-    placed.collect()
 }
 
 fn kinds(joints: &[Joint]) -> JointKinds {
@@ -218,13 +194,8 @@ fn kinds(joints: &[Joint]) -> JointKinds {
 }
 
 impl Joint {
-    fn inertial_parameters(&self) -> [f64; PER_BODY] {
-        self.body.seen_from(&Pose::with_z_along(&self.axis).inverse()).inertial_parameters()
-    }
-
     fn check(&self, name: &str) -> Result<()> {
-        check_finite("placement", name, self.X_PJ.R_AB.as_slice())?;
-        check_finite("placement", name, self.X_PJ.p_AB.as_slice())?;
+        check_finite("placement", name, self.X_PJ.to_matrix().as_slice())?;
         check_finite("rotor inertia", name, &[self.rotor])?;
         if self.rotor < 0.0 {
             return Err(SimError::Inertia { place: format!("{name} (rotor)") });

@@ -1,22 +1,19 @@
 //! An arm under control, at a fixed rate, beside what it was asked to do.
 //!
 //! A [`Plant`] is an arm with friction, drives and encoders, integrated with error control between
-//! the ticks of a [`Controller`]. What a controller knows of the arm is a [`Knowledge`]: a model
+//! the ticks of a controller by some [`Law`]. What a controller knows of the arm is a [`Knowledge`]: a model
 //! that was reconstructed ([`Learned`]) or, to compare with, the truth. [`track()`] lets the one
 //! drive the other along a desired motion; [`record()`] makes the log a model is learned from.
 //!
 //! ```
-//! use torquewise_sim::control::{
-//!     Controller, Gains, Law, Periodic, Plant, mean_inertia, periodic, track,
-//! };
+//! use torquewise_sim::control::{Gains, Law, Periodic, Plant, mean_inertia, periodic, track};
 //! use torquewise_sim::Arm;
 //!
 //! let plant = Plant::ideal(Arm::builtin("planar-2")?);
 //! let wanted = periodic(&plant.arm, &Periodic { seconds: 2.0, ..Periodic::default() })?;
 //! let gains = Gains::critically_damped(10.0, &mean_inertia(&plant, &wanted)?);
 //! let rms = |law| -> Result<Vec<f64>, torquewise_sim::SimError> {
-//!     let mut controller = Controller::new(law, &plant, &gains, &wanted)?;
-//!     Ok(track(&plant, &mut controller, &wanted)?.rms_error(0.0))
+//!     Ok(track(&plant, law, &plant, &gains, &wanted)?.rms_error(0.0))
 //! };
 //! assert!(rms(Law::Controller2)?[0] < 0.01 * rms(Law::Pid)?[0]);
 //! # Ok::<(), torquewise_sim::SimError>(())
@@ -29,13 +26,11 @@ pub mod reference;
 pub mod knowledge;
 pub mod gains;
 pub mod controller;
-pub mod track;
 pub mod record;
 
-pub use controller::{Controller, Law};
+pub use controller::{Law, Tracking, compare, track};
 pub use gains::{Gains, mean_inertia};
 pub use knowledge::{Knowledge, Learned};
 pub use plant::{Drive, Plant, Sensors};
 pub use record::record;
 pub use reference::{Periodic, periodic};
-pub use track::{Tracking, compare, track};

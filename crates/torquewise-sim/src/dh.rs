@@ -3,8 +3,7 @@
 
 use crate::arm::{Arm, Joint, JointLimits, STANDARD_GRAVITY, check_body, check_finite};
 use crate::error::{Result, SimError};
-use crate::spatial::{Body, Pose};
-use nalgebra::Vector3;
+use crate::spatial::{Body, dh_row, shifted_turned};
 use serde::Deserialize;
 use std::f64::consts::PI;
 use torquewise_rigid::JointKind;
@@ -13,8 +12,7 @@ use torquewise_rigid::JointKind;
 #[serde(deny_unknown_fields)]
 struct Table {
     name: String,
-    #[serde(default = "standard_gravity")]
-    gravity: [f64; 3],
+    gravity: Option<[f64; 3]>,
     #[serde(default)]
     base_rpy: [f64; 3],
     joints: Vec<Row>,
@@ -37,10 +35,6 @@ struct Row {
     range: Option<[f64; 2]>,
     #[serde(default)]
     kind: JointKind,
-}
-
-fn standard_gravity() -> [f64; 3] {
-    STANDARD_GRAVITY
 }
 
 impl Arm {
@@ -82,17 +76,16 @@ impl Arm {
 
         let mut joints = Vec::with_capacity(table.joints.len());
         check_finite("base_rpy", &table.name, &table.base_rpy)?;
-        let mut X_PF = Pose::from_xyz_rpy([0.0; 3], table.base_rpy);
+        let mut X_PF = shifted_turned([0.0; 3], table.base_rpy);
         for row in table.joints {
             // Frame J moves with the joint but sits where the joint is, before d, a and alpha.
-            let X_PJ = X_PF * Pose::from_dh(row.offset, 0.0, 0.0, 0.0);
-            let X_JF = Pose::from_dh(0.0, row.d, row.a, row.alpha);
+            let X_PJ = X_PF * dh_row(row.offset, 0.0, 0.0, 0.0);
+            let X_JF = dh_row(0.0, row.d, row.a, row.alpha);
             let body = Body::new(row.mass, row.com, row.inertia);
             check_body(&row.name, &body)?;
             let joint = Joint {
                 X_PJ,
                 kind: row.kind,
-                axis: Vector3::z_axis(),
                 body: body.seen_from(&X_JF),
                 rotor: row.rotor,
                 range: row.range.unwrap_or(if row.kind.turns() { [-PI, PI] } else { [0.0; 2] }),
@@ -101,7 +94,7 @@ impl Arm {
             joints.push((row.name, joint));
             X_PF = X_JF;
         }
-        Self::new(table.name, table.gravity, joints)
+        Self::new(table.name, table.gravity.unwrap_or(STANDARD_GRAVITY), joints)
     }
 }
 

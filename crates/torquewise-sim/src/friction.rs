@@ -35,11 +35,11 @@ impl Stribeck {
 ///
 /// dz = v − σ₀|v|/g(v)·z, f = σ₀ z + σ₁ dz + f_v v, where g is the curve of dry friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bristles {
+struct Bristles {
     /// σ₀ \[N·m/rad\], above 0.
-    pub stiffness: f64,
+    stiffness: f64,
     /// σ₁ \[N·m·s/rad\], 0 or more.
-    pub damping: f64,
+    damping: f64,
 }
 
 /// Bristles that slip before they are bent so far \[rad\] are none.
@@ -73,14 +73,9 @@ const WIDTH: f64 = 1e-3;
 
 #[derive(Deserialize)]
 struct Table {
-    #[serde(default = "default_width")]
-    width: f64,
+    width: Option<f64>,
     #[serde(flatten)]
     joints: BTreeMap<String, Row>,
-}
-
-fn default_width() -> f64 {
-    WIDTH
 }
 
 #[derive(Deserialize)]
@@ -124,15 +119,6 @@ impl Friction {
         Self::checked(joints.iter().map(|&both| [both; 2]).collect(), bristles, WIDTH)
     }
 
-    /// The same where the dry friction of every joint bends bristles before it slips.
-    ///
-    /// # Errors
-    /// [`SimError::Limit`] for a number out of bounds.
-    pub fn with_bristles(self, bristles: Bristles) -> Result<Self> {
-        let all = vec![Some(bristles); self.joints.len()];
-        Self::checked(self.joints, all, self.width)
-    }
-
     /// Reads friction from TOML: a table for each joint that rubs, under its name.
     ///
     /// Each holds `coulomb` \[N·m\], and optionally `stiction` \[N·m\], `speed` \[rad/s\],
@@ -165,7 +151,7 @@ impl Friction {
             Some((joint, _)) => {
                 Err(SimError::UnknownJoint { what: "friction", joint, known: joints.join(", ") })
             }
-            None => Self::checked(curves, bristles, table.width),
+            None => Self::checked(curves, bristles, table.width.unwrap_or(WIDTH)),
         }
     }
 
@@ -326,9 +312,8 @@ mod tests {
 
     #[test]
     fn bristles_turn_over_along_a_way_and_stay_bent_at_rest() {
-        let curve = Stribeck { coulomb: 4.0, stiction: 4.0, speed: 1.0, viscous: 0.0 };
-        let bristles = Bristles { stiffness: 400.0, damping: 0.0 };
-        let friction = Friction::new(&[curve]).unwrap().with_bristles(bristles).unwrap();
+        let text = "[a]\ncoulomb = 4.0\nstiffness = 400.0";
+        let friction = Friction::from_toml(text, &joints()).unwrap();
         let mut bent = Bent::default();
         let mut moved =
             |v: f64, rows: usize| (0..rows).fold(0.0, |_, _| friction.next(0, v, 0.001, &mut bent));

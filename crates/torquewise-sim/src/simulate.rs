@@ -4,7 +4,7 @@ use crate::arm::Arm;
 use crate::error::{Result, check_joints};
 use crate::friction::{Bent, Friction};
 use crate::plan::MotionPlan;
-use crate::state::{Rows, State};
+use crate::state::{State, motion};
 use crate::trajectory::Trajectory;
 use faer::Mat;
 use std::ops::Range;
@@ -95,7 +95,7 @@ impl SimulatedLog {
     fn record(&self, rows: Range<usize>, bent: &mut Bent) -> Result<Simulation> {
         let Self { arm, trajectory, friction } = self;
         let (m, n) = (rows.len(), arm.n_joints());
-        let (mut states, mut tau) = (Rows::new(m, n), Mat::zeros(m, n));
+        let (mut states, mut tau) = (Vec::with_capacity(m), Mat::zeros(m, n));
         let (mut t, mut truth) = (Vec::with_capacity(m), Vec::with_capacity(m));
         let (mut state, mut torque) = (State::at_rest(&vec![0.0; n]), vec![0.0; n]);
         let mut moved = Moved::default();
@@ -104,12 +104,11 @@ impl SimulatedLog {
             truth.push(Pattern::of(&state.dq, &state.ddq));
             let moving = torquewise_rigid::State { q: &state.q, dq: &state.dq, ddq: &state.ddq };
             arm.load(moving, &mut moved, &mut torque);
-            states.set(k, &state);
             for i in 0..n {
                 tau[(k, i)] = torque[i] + friction.next(i, state.dq[i], trajectory.step(), bent);
             }
+            states.push(state.clone());
         }
-        let motion = states.motion(arm.joints(), t, Some(tau))?;
-        Ok(Simulation { motion, truth })
+        Ok(Simulation { motion: motion(arm.joints(), t, &states, Some(tau))?, truth })
     }
 }

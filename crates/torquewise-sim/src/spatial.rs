@@ -1,61 +1,41 @@
 //! Frames that compose, bodies that weld.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo: X_AB = X_AC * X_CB")]
 
-use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
-use std::ops::Mul;
+use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Unit, Vector3};
+use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::recursion::PER_BODY;
 
-/// Frame B seen from frame A.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Pose {
-    /// Turns B's components of a vector into A's.
-    pub(crate) R_AB: Matrix3<f64>,
-    /// Origin of B \[m\], in A.
-    pub(crate) p_AB: Vector3<f64>,
+/// Frame B seen from frame A: it turns B's components of a vector into A's, its translation is the
+/// origin of B \[m\], in A.
+pub(crate) type Pose = IsometryMatrix3<f64>;
+
+/// Shift \[m\], then fixed-axis roll, pitch, yaw \[rad\], as a URDF `<origin>` says it.
+pub(crate) fn shifted_turned(xyz: [f64; 3], rpy: [f64; 3]) -> Pose {
+    Pose::from_parts(xyz.into(), Rotation3::from_euler_angles(rpy[0], rpy[1], rpy[2]))
 }
 
-impl Pose {
-    pub(crate) fn identity() -> Self {
-        Self { R_AB: Matrix3::identity(), p_AB: Vector3::zeros() }
-    }
-
-    /// Shift \[m\], then fixed-axis roll, pitch, yaw \[rad\], as a URDF `<origin>` says it.
-    pub(crate) fn from_xyz_rpy(xyz: [f64; 3], rpy: [f64; 3]) -> Self {
-        let R_AB = *Rotation3::from_euler_angles(rpy[0], rpy[1], rpy[2]).matrix();
-        Self { R_AB, p_AB: xyz.into() }
-    }
-
-    /// Turn about z by `theta`, shift along z by `d`, shift along x by `a`, turn about x by
-    /// `alpha`: one row of a standard Denavit–Hartenberg table.
-    pub(crate) fn from_dh(theta: f64, d: f64, a: f64, alpha: f64) -> Self {
-        let turn = |axis, angle| *Rotation3::from_axis_angle(&axis, angle).matrix();
-        let about_z = turn(Vector3::z_axis(), theta);
-        Self {
-            R_AB: about_z * turn(Vector3::x_axis(), alpha),
-            p_AB: about_z * Vector3::new(a, 0.0, d),
-        }
-    }
-
-    /// Turned so that z lies along `axis`; no turn at all if `axis` is z.
-    pub(crate) fn with_z_along(axis: &Unit<Vector3<f64>>) -> Self {
-        let x = Vector3::ith(axis.iamin(), 1.0);
-        let x = (x - axis.into_inner() * axis.dot(&x)).normalize();
-        let R_AB = Matrix3::from_columns(&[x, axis.cross(&x), axis.into_inner()]);
-        Self { R_AB, p_AB: Vector3::zeros() }
-    }
-
-    pub(crate) fn inverse(&self) -> Self {
-        Self { R_AB: self.R_AB.transpose(), p_AB: -self.R_AB.tr_mul(&self.p_AB) }
-    }
+/// Turn about z by `theta`, shift along z by `d`, shift along x by `a`, turn about x by `alpha`: one
+/// row of a standard Denavit–Hartenberg table.
+pub(crate) fn dh_row(theta: f64, d: f64, a: f64, alpha: f64) -> Pose {
+    let about_z = Rotation3::from_axis_angle(&Vector3::z_axis(), theta);
+    let turned = about_z * Rotation3::from_axis_angle(&Vector3::x_axis(), alpha);
+    Pose::from_parts((about_z * Vector3::new(a, 0.0, d)).into(), turned)
 }
 
-impl Mul for Pose {
-    type Output = Self;
+/// Turned so that z lies along `axis`; no turn at all if `axis` is z.
+pub(crate) fn with_z_along(axis: &Unit<Vector3<f64>>) -> Pose {
+    let x = Vector3::ith(axis.iamin(), 1.0);
+    let x = (x - axis.into_inner() * axis.dot(&x)).normalize();
+    let turned = Matrix3::from_columns(&[x, axis.cross(&x), axis.into_inner()]);
+    Pose::from_parts(Translation3::identity(), Rotation3::from_matrix_unchecked(turned))
+}
 
-    /// X_AC = X_AB * X_BC.
-    fn mul(self, X_BC: Self) -> Self {
-        Self { R_AB: self.R_AB * X_BC.R_AB, p_AB: self.p_AB + self.R_AB * X_BC.p_AB }
-    }
+pub(crate) fn pose(Placement { rotation, origin }: &Placement) -> Pose {
+    Pose::from_parts((*origin).into(), Rotation3::from_matrix_unchecked(*rotation))
+}
+
+pub(crate) fn placement(X_AB: &Pose) -> Placement {
+    Placement { rotation: *X_AB.rotation.matrix(), origin: X_AB.translation.vector }
 }
 
 /// Mass distribution of a rigid body, in one frame.
@@ -90,10 +70,11 @@ impl Body {
     }
 
     pub(crate) fn seen_from(&self, X_AB: &Pose) -> Self {
+        let turn = X_AB.rotation.matrix();
         Self {
             mass: self.mass,
-            com: X_AB.p_AB + X_AB.R_AB * self.com,
-            inertia: X_AB.R_AB * self.inertia * X_AB.R_AB.transpose(),
+            com: X_AB.translation.vector + turn * self.com,
+            inertia: turn * self.inertia * turn.transpose(),
         }
     }
 
@@ -131,27 +112,10 @@ impl Body {
 }
 
 /// Whether no principal moment of a symmetric matrix is negative, up to rounding.
-///
-/// All principal minors are compared with 0, after scaling to the largest entry so that no
-/// product overflows.
 pub(crate) fn is_positive_semidefinite(inertia: &Matrix3<f64>) -> bool {
     let scale = inertia.amax();
-    if scale == 0.0 {
-        return true;
-    }
-    let unit = inertia / scale;
-    let minor = |i: usize, j: usize| unit[(i, i)] * unit[(j, j)] - unit[(i, j)] * unit[(j, i)];
-    let minors = [
-        unit[(0, 0)],
-        unit[(1, 1)],
-        unit[(2, 2)],
-        minor(0, 1),
-        minor(0, 2),
-        minor(1, 2),
-        unit.determinant(),
-    ];
     // Tables are printed to six digits or so: a flat body may come out a little negative.
-    minors.iter().all(|&minor| minor >= -1e-6)
+    scale == 0.0 || (inertia / scale).symmetric_eigenvalues().min() >= -1e-6
 }
 
 #[cfg(test)]
@@ -175,21 +139,20 @@ mod tests {
 
     #[test]
     fn a_dh_row_is_the_product_of_its_four_motions() {
-        let turn_z = Pose::from_xyz_rpy([0.0; 3], [0.0, 0.0, 0.3]);
-        let shift = Pose::from_xyz_rpy([0.2, 0.0, 0.1], [0.0; 3]);
-        let turn_x = Pose::from_xyz_rpy([0.0; 3], [-0.7, 0.0, 0.0]);
+        let turn_z = shifted_turned([0.0; 3], [0.0, 0.0, 0.3]);
+        let shift = shifted_turned([0.2, 0.0, 0.1], [0.0; 3]);
+        let turn_x = shifted_turned([0.0; 3], [-0.7, 0.0, 0.0]);
 
-        let row = Pose::from_dh(0.3, 0.1, 0.2, -0.7);
+        let row = dh_row(0.3, 0.1, 0.2, -0.7);
 
         let product = turn_z * shift * turn_x;
-        assert_relative_eq!(row.R_AB, product.R_AB, epsilon = 1e-15);
-        assert_relative_eq!(row.p_AB, product.p_AB, epsilon = 1e-15);
+        assert_relative_eq!(row, product, epsilon = 1e-15);
     }
 
     #[test]
     fn a_body_seen_from_a_turned_frame_keeps_its_moments() {
         let body = Body::new(2.0, [0.1, 0.2, 0.3], [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]);
-        let quarter = Pose::from_xyz_rpy([0.0; 3], [0.0, 0.0, std::f64::consts::FRAC_PI_2]);
+        let quarter = shifted_turned([0.0; 3], [0.0, 0.0, std::f64::consts::FRAC_PI_2]);
 
         let turned = body.seen_from(&quarter);
 

@@ -34,35 +34,16 @@ impl State {
     }
 }
 
-#[derive(Clone, Debug)]
-pub(crate) struct Rows {
-    pub(crate) q: Mat<f64>,
-    pub(crate) dq: Mat<f64>,
-    pub(crate) ddq: Mat<f64>,
-}
-
-impl Rows {
-    pub(crate) fn new(m: usize, n: usize) -> Self {
-        let [q, dq, ddq] = std::array::from_fn(|_| Mat::zeros(m, n));
-        Self { q, dq, ddq }
-    }
-
-    pub(crate) fn set(&mut self, row: usize, state: &State) {
-        for joint in 0..self.q.ncols() {
-            self.q[(row, joint)] = state.q[joint];
-            self.dq[(row, joint)] = state.dq[joint];
-            self.ddq[(row, joint)] = state.ddq[joint];
-        }
-    }
-
-    /// The motion of these rows at their times \[s\].
-    pub(crate) fn motion(
-        self,
-        joints: &[String],
-        t: Vec<f64>,
-        tau: Option<Mat<f64>>,
-    ) -> Result<Motion> {
-        let Self { q, dq, ddq } = self;
-        Ok(Motion::new(Signals { joints: joints.to_vec(), t, q, dq, ddq, tau })?)
-    }
+/// The motion of joints that are in these states at some times \[s\].
+pub(crate) fn motion(
+    joints: &[String],
+    t: Vec<f64>,
+    states: &[State],
+    tau: Option<Mat<f64>>,
+) -> Result<Motion> {
+    let matrix = |of: fn(&State) -> &[f64]| {
+        Mat::from_fn(states.len(), joints.len(), |row, joint| of(&states[row])[joint])
+    };
+    let [q, dq, ddq] = [matrix(|own| &own.q), matrix(|own| &own.dq), matrix(|own| &own.ddq)];
+    Ok(Motion::new(Signals { joints: joints.to_vec(), t, q, dq, ddq, tau })?)
 }

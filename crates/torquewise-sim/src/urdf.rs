@@ -1,15 +1,14 @@
 //! An arm from the text of a URDF: the serial chain left when the locked joints are welded.
-#![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 mod chain;
 pub mod edit;
 mod robot;
 mod tree;
 
-use crate::arm::{Arm, Joint, JointLimits, STANDARD_GRAVITY, direction, motion_range};
+use crate::arm::{Arm, Joint, JointLimits, STANDARD_GRAVITY, motion_range};
 use crate::error::Result;
 use robot::Robot;
-use tree::Tree;
+use tree::{Hinge, Tree};
 
 pub use chain::{UrdfChain, UrdfInertial, UrdfJoint};
 
@@ -33,15 +32,14 @@ impl Arm {
         // The base does not move, its mass must be one all the same.
         tree.body(&base)?;
         let mut joints = Vec::with_capacity(chain.len());
-        for (joint, X_PJ, after) in chain {
+        for Hinge { joint, X_PJ, X_LJ, after } in chain {
             let range = if joint.kind == "continuous" { [0.0, 0.0] } else { joint.range };
             let [velocity, acceleration] = joint.peaks;
             let kind = joint.moves();
             let moved = Joint {
                 X_PJ,
                 kind,
-                axis: direction(&joint.name, joint.axis)?,
-                body: tree.body(&after)?,
+                body: tree.body(&after)?.seen_from(&X_LJ.inverse()),
                 rotor: 0.0,
                 range: motion_range(kind, range),
                 limits: JointLimits::new(range, velocity, acceleration),

@@ -6,7 +6,7 @@ use crate::systematic_sample::SystematicSample;
 use faer::{Mat, MatRef};
 use serde::{Deserialize, Serialize};
 use torquewise_model::Training;
-use torquewise_motion::memory::Memory;
+use torquewise_motion::motion::Memory;
 use torquewise_motion::path::{Path, TRAVELS};
 use torquewise_motion::{Motion, Recording, Signals};
 use torquewise_regression::SparseError;

@@ -2,9 +2,7 @@
 
 use std::error::Error;
 use torquewise::Fit;
-use torquewise::control::{
-    Controller, Gains, Law, Learned, Periodic, Plant, mean_inertia, periodic, track,
-};
+use torquewise::control::{Gains, Law, Learned, Periodic, Plant, mean_inertia, periodic, track};
 use torquewise::dynamics::{Arm, MotionPlan, simulate};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -17,8 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let gains = Gains::critically_damped(10.0, &mean_inertia(&plant, &wanted)?);
     let learned = Learned::new(&fit.model)?;
     for law in [Law::Pid, Law::Controller2] {
-        let mut controller = Controller::new(law, &learned, &gains, &wanted)?;
-        let errors = track(&plant, &mut controller, &wanted)?.rms_error(1.0);
+        let errors = track(&plant, law, &learned, &gains, &wanted)?.rms_error(1.0);
         println!("{law:?}: {:.2e} rad of the first joint", errors[0]);
     }
     Ok(())

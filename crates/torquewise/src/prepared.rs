@@ -64,7 +64,7 @@ impl Prepared {
         let Some(motion) = raw.beside_raw_torque()? else { return Ok(None) };
         let signals = &raw.conditioned.report.signals;
         let noise = signals.iter().filter(|signal| signal.signal == "tau");
-        Ok(Some((motion, noise.map(|signal| signal.noise.sigma).collect())))
+        Ok(Some((motion, noise.map(|signal| signal.noise).collect())))
     }
 
     /// What was done to the signals, if anything was.
@@ -128,13 +128,14 @@ const LEAST_GAIN: f64 = 0.8;
 fn dropped(logs: &Logs) -> Option<String> {
     let report = logs.report();
     let mut parts = Vec::new();
-    if report.not_finite > 0 {
-        parts.push(counted(report.not_finite, "row", "without a number"));
+    let repairs = &report.repairs;
+    if repairs.not_finite > 0 {
+        parts.push(counted(repairs.not_finite, "row", "without a number"));
     }
     if let Some((file, row, column, value)) = logs.first_absurd() {
         parts.push(format!(
             "{}, the first is {column} = {value:e} in row {row} of {}",
-            counted(report.absurd, "row", "with a value far beyond all others"),
+            counted(repairs.absurd, "row", "with a value far beyond all others"),
             file.display()
         ));
     }
@@ -142,7 +143,7 @@ fn dropped(logs: &Logs) -> Option<String> {
         parts.push(format!(
             "{}, the first is row {first} (if the clock began anew there, put what follows in a file \
              of its own)",
-            counted(report.went_back, "row", "earlier than a row before")
+            counted(repairs.earlier_stamps, "row", "earlier than a row before")
         ));
     }
     (!parts.is_empty()).then(|| format!("left out: {}", parts.join(", ")))

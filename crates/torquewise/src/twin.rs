@@ -17,7 +17,6 @@ use torquewise_sim::{Arm, MotionPlan, SimulatedLog};
 /// can be.
 pub fn arm(model: &Model) -> Result<Arm> {
     let chain = model.chain.as_ref().ok_or(ModelError::NoChain)?;
-    let axes = chain.axes()?;
     let n = model.n_joints();
     let mut rotors = vec![0.0; n];
     for drive in &chain.drives {
@@ -32,9 +31,7 @@ pub fn arm(model: &Model) -> Result<Arm> {
     Ok(Arm::from_parts(ArmParts {
         name: "twin".to_owned(),
         joints: model.joints.clone(),
-        kinds: model.kinds(),
-        placements: axes.placements(),
-        gravity: axes.gravity(),
+        geometry: chain.axes()?,
         inertial: chain.inertial(),
         rotors,
         limits: limits.collect(),

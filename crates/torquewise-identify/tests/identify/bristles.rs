@@ -6,7 +6,7 @@ use torquewise_identify::plan::FrictionKind;
 use torquewise_model::Torque;
 use torquewise_model::shaft_friction::{Estimated, ShaftFriction};
 use torquewise_motion::Motion;
-use torquewise_sim::friction::{Bristles, Friction, Stribeck};
+use torquewise_sim::friction::Friction;
 use torquewise_sim::{MotionKind, MotionPlan, SimulatedLog};
 
 /// Slower than this \[rad/s\] a joint is at rest or turns round.
@@ -19,18 +19,18 @@ const VISCOUS: f64 = 0.2;
 const STIFFNESS: f64 = 1_200.0;
 
 fn log(seconds: f64, seed: u64) -> Motion {
-    let curve = |coulomb: f64| Stribeck {
-        coulomb,
-        stiction: 1.3 * coulomb,
-        speed: 0.05,
-        viscous: VISCOUS * coulomb,
+    let arm = reference_arm();
+    let row = |(name, coulomb): (&String, f64)| {
+        let (stiction, viscous) = (1.3 * coulomb, VISCOUS * coulomb);
+        format!(
+            "[{name}]\ncoulomb = {coulomb:?}\nstiction = {stiction:?}\nspeed = 0.05\n\
+             viscous = {viscous:?}\nstiffness = {STIFFNESS:?}\n"
+        )
     };
-    let friction = Friction::new(&COULOMB.map(curve))
-        .unwrap()
-        .with_bristles(Bristles { stiffness: STIFFNESS, damping: 0.0 })
-        .unwrap();
+    let text: String = arm.joints().iter().zip(COULOMB).map(row).collect();
+    let friction = Friction::from_toml(&text, arm.joints()).unwrap();
     let plan = MotionPlan { kind: MotionKind::Moves, seconds, rate: 250.0, seed };
-    let log = SimulatedLog::new(&reference_arm(), &plan).unwrap();
+    let log = SimulatedLog::new(&arm, &plan).unwrap();
     log.with_friction(friction).unwrap().whole().unwrap().motion
 }
 

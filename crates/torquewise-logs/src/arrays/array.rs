@@ -64,7 +64,7 @@ impl Body {
         if let Some(checksum) = self.checksum {
             input = Box::new(Checked { input: CrcReader::new(input), checksum });
         }
-        let before = self.before + first * element.size() as u64;
+        let before = self.before + first * element.size as u64;
         let passed = io::copy(&mut input.by_ref().take(before), &mut io::sink())?;
         if passed < before {
             return Err(io::ErrorKind::UnexpectedEof.into());
@@ -108,7 +108,7 @@ impl Array {
 
     pub(super) fn n_bytes(&self, element: Element) -> Option<u64> {
         let count = u64::try_from(self.rows.checked_mul(self.columns)?).ok()?;
-        count.checked_mul(element.size() as u64)
+        count.checked_mul(element.size as u64)
     }
 
     pub(super) fn numbers(&self, file: &LogInput, first: u64) -> Result<Numbers> {

@@ -1,7 +1,7 @@
 //! MATLAB files (.mat, version 5); fields of structures are joined to names by dots.
 
 use crate::arrays::array::{Array, Body, LONGEST_NAME, MAX_COLUMNS, Order, Packing};
-use crate::arrays::mat_elements::{COMPRESSED, Elements, MATRIX, Tag, kind_of, sizes, wrong};
+use crate::arrays::mat_elements::{COMPRESSED, Elements, MATRIX, Tag, held_by, sizes, wrong};
 use crate::arrays::numbers::Element;
 use crate::error::{LogError, Result};
 use crate::format::Format;
@@ -180,8 +180,7 @@ impl Walk {
 
 /// What the element with this tag holds, as the body of an array.
 fn element(tag: Tag, array: &Array) -> Result<Element, &'static str> {
-    let kind = kind_of(tag.kind).ok_or("an array of numbers holds something else")?;
-    let element = Element { kind, is_big_endian: false };
+    let element = held_by(tag.kind).ok_or("an array of numbers holds something else")?;
     if array.n_bytes(element) == Some(tag.length) {
         Ok(element)
     } else {

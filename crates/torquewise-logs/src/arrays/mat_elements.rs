@@ -2,7 +2,7 @@
 //!
 //! Source: MathWorks, MAT-File Format, R2024b, chapter 1 (level 5).
 
-use crate::arrays::numbers::Kind;
+use crate::arrays::numbers::{Element, Kind};
 use std::io::{self, Read};
 
 pub(super) const MATRIX: u32 = 14;
@@ -145,20 +145,16 @@ pub(super) fn wrong(what: &'static str) -> io::Error {
 }
 
 /// What an element of this kind holds; `None` for one that holds no numbers.
-pub(super) fn kind_of(kind: u32) -> Option<Kind> {
-    Some(match kind {
-        1 => Kind::I1,
-        2 => Kind::U1,
-        3 => Kind::I2,
-        4 => Kind::U2,
-        5 => Kind::I4,
-        6 => Kind::U4,
-        7 => Kind::F4,
-        9 => Kind::F8,
-        12 => Kind::I8,
-        13 => Kind::U8,
+pub(super) fn held_by(kind: u32) -> Option<Element> {
+    let (kind, size) = match kind {
+        7 | 9 => (Kind::Float, if kind == 7 { 4 } else { 8 }),
+        1 | 3 | 5 => (Kind::Signed, 1 << (kind / 2)),
+        2 | 4 | 6 => (Kind::Unsigned, 1 << (kind / 2 - 1)),
+        12 => (Kind::Signed, 8),
+        13 => (Kind::Unsigned, 8),
         _ => return None,
-    })
+    };
+    Some(Element { kind, size, is_big_endian: false })
 }
 
 /// The 32-bit whole numbers in a body; one that is negative counts as 0.

@@ -17,18 +17,12 @@ const MAX_HEADER: u64 = 1 << 16;
 const MOST_INFLATED: u64 = 1_032;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
-const KINDS: [(&str, Kind); 11] = [
-    ("f8", Kind::F8),
-    ("f4", Kind::F4),
-    ("i1", Kind::I1),
-    ("i2", Kind::I2),
-    ("i4", Kind::I4),
-    ("i8", Kind::I8),
-    ("u1", Kind::U1),
-    ("u2", Kind::U2),
-    ("u4", Kind::U4),
-    ("u8", Kind::U8),
-    ("b1", Kind::U1),
+/// Kinds of numbers with the bytes that each may have; a truth is a number of one byte.
+const KINDS: [(&str, Kind, &str); 4] = [
+    ("f", Kind::Float, "48"),
+    ("i", Kind::Signed, "1248"),
+    ("u", Kind::Unsigned, "1248"),
+    ("b", Kind::Unsigned, "1"),
 ];
 
 pub(super) fn arrays(file: &LogInput) -> Result<Vec<Array>> {
@@ -127,9 +121,12 @@ fn header(bytes: &[u8]) -> Option<(Header, Option<Element>)> {
     // A structure is a list of names and kinds in place of one kind.
     let kind = field("'descr'")?.strip_prefix('\'').unwrap_or("list'");
     let (kind, _) = kind.split_once('\'')?;
-    let own = kind.trim_start_matches(['<', '>', '=', '|']);
-    let known = KINDS.into_iter().find(|(name, _)| *name == own);
     let is_big_endian = kind.starts_with('>');
-    let element = known.map(|(_, kind)| Element { kind, is_big_endian });
+    let own = kind.trim_start_matches(['<', '>', '=', '|']).split_at_checked(1);
+    let element = own.and_then(|(letter, size)| {
+        let known = KINDS.into_iter().find(|(own, ..)| *own == letter);
+        let (_, kind, _) = known.filter(|(.., sizes)| size.len() == 1 && sizes.contains(size))?;
+        Some(Element { kind, size: size.parse().ok()?, is_big_endian })
+    });
     Some((Header { shape, is_fortran, length: start + length }, element))
 }

@@ -16,30 +16,14 @@ pub(crate) struct JointState {
     pub(crate) effort: Vec<f64>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Malformed {
-    Encapsulation,
-    Short,
-    Text,
-    Counts,
-    Joints,
-}
+/// Why a message is none.
+type Decoded<T> = Result<T, &'static str>;
 
-impl Malformed {
-    pub(crate) fn reason(self) -> &'static str {
-        match self {
-            Self::Encapsulation => "it is not encoded in plain CDR",
-            Self::Short => "it ends before its last value",
-            Self::Text => "a joint name is not UTF-8 text",
-            Self::Counts => "it has not one position, velocity and effort for each name",
-            Self::Joints => "it names over 1000 joints",
-        }
-    }
-}
+const SHORT: &str = "it ends before its last value";
 
 impl JointState {
     /// Decodes a message; its own lengths are held against the bytes there are.
-    pub(crate) fn decode(bytes: &[u8]) -> Result<Self, Malformed> {
+    pub(crate) fn decode(bytes: &[u8]) -> Decoded<Self> {
         let mut cdr = Cdr::new(bytes)?;
         let seconds = i64::from(cdr.u32()?.cast_signed());
         let nanoseconds = i64::from(cdr.u32()?);
@@ -47,7 +31,7 @@ impl JointState {
         cdr.text()?;
         let n = cdr.count(4)?;
         if n > MOST_JOINTS {
-            return Err(Malformed::Joints);
+            return Err("it names over 1000 joints");
         }
         let names = (0..n).map(|_| Ok(cdr.text()?.to_owned())).collect::<Result<_, _>>()?;
         Ok(Self {
@@ -70,58 +54,58 @@ struct Cdr<'a> {
 }
 
 impl<'a> Cdr<'a> {
-    fn new(bytes: &'a [u8]) -> Result<Self, Malformed> {
-        let (header, body) = bytes.split_at_checked(4).ok_or(Malformed::Short)?;
+    fn new(bytes: &'a [u8]) -> Decoded<Self> {
+        let (header, body) = bytes.split_at_checked(4).ok_or(SHORT)?;
         let (big_endian, widest) = match header[..2] {
             [0, 0] => (true, 8),
             [0, 1] => (false, 8),
             [0, 6] => (true, 4),
             [0, 7] => (false, 4),
-            _ => return Err(Malformed::Encapsulation),
+            _ => return Err("it is not encoded in plain CDR"),
         };
         Ok(Self { bytes: body, at: 0, big_endian, widest })
     }
 
-    fn take(&mut self, length: usize) -> Result<&'a [u8], Malformed> {
-        let end = self.at.checked_add(length).ok_or(Malformed::Short)?;
-        let taken = self.bytes.get(self.at..end).ok_or(Malformed::Short)?;
+    fn take(&mut self, length: usize) -> Decoded<&'a [u8]> {
+        let end = self.at.checked_add(length).ok_or(SHORT)?;
+        let taken = self.bytes.get(self.at..end).ok_or(SHORT)?;
         self.at = end;
         Ok(taken)
     }
 
     /// The next `N` bytes from a multiple of `align` on, least significant first.
-    fn little_endian<const N: usize>(&mut self, align: usize) -> Result<[u8; N], Malformed> {
+    fn little_endian<const N: usize>(&mut self, align: usize) -> Decoded<[u8; N]> {
         self.at = self.at.next_multiple_of(align);
-        let mut number: [u8; N] = self.take(N)?.try_into().map_err(|_| Malformed::Short)?;
+        let mut number: [u8; N] = self.take(N)?.try_into().map_err(|_| SHORT)?;
         if self.big_endian {
             number.reverse();
         }
         Ok(number)
     }
 
-    fn u32(&mut self) -> Result<u32, Malformed> {
+    fn u32(&mut self) -> Decoded<u32> {
         Ok(u32::from_le_bytes(self.little_endian(4)?))
     }
 
     /// A number of items that take at least `size` bytes each.
-    fn count(&mut self, size: usize) -> Result<usize, Malformed> {
-        let count = usize::try_from(self.u32()?).map_err(|_| Malformed::Short)?;
+    fn count(&mut self, size: usize) -> Decoded<usize> {
+        let count = usize::try_from(self.u32()?).map_err(|_| SHORT)?;
         let left = self.bytes.len().saturating_sub(self.at);
-        if count <= left / size { Ok(count) } else { Err(Malformed::Short) }
+        if count <= left / size { Ok(count) } else { Err(SHORT) }
     }
 
-    fn text(&mut self) -> Result<&'a str, Malformed> {
+    fn text(&mut self) -> Decoded<&'a str> {
         let length = self.count(1)?;
         let text = self.take(length)?;
         let text = text.strip_suffix(&[0]).unwrap_or(text);
-        std::str::from_utf8(text).map_err(|_| Malformed::Text)
+        std::str::from_utf8(text).map_err(|_| "a joint name is not UTF-8 text")
     }
 
     /// One for each of `n` joints, or none.
-    fn numbers(&mut self, n: usize) -> Result<Vec<f64>, Malformed> {
+    fn numbers(&mut self, n: usize) -> Decoded<Vec<f64>> {
         let count = self.count(8)?;
         if count != 0 && count != n {
-            return Err(Malformed::Counts);
+            return Err("it has not one position, velocity and effort for each name");
         }
         let widest = self.widest;
         (0..count).map(|_| Ok(f64::from_le_bytes(self.little_endian(widest)?))).collect()

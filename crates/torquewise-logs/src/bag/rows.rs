@@ -4,7 +4,7 @@ use crate::bag::Messages;
 use crate::bag::survey::{Aligned, Survey, decoded, places};
 use crate::error::{Place, Result};
 use crate::log_input::LogInput;
-use crate::rows::{Irregular, Rows};
+use crate::rows::Rows;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -108,8 +108,8 @@ impl Rows for BagRows {
         Place { file: self.file.clone(), row: self.row, line: None }
     }
 
-    fn irregular(&self) -> Irregular {
-        Irregular { sorted: self.in_order.n_late, passed_over: self.n_passed_over }
+    fn irregular(&self) -> [u64; 2] {
+        [self.in_order.n_late, self.n_passed_over]
     }
 }
 

@@ -5,7 +5,7 @@ use crate::bag::db3_messages::{self, Db3Messages};
 use crate::bag::joint_state::JointState;
 use crate::bag::mcap_messages::{self, McapMessages};
 use crate::bag::{JOINT_STATE, Messages, Topic};
-use crate::error::{LogError, Place, Result, shown};
+use crate::error::{LogError, Place, Result, listed, shown};
 use crate::format::Format;
 use crate::joints;
 use crate::log_input::LogInput;
@@ -103,7 +103,7 @@ impl Survey {
             self.joints.clone_from(&found);
         }
         if n_found == 0 || found.is_empty() {
-            let (wanted, found) = (self.joints.join(", "), shown_names(&found));
+            let (wanted, found) = (self.joints.join(", "), listed(&found, 40));
             let problem =
                 format!(" has no message of the joints {wanted}, its first names {found}");
             let help = "name joints as the bag does";
@@ -116,8 +116,8 @@ impl Survey {
 }
 
 pub(super) fn decoded(bytes: &[u8], place: impl Fn() -> Place) -> Result<JointState> {
-    let malformed = |wrong: super::joint_state::Malformed| {
-        let problem = format!(": the message is no joint state, {}", wrong.reason());
+    let malformed = |reason| {
+        let problem = format!(": the message is no joint state, {reason}");
         LogError::unusable(place(), &problem, "record or convert the bag again")
     };
     JointState::decode(bytes).map_err(malformed)
@@ -131,7 +131,7 @@ pub(super) fn places<'a>(
     aligned.find(state).map_err(|joint| LogError::JointGone {
         place: place(),
         joint: shown(joint.as_bytes()),
-        found: shown_names(&state.names),
+        found: listed(&state.names, 40),
     })
 }
 
@@ -173,11 +173,6 @@ fn chosen(file: &Path, topics: &[Topic], wanted: Option<&str>) -> Result<String>
             "choose one by its name, in the options or by topic = \"…\" in a profile",
         ),
     }
-}
-
-fn shown_names(names: &[String]) -> String {
-    let all: Vec<_> = names.iter().take(40).map(|name| shown(name.as_bytes())).collect();
-    all.join(", ") + if names.len() > 40 { ", …" } else { "" }
 }
 
 /// Finds the joints that are read in one message after the other.

@@ -1,7 +1,6 @@
 //! Clocks with known faults: each is found and mended, and a sound clock is left alone.
 
 use super::{ClockLane, ClockRepair, Raw};
-use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use torquewise_motion::Repairs;
@@ -14,9 +13,10 @@ fn position(t: f64) -> f64 {
 
 /// Rows stamped at `t`, sampled at `sampled`.
 fn block(t: Vec<f64>, sampled: &[f64]) -> Raw {
-    let q = Mat::from_fn(t.len(), 1, |row, _| position(sampled[row]));
-    let tau = Mat::from_fn(t.len(), 1, |row, _| 2.0 * position(sampled[row]));
-    Raw { joints: vec!["joint1".into()], t, q, dq: None, ddq: None, tau: Some(tau) }
+    let q: Vec<f64> = sampled[..t.len()].iter().map(|t| position(*t)).collect();
+    let tau = q.iter().map(|q| 2.0 * q).collect();
+    let signals = [Some(vec![q]), None, None, Some(vec![tau])];
+    Raw { joints: vec!["joint1".into()], t, signals }
 }
 
 fn even(rows: u32) -> Vec<f64> {
@@ -32,16 +32,16 @@ fn jittery(rows: u32) -> Vec<f64> {
 /// The block with its clock mended, handed over in parts, and what that repaired.
 fn mended(block: &Raw, cuts: &[usize]) -> (Raw, Repairs) {
     let mut lane = ClockLane::new(ClockRepair::of(std::slice::from_ref(block)));
-    let mut parts = Vec::new();
+    let mut all = Raw::default();
     let ends = cuts.iter().copied().chain([block.t.len()]);
     let mut begin = 0;
     for end in ends {
         let rows: Vec<usize> = (begin..end).collect();
-        parts.extend(lane.push(super::select(block, &rows)));
+        lane.push(block.select(&rows)).into_iter().for_each(|part| all.append(part));
         begin = end;
     }
-    parts.extend(lane.finish());
-    (super::joined(parts), lane.repairs.clone())
+    lane.finish().into_iter().for_each(|part| all.append(part));
+    (all, lane.repairs.clone())
 }
 
 #[test]

@@ -3,8 +3,8 @@
 use super::{MAX_COLUMNS, plain};
 use crate::error::{LogError, Result};
 use crate::mapping::Mapping;
-use crate::signal::Signal;
 use std::path::Path;
+use torquewise_motion::signals::Signal;
 
 fn mapping(header: &str) -> Result<Mapping> {
     let names: Vec<_> = header.split(',').map(|name| name.trim().to_owned()).collect();

@@ -4,7 +4,7 @@ use crate::error::{LogError, Result, shown};
 use crate::joints;
 use crate::profile::unit;
 use crate::profile::{Columns, PerJoint, Profile, SignalColumns};
-use crate::signal::Signal;
+use torquewise_motion::signals::Signal;
 
 impl Profile {
     /// Makes sure that values can be right by themselves and agree in the number of joints; `from`

@@ -1,7 +1,7 @@
 //! From names of units to factors to SI.
 
-use crate::signal::Signal;
 use std::f64::consts::{PI, TAU};
+use torquewise_motion::signals::Signal;
 
 const POSITION: [(&str, f64); 4] = [("rad", 1.0), ("deg", PI / 180.0), ("rev", TAU), ("m", 1.0)];
 
@@ -68,7 +68,7 @@ fn find(units: &[(&str, f64)], name: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::{factor, known, time_factor};
-    use crate::signal::Signal;
+    use torquewise_motion::signals::Signal;
 
     #[test]
     fn a_turn_is_the_same_in_every_unit() {

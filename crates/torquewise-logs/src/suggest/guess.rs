@@ -1,9 +1,9 @@
 //! Families of columns: one signal, one column per joint.
 
 use crate::joints;
-use crate::signal::Signal;
 use std::collections::BTreeMap;
 use std::path::Path;
+use torquewise_motion::signals::Signal;
 
 /// Words that a signal, or the clock, is called by.
 const WORDS: [(Meaning, &str); 5] = [

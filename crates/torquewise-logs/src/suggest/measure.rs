@@ -2,11 +2,12 @@
 
 use crate::error::Result;
 use crate::log_input::LogInput;
+use crate::preview::first_values;
 use crate::profile::unit::of_step;
-use crate::signal::Signal;
 use crate::source::named_rows;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
+use torquewise_motion::signals::Signal;
 use torquewise_motion::stats::median;
 
 /// Rows that are looked at closely.
@@ -23,18 +24,10 @@ pub(super) struct Measured {
 
 /// The first rows of columns of a file.
 pub(super) fn columns(file: &LogInput, names: &[String]) -> Result<Vec<Vec<f64>>> {
-    let mut rows = named_rows(file)?;
+    let rows = named_rows(file)?;
     let place = |name: &String| rows.names().iter().position(|known| known == name);
     let chosen: Vec<usize> = names.iter().filter_map(place).collect();
-    rows.choose(&chosen)?;
-    let mut row = vec![0.0; chosen.len()];
-    let mut columns = vec![Vec::new(); chosen.len()];
-    while columns.first().is_some_and(|first: &Vec<f64>| first.len() < SAMPLE)
-        && rows.next(&mut row)?
-    {
-        columns.iter_mut().zip(&row).for_each(|(column, value)| column.push(*value));
-    }
-    Ok(columns)
+    first_values(rows, &chosen, SAMPLE)
 }
 
 /// - `values`: columns of each signal, with the same rows as t

@@ -231,7 +231,7 @@ fn a7_a11_memory_does_not_grow_with_the_rows_of_arrays() {
         let _ = std::fs::write("/proc/self/clear_refs", "5");
         let before = peak_memory();
         let mut rows = 0;
-        let counted = logs.unwrap().read_raw::<LogError>(&mut |_, block| {
+        let counted = logs.unwrap().read_raw::<LogError>(None, &mut |_, block| {
             rows += block.t.len();
             assert!(block.t.len() <= 1_024);
             Ok(())

@@ -247,7 +247,7 @@ fn effort_that_is_nowhere_a_number_is_missing() {
 
         assert!(refused.contains("row 5, column a.effort is NaN"), "{refused}");
         assert_eq!(repaired.read_all().unwrap()[0].n_rows(), 8);
-        assert_eq!(repaired.report().not_finite, 1);
+        assert_eq!(repaired.report().repairs.not_finite, 1);
     });
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use torquewise_logs::{Clock, LogError, Logs, Options, Profile};
 use torquewise_motion::Motion;
-use torquewise_motion::signals::Raw;
+use torquewise_motion::signals::{Raw, Signal};
 
 impl Files {
     /// A file with a header and rows of formatted numbers.
@@ -190,8 +190,9 @@ fn repeated_stamps_and_holes_are_dropped_with_a_profile_and_counted() {
     // Seven lost rows in a row are a gap.
     assert_eq!(parts.iter().map(Motion::n_rows).collect::<Vec<_>>(), [27, 23]);
     let report = logs.report();
-    assert_eq!((report.rows, report.repeated, report.not_finite), (50, 1, 8));
-    assert_eq!((report.went_back, report.first_back), (1, Some(12)));
+    let repairs = &report.repairs;
+    assert_eq!((report.rows, repairs.repeated_stamps, repairs.not_finite), (50, 1, 8));
+    assert_eq!((repairs.earlier_stamps, report.first_back), (1, Some(12)));
     assert!(matches!(strict, Err(LogError::NotFinite { .. } | LogError::TimeOrder { .. })));
     assert_eq!(repaired.read_all().unwrap().len(), 2);
     assert_eq!(repaired.report(), report);
@@ -207,7 +208,7 @@ fn a_raw_reading_keeps_missing_signals_missing_and_cuts_at_gaps() {
     let logs = Logs::open(&[log]).unwrap();
 
     let mut blocks: Vec<(usize, Raw)> = Vec::new();
-    logs.read_raw(&mut |trajectory, block| -> Result<(), LogError> {
+    logs.read_raw(None, &mut |trajectory, block| -> Result<(), LogError> {
         blocks.push((trajectory, block));
         Ok(())
     })
@@ -216,8 +217,8 @@ fn a_raw_reading_keeps_missing_signals_missing_and_cuts_at_gaps() {
     let cuts: Vec<_> = blocks.iter().map(|(part, block)| (*part, block.t.len())).collect();
     assert_eq!(cuts, [(0, 1024), (0, 976), (1, 100)]);
     let last = &blocks[2].1;
-    assert!(last.dq.is_none() && last.ddq.is_none());
-    assert_eq!((last.q[(99, 0)], last.tau.as_ref().unwrap()[(99, 0)]), (2_099.0, -2_099.0));
+    assert_eq!(last.signals.each_ref().map(Option::is_some), [true, false, false, true]);
+    assert_eq!((last.of(Signal::Q)[0][99], last.of(Signal::Tau)[0][99]), (2_099.0, -2_099.0));
     assert_eq!(logs.report().rows, 2_100);
 }
 
@@ -289,7 +290,7 @@ fn a_profile_may_say_the_rate_and_nothing_else() {
 
     assert!(logs.has_tau() && !logs.has_dq());
     let mut stamps = Vec::new();
-    logs.read_raw(&mut |_, block| -> Result<(), LogError> {
+    logs.read_raw(None, &mut |_, block| -> Result<(), LogError> {
         stamps.extend_from_slice(&block.t);
         Ok(())
     })

@@ -53,21 +53,6 @@ fn first_and_last_rows_are_those_that_other_programs_find() {
 }
 
 #[test]
-fn profiles_say_the_same_after_they_were_written() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../profiles");
-    let mut n_profiles = 0;
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let file = entry.unwrap().path();
-        if file.extension().is_some_and(|extension| extension == "toml") {
-            let read = Profile::read(&file).unwrap();
-            assert_eq!(Profile::from_toml(&read.to_toml()).unwrap(), read, "{}", file.display());
-            n_profiles += 1;
-        }
-    }
-    assert_eq!(n_profiles, 8);
-}
-
-#[test]
 fn bags_of_robots_need_no_profile() {
     let Some(folder) = shared("data") else { return };
     let bag = folder.join("ur10_panda_unisa/panda_exciting_trajectory.db3");

@@ -3,9 +3,7 @@
 use faer::Mat;
 use proptest::prelude::*;
 use std::path::Path;
-use torquewise_logs::{
-    Column, ColumnKind, LogError, LogWriter, Logs, TableWriter, Values, write_motion,
-};
+use torquewise_logs::{Column, LogError, LogWriter, Logs, TableWriter, Values, write_motion};
 use torquewise_motion::{Motion, Recording, Signals};
 
 const FORMATS: [&str; 2] = ["log.csv", "log.parquet"];
@@ -87,9 +85,9 @@ fn a_csv_table_holds_shortest_numbers_and_quoted_text() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("out.csv");
     let columns = [
-        Column::new("row", ColumnKind::Count),
-        Column::new("pattern", ColumnKind::Text),
-        Column::new("tau1", ColumnKind::Number),
+        Column::new("row", Values::Counts(&[])),
+        Column::new("pattern", Values::Texts(&[])),
+        Column::new("tau1", Values::Numbers(&[])),
     ];
 
     let mut table = TableWriter::create(&file, &columns).unwrap();
@@ -110,7 +108,7 @@ fn values_that_do_not_fit_the_columns_are_refused() {
     let (numbers, counts, none) =
         (Values::Numbers(&[1.0]), Values::Counts(&[1]), Values::Numbers(&[]));
     for name in FORMATS {
-        let columns = ["a", "b"].map(|name| Column::new(name, ColumnKind::Number));
+        let columns = ["a", "b"].map(|name| Column::new(name, Values::Numbers(&[])));
         let mut table = TableWriter::create(&folder.path().join(name), &columns).unwrap();
         for (values, problem) in [
             (&[numbers][..], "1 columns of values for a table of 2"),

@@ -1,14 +1,13 @@
 //! Pieces of logs at several bandwidths, with the raw torque (E12).
 
 use crate::error::{MotionError, Result};
-use crate::memory::Memory;
+use crate::motion::Memory;
 use crate::path::{Path, TRAVELS};
 use crate::signals::clean::Even;
 use crate::signals::cutoff::{HIGHEST, LOWEST};
 use crate::signals::delay::shift_at;
-use crate::signals::plan::Plan;
-use crate::signals::raw::{Columns, Raw, TAU};
-use crate::signals::settings::{Conditioning, Cutoff};
+use crate::signals::plan::{Conditioning, Cutoff, Plan};
+use crate::signals::raw::{Raw, Signal};
 use crate::signals::smooth::{Smooth, filter, smooth};
 use crate::stats::whole;
 use crate::{Motion, Signals};
@@ -79,8 +78,7 @@ impl Bandwidths {
         let every = total.div_ceil(ROWS).max(1);
         let mut cleaned = Vec::new();
         for raw in pieces {
-            let columns = raw.columns()?;
-            let (plan, even) = match Plan::with_even(&columns, &settings) {
+            let (plan, even) = match Plan::with_even(raw, &settings) {
                 Ok(planned) => planned,
                 Err(error) if error.is_too_short() => continue,
                 Err(error) => return Err(error),
@@ -131,8 +129,8 @@ impl Bandwidths {
             seen.push(smooth(&columns, &piece.even, &plan)?);
             filtered.push(columns);
         }
-        let raw: Vec<&Columns> = self.pieces.iter().map(|piece| &piece.even.columns).collect();
-        let filtered: Vec<&Columns> = filtered.iter().collect();
+        let raw: Vec<&Raw> = self.pieces.iter().map(|piece| &piece.even.columns).collect();
+        let filtered: Vec<&Raw> = filtered.iter().collect();
         let torques: Vec<DelayedTorque> = (delays.iter())
             .map(|&delay| {
                 let [filtered, raw] =
@@ -155,11 +153,11 @@ impl Bandwidths {
     }
 
     /// Torque at the rows that are compared, advanced by a delay, m×n.
-    fn advanced(&self, columns: &[&Columns], delay: f64) -> Mat<f64> {
+    fn advanced(&self, columns: &[&Raw], delay: f64) -> Mat<f64> {
         let mut out = Mat::zeros(self.n_rows(), self.joints.len());
         for joint in 0..self.joints.len() {
-            let of = |(columns, piece): (&&Columns, &Piece)| {
-                let tau = columns.signals[TAU].as_ref().map(|tau| &tau[joint][..]);
+            let of = |(columns, piece): (&&Raw, &Piece)| {
+                let tau = columns.of(Signal::Tau).get(joint);
                 let rows = piece.rows.iter().copied();
                 tau.map_or_else(Vec::new, |tau| shift_at(tau, piece.plan.rate, delay, rows))
             };

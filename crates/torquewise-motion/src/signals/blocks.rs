@@ -3,7 +3,7 @@
 use crate::error::{MotionError, Result};
 use crate::signals::clean::{Even, Outliers, clean};
 use crate::signals::plan::Plan;
-use crate::signals::raw::{Columns, Raw};
+use crate::signals::raw::Raw;
 use crate::signals::resample::count_gaps;
 use crate::signals::smooth::{filter, smooth};
 use crate::{Motion, Repairs};
@@ -22,7 +22,7 @@ pub struct Conditioner {
     /// Rows to each side on which a conditioned row depends.
     overlap: usize,
     part: usize,
-    waiting: Columns,
+    waiting: Raw,
     origin: Option<f64>,
     /// Raw rows before those that wait.
     rows_before: usize,
@@ -43,7 +43,7 @@ impl Conditioner {
             plan,
             overlap,
             part,
-            waiting: Columns::default(),
+            waiting: Raw::default(),
             origin: None,
             rows_before: 0,
             next,
@@ -58,10 +58,10 @@ impl Conditioner {
     /// Those of [`condition`](crate::signals::condition()), and [`MotionError::Block`] if the block has
     /// other joints or signals than the first. Rows are counted from the first of the trajectory,
     /// those of shapes and values from the first of the block.
-    pub fn push(&mut self, block: &Raw) -> Result<Vec<Motion>> {
-        let columns = block.columns()?;
-        self.plan.check(&columns)?;
-        self.join(&columns)?;
+    pub fn push(&mut self, block: Raw) -> Result<Vec<Motion>> {
+        block.check()?;
+        self.plan.check(&block)?;
+        self.join(block)?;
         let mut done = Vec::new();
         while self.waiting.t.len() >= self.part {
             done.extend(self.work_off(self.part, false)?);
@@ -81,35 +81,27 @@ impl Conditioner {
         Ok(self.work_off(rows, true)?.into_iter().collect())
     }
 
-    fn join(&mut self, block: &Columns) -> Result<()> {
+    fn join(&mut self, block: Raw) -> Result<()> {
         let Some(&first) = block.t.first() else { return Ok(()) };
-        if self.origin.is_none() {
-            self.origin = Some(first);
-            self.waiting = block.clone();
-            count_gaps(&block.t, self.plan.rate, &mut self.repairs);
-            return Ok(());
-        }
         if self.waiting.t.last().is_some_and(|last| first <= *last) {
             return Err(MotionError::TimeOrder { row: self.rows_before + self.waiting.t.len() });
         }
         let pairs = || self.waiting.signals.iter().zip(&block.signals);
-        if pairs().any(|(waiting, new)| waiting.is_some() != new.is_some()) {
+        if self.origin.is_some() && pairs().any(|(waiting, new)| waiting.is_some() != new.is_some())
+        {
             return Err(MotionError::Block);
         }
+        self.origin.get_or_insert(first);
         let new = self.waiting.t.len().saturating_sub(1);
-        self.waiting.t.extend_from_slice(&block.t);
+        self.waiting.append(block);
         count_gaps(&self.waiting.t[new..], self.plan.rate, &mut self.repairs);
-        for (waiting, new) in self.waiting.signals.iter_mut().zip(&block.signals) {
-            let (Some(waiting), Some(new)) = (waiting, new) else { continue };
-            waiting.iter_mut().zip(new).for_each(|(column, new)| column.extend_from_slice(new));
-        }
         Ok(())
     }
 
     /// Conditions the first `rows` that wait, hands out those of them that no later row can
     /// change, and forgets those that no row to come depends on.
     fn work_off(&mut self, rows: usize, last: bool) -> Result<Option<Motion>> {
-        let part = self.waiting.head(rows);
+        let part = self.waiting.select(&(0..rows).collect::<Vec<_>>());
         let origin = self.origin.unwrap_or_default();
         let even = clean(&part, &self.plan.base, (origin, self.rows_before))?;
         self.count_outliers(&even, rows, last);

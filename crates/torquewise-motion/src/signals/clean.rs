@@ -2,7 +2,7 @@
 
 use crate::error::{MotionError, Result};
 use crate::signals::outliers::{HALF_WINDOW, replace_outliers, spike_scale};
-use crate::signals::raw::{Columns, NAMES};
+use crate::signals::raw::Raw;
 use crate::signals::resample::{EVEN, Resampler, Timing, grid, timing};
 
 /// Jitter up to which stamps may stray in a log that was found even.
@@ -28,11 +28,11 @@ pub(crate) struct Base {
 }
 
 impl Base {
-    pub(crate) fn of(columns: &Columns) -> Result<Self> {
+    pub(crate) fn of(columns: &Raw) -> Result<Self> {
         let timing = timing(&columns.t)?;
         let mut scales = [const { Vec::new() }; 4];
-        for (place, columns) in columns.present() {
-            scales[place] = columns.iter().map(|column| spike_scale(column)).collect();
+        for (signal, columns) in columns.present() {
+            scales[signal as usize] = columns.iter().map(|column| spike_scale(column)).collect();
         }
         Ok(Self { timing, scales })
     }
@@ -55,7 +55,7 @@ impl Base {
 #[derive(Clone, Debug)]
 pub(crate) struct Even {
     pub(crate) first: usize,
-    pub(crate) columns: Columns,
+    pub(crate) columns: Raw,
     pub(crate) outliers: Vec<Outliers>,
 }
 
@@ -63,18 +63,18 @@ pub(crate) struct Even {
 ///
 /// - `origin`: time \[s\] and raw row of the first row of `columns`: the first stamp of the
 ///   trajectory, and how many rows came before
-pub(crate) fn clean(columns: &Columns, base: &Base, origin: (f64, usize)) -> Result<Even> {
+pub(crate) fn clean(columns: &Raw, base: &Base, origin: (f64, usize)) -> Result<Even> {
     let mut outliers = Vec::new();
-    let despiked = columns.map(columns.t.clone(), |place, joint, column| {
+    let despiked = columns.map(columns.t.clone(), |signal, joint, column| {
         let mut column = column.to_vec();
-        if let Some(&scale) = base.scales[place].get(joint) {
+        if let Some(&scale) = base.scales[signal as usize].get(joint) {
             let mut rows = replace_outliers(&columns.t, &mut column, scale);
             if !rows.is_empty() {
                 for row in &mut rows {
                     *row += origin.1;
                 }
                 let joint = columns.joints[joint].clone();
-                outliers.push(Outliers { signal: NAMES[place], joint, rows });
+                outliers.push(Outliers { signal: signal.name(), joint, rows });
             }
         }
         Ok(column)

@@ -1,17 +1,15 @@
 //! One trajectory cleaned, resampled, filtered and differentiated.
 
+use crate::Motion;
 use crate::error::{MotionError, Result};
-use crate::signals::clean::{Even, Outliers};
+use crate::signals::clean::Even;
 use crate::signals::delay::{Shift, lag};
-use crate::signals::derivative::even_derivative;
 use crate::signals::noise::{quantisation, standstill, white_noise};
-use crate::signals::plan::Plan;
-use crate::signals::raw::{Columns, DQ, NAMES, Q, Raw, matrix};
+use crate::signals::plan::{Conditioning, Cutoff, Plan};
+use crate::signals::raw::{Raw, Signal};
 use crate::signals::report::{ConditionReport, CutoffFrom, SignalReport};
-use crate::signals::resample::{count_gaps, timing};
-use crate::signals::settings::{Conditioning, Cutoff};
+use crate::signals::resample::timing;
 use crate::signals::smooth::{filter, smooth};
-use crate::{Motion, Repairs};
 use faer::Mat;
 
 /// Longest lag of the measured velocity that is looked for \[s\].
@@ -25,8 +23,6 @@ pub struct Conditioned {
     pub motion: Motion,
     /// What was found and done.
     pub report: ConditionReport,
-    /// Spikes that were replaced and gaps that were bridged.
-    pub repairs: Repairs,
 }
 
 /// Conditions one trajectory: spikes out, even stamps, one zero-phase low-pass filter for all
@@ -35,24 +31,18 @@ pub struct Conditioned {
 /// # Errors
 /// [`MotionError`] that says which signal of which joint, and what to do.
 pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned> {
-    let columns = raw.columns()?;
-    let (plan, even) = Plan::with_even(&columns, settings)?;
-    finish(&columns, &even, &plan)
-}
-
-fn finish(columns: &Columns, even: &Even, plan: &Plan) -> Result<Conditioned> {
-    let filtered = filter(even, plan)?;
-    let smooth = smooth(&filtered, even, plan)?;
+    let (plan, even) = Plan::with_even(raw, settings)?;
+    let filtered = filter(&even, &plan)?;
+    let smooth = smooth(&filtered, &even, &plan)?;
     let rows = even.columns.t.len();
     let kept = plan.trim..rows.saturating_sub(plan.trim);
     let motion = smooth.rows(kept, plan.keep_every).ok_or(MotionError::NothingLeft { rows })?;
     // The lag is against the derivative of position, wherever velocity is taken from.
-    let q = matrix(filtered.signals[Q].as_deref().unwrap_or_default());
-    let dq = even_derivative(q.as_ref(), plan.rate, 1)?;
+    let dq = smooth.motion.dq().to_owned();
     let report = ConditionReport {
-        rows_in: columns.t.len(),
+        rows_in: raw.t.len(),
         rows_out: motion.n_rows(),
-        timing: timing(&columns.t)?,
+        timing: timing(&raw.t)?,
         resampled: !plan.base.timing.is_even(),
         rate_out: plan.rate_out(),
         cutoff: plan.cutoff,
@@ -60,35 +50,25 @@ fn finish(columns: &Columns, even: &Even, plan: &Plan) -> Result<Conditioned> {
             Cutoff::Auto => CutoffFrom::Motion,
             Cutoff::Hz(_) | Cutoff::Off => CutoffFrom::Setting,
         },
-        outliers: even.outliers.clone(),
-        signals: signal_reports(columns, even, &filtered, &dq),
-        dq_lag: lags(&dq, &filtered, plan)?,
-        dq_gain: gains(&dq, &filtered, plan),
+        signals: signal_reports(raw, &even, &filtered, &dq),
+        outliers: even.outliers,
+        dq_lag: lags(&dq, &filtered, &plan)?,
+        dq_gain: gains(&dq, &filtered, &plan),
         delay: plan.settings.delay,
         trimmed: plan.trimmed(),
     };
-    let mut repairs = Repairs::default();
-    count_gaps(&columns.t, plan.rate, &mut repairs);
-    for Outliers { signal, rows, .. } in &report.outliers {
-        repairs.add_spikes(signal, rows.len() as u64);
-    }
-    Ok(Conditioned { motion, report, repairs })
+    Ok(Conditioned { motion, report })
 }
 
-fn signal_reports(
-    raw: &Columns,
-    even: &Even,
-    filtered: &Columns,
-    dq: &Mat<f64>,
-) -> Vec<SignalReport> {
+fn signal_reports(raw: &Raw, even: &Even, filtered: &Raw, dq: &Mat<f64>) -> Vec<SignalReport> {
     let still: Vec<Vec<bool>> = (0..dq.ncols()).map(|j| standstill(dq.col_as_slice(j))).collect();
     let mut reports = Vec::new();
-    for (((place, raw_columns), (_, before)), (_, after)) in
+    for (((signal, raw_columns), (_, before)), (_, after)) in
         raw.present().zip(even.columns.present()).zip(filtered.present())
     {
         for (joint, name) in raw.joints.iter().enumerate() {
             reports.push(SignalReport {
-                signal: NAMES[place],
+                signal: signal.name(),
                 joint: name.clone(),
                 noise: white_noise(&before[joint], &still[joint]),
                 quantisation: quantisation(&raw_columns[joint]),
@@ -111,7 +91,7 @@ fn removed(before: &[f64], after: &[f64]) -> f64 {
 }
 
 /// Σ measured · derived / Σ derived² of each joint, away from the ends.
-fn gains(dq: &Mat<f64>, filtered: &Columns, plan: &Plan) -> Vec<Option<f64>> {
+fn gains(dq: &Mat<f64>, filtered: &Raw, plan: &Plan) -> Vec<Option<f64>> {
     let rows = plan.trim..dq.nrows().saturating_sub(plan.trim);
     let of = |(joint, measured): (usize, &Vec<f64>)| {
         let derived = dq.col_as_slice(joint).get(rows.clone())?;
@@ -120,12 +100,11 @@ fn gains(dq: &Mat<f64>, filtered: &Columns, plan: &Plan) -> Vec<Option<f64>> {
         let product: f64 = derived.iter().zip(measured).map(|(d, m)| d * m).sum();
         (square > 0.0).then(|| product / square).filter(|gain| gain.is_finite())
     };
-    filtered.signals[DQ].iter().flatten().enumerate().map(of).collect()
+    filtered.of(Signal::Dq).iter().enumerate().map(of).collect()
 }
 
 /// Lag of each joint's measured velocity, on rows thinned out as far as the filter allows.
-fn lags(dq: &Mat<f64>, filtered: &Columns, plan: &Plan) -> Result<Vec<Option<Shift>>> {
-    let Some(measured) = &filtered.signals[DQ] else { return Ok(Vec::new()) };
+fn lags(dq: &Mat<f64>, filtered: &Raw, plan: &Plan) -> Result<Vec<Option<Shift>>> {
     let every = plan.keep_every_for_lag();
     let rows = plan.trim..dq.nrows().saturating_sub(plan.trim);
     let thin = |x: &[f64]| -> Vec<f64> {
@@ -136,10 +115,10 @@ fn lags(dq: &Mat<f64>, filtered: &Columns, plan: &Plan) -> Result<Vec<Option<Shi
     let of = |(joint, measured): (usize, &Vec<f64>)| {
         let found =
             lag(&thin(dq.col_as_slice(joint)), &thin(measured), rate, -LONGEST_LAG..=LONGEST_LAG);
-        found.map_err(|e| e.of(NAMES[DQ], &filtered.joints[joint]))
+        found.map_err(|e| e.of(Signal::Dq.name(), &filtered.joints[joint]))
     };
-    measured.iter().enumerate().map(of).collect()
+    filtered.of(Signal::Dq).iter().enumerate().map(of).collect()
 }
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

@@ -55,7 +55,7 @@ fn band(x: &[f64], rate: f64) -> Option<f64> {
     // The other half mirrors this one.
     bins.truncate(n / 2 + 1);
     // White noise of the position has this mean square in each bin of its differences.
-    let noise = white_noise(x, &vec![false; x.len()]).sigma;
+    let noise = white_noise(x, &vec![false; x.len()]);
     let window: f64 = (0..n).map(|k| hann(k).powi(2)).sum();
     let noise = |bin: usize| {
         let gain = 2.0 * (PI * bin as f64 / n as f64).sin();

@@ -42,8 +42,7 @@ pub(crate) fn even_derivative(x: MatRef<'_, f64>, rate: f64, order: usize) -> Re
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::signals::butterworth::low_pass;
-    use crate::signals::zero_phase::filtfilt;
+    use crate::signals::butterworth::{filtfilt, low_pass};
     use std::f64::consts::PI;
 
     /// Largest error in the middle of the signal over the largest value.

@@ -18,17 +18,6 @@ pub struct Quantisation {
     pub share_of_deviation: f64,
 }
 
-/// White noise of a signal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WhiteNoise {
-    /// Standard deviation, in the unit of the signal.
-    pub sigma: f64,
-    /// Whether the joint stood still on the rows it was taken from; otherwise on all rows.
-    pub standstill: bool,
-    /// Fourth differences it was taken from.
-    pub n_differences: usize,
-}
-
 /// Standard deviation of the white noise in `x` by fourth differences, which take away any smooth
 /// motion.
 ///
@@ -39,17 +28,15 @@ pub struct WhiteNoise {
 /// Source: J. von Neumann et al., Ann. Math. Stat. 12 (1941); white noise gives Δ⁴x a variance of
 /// 70 σ². The median of |Δ⁴x| is taken, or the root mean square where that is next to nothing, as
 /// with an encoder that mostly stands on one step.
-pub(crate) fn white_noise(x: &[f64], still: &[bool]) -> WhiteNoise {
+pub(crate) fn white_noise(x: &[f64], still: &[bool]) -> f64 {
     let fourth = |w: &[f64]| w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4];
     let windows = || x.windows(5).zip(still.windows(5));
     let is_still = |still: &[bool]| still.iter().all(|still| *still);
     let at_rest: Vec<f64> =
         windows().filter(|(_, still)| is_still(still)).map(|(x, _)| fourth(x)).collect();
-    let standstill = at_rest.len() >= MIN_STANDSTILL;
-    let differences = if standstill { at_rest } else { x.windows(5).map(fourth).collect() };
-    let n_differences = differences.len();
-    let sigma = if n_differences == 0 { 0.0 } else { deviation(differences) / 70.0_f64.sqrt() };
-    WhiteNoise { sigma, standstill, n_differences }
+    let is_enough = at_rest.len() >= MIN_STANDSTILL;
+    let differences = if is_enough { at_rest } else { x.windows(5).map(fourth).collect() };
+    if differences.is_empty() { 0.0 } else { deviation(differences) / 70.0_f64.sqrt() }
 }
 
 /// Robust standard deviation of values around zero, the plain one if most are next to zero.

@@ -1,4 +1,4 @@
-//! The plan of conditioning: what every part of a log goes through.
+//! Settings and plan of conditioning: what every part of a log goes through.
 
 use crate::error::{MotionError, Result};
 use crate::signals::butterworth::{low_pass, settle_time};
@@ -6,8 +6,7 @@ use crate::signals::clean::{Base, Even, clean};
 use crate::signals::cutoff::above_motion;
 use crate::signals::delay::TAPS;
 use crate::signals::derivative::REACH;
-use crate::signals::raw::{Columns, Q, Raw};
-use crate::signals::settings::{Conditioning, Cutoff};
+use crate::signals::raw::{Raw, Signal};
 use crate::stats::whole;
 
 /// Samples per period of the cut-off that are kept.
@@ -17,6 +16,49 @@ const SETTLED: f64 = 0.01;
 const MAX_TRIM: f64 = 0.1;
 /// What the ends of a block may still matter to the rows that leave it.
 const FORGOTTEN: f64 = 1e-13;
+
+/// The cut-off of the low-pass filter that all signals pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cutoff {
+    /// Eight times the frequency of the motion.
+    Auto,
+    /// This many \[Hz\]; half the amplitude passes there.
+    Hz(f64),
+    /// No filter.
+    Off,
+}
+
+/// How raw signals are conditioned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditioning {
+    /// Of the low-pass filter.
+    pub cutoff: Cutoff,
+    /// Whether only so many rows are kept as the cut-off asks for: eight times it per second.
+    pub thins: bool,
+    /// Seconds by which the torque lags the motion: it is advanced by as much.
+    pub delay: f64,
+    /// Whether both ends are dropped until the filter has settled to 1 %, at most a tenth of the
+    /// trajectory at each.
+    pub trims: bool,
+}
+
+impl Default for Conditioning {
+    /// Everything by itself: cut-off above the motion, no delay.
+    fn default() -> Self {
+        Self { cutoff: Cutoff::Auto, thins: true, delay: 0.0, trims: true }
+    }
+}
+
+impl Conditioning {
+    /// Refuses what no log could be conditioned with.
+    pub(crate) fn check(&self) -> Result<()> {
+        if self.delay.is_finite() && self.delay.abs() <= 1.0 {
+            return Ok(());
+        }
+        let expected = "within 1 s: it is in seconds";
+        Err(MotionError::Setting { what: "delay of the torque", value: self.delay, expected })
+    }
+}
 
 /// All that is decided about a log before its rows are conditioned, so that any part of it, or
 /// another trajectory of the same arm, can be conditioned alike.
@@ -38,20 +80,18 @@ impl Plan {
     /// # Errors
     /// [`MotionError`] about settings, shapes, stamps, or too few rows.
     pub fn new(raw: &Raw, settings: &Conditioning) -> Result<Self> {
-        Self::with_even(&raw.columns()?, settings).map(|(plan, _)| plan)
+        Self::with_even(raw, settings).map(|(plan, _)| plan)
     }
 
     /// The plan, and the clean signals it was made from.
-    pub(crate) fn with_even(columns: &Columns, settings: &Conditioning) -> Result<(Self, Even)> {
+    pub(crate) fn with_even(columns: &Raw, settings: &Conditioning) -> Result<(Self, Even)> {
+        columns.check()?;
         settings.check()?;
         let base = Base::of(columns)?;
         let even = clean(columns, &base, (columns.t[0], 0))?;
         let rate = base.timing.rate;
         let cutoff = match settings.cutoff {
-            Cutoff::Auto => {
-                let q = even.columns.signals[Q].as_deref().unwrap_or_default();
-                Some(above_motion(q, rate)?)
-            }
+            Cutoff::Auto => Some(above_motion(even.columns.of(Signal::Q), rate)?),
             Cutoff::Hz(cutoff) => Some(cutoff),
             Cutoff::Off => None,
         };
@@ -115,7 +155,7 @@ impl Plan {
         if delay > 0.0 { rows((delay * self.rate).ceil()) + TAPS } else { 0 }
     }
 
-    pub(crate) fn check(&self, columns: &Columns) -> Result<()> {
+    pub(crate) fn check(&self, columns: &Raw) -> Result<()> {
         if columns.joints == self.joints { Ok(()) } else { Err(MotionError::Block) }
     }
 }

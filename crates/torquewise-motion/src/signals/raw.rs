@@ -1,83 +1,106 @@
-//! Raw signals of one trajectory, shapes checked.
+//! Raw signals of one trajectory, checked and changed column by column.
 
 use crate::error::{MotionError, Result};
 use crate::signals::spline::check_increasing;
 use faer::Mat;
 
-pub(crate) const NAMES: [&str; 4] = ["q", "dq", "ddq", "tau"];
-/// Place of each signal in [`NAMES`].
-pub(crate) const Q: usize = 0;
-pub(crate) const DQ: usize = 1;
-pub(crate) const TAU: usize = 3;
+/// The signals of an arm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[expect(missing_docs, reason = "as their names say")]
+pub enum Signal {
+    Q,
+    Dq,
+    Ddq,
+    Tau,
+}
+
+impl Signal {
+    /// All signals, in order.
+    pub const ALL: [Self; 4] = [Self::Q, Self::Dq, Self::Ddq, Self::Tau];
+
+    /// q, dq, ddq or tau: the name of its columns, before the number of the joint.
+    pub fn name(self) -> &'static str {
+        ["q", "dq", "ddq", "tau"][self as usize]
+    }
+}
 
 /// What was measured of one trajectory of an arm with n joints, m rows.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Raw {
     /// Names of the n joints, base to tip.
     pub joints: Vec<String>,
     /// Time stamps \[s\], m, strictly increasing.
     pub t: Vec<f64>,
-    /// Joint positions \[rad\], m×n.
-    pub q: Mat<f64>,
-    /// Joint velocities \[rad/s\], m×n.
-    pub dq: Option<Mat<f64>>,
-    /// Joint accelerations \[rad/s²\], m×n.
-    pub ddq: Option<Mat<f64>>,
-    /// Joint torques \[N·m\], m×n.
-    pub tau: Option<Mat<f64>>,
-}
-
-/// The same signals as columns that can grow and shrink.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Columns {
-    pub(crate) joints: Vec<String>,
-    pub(crate) t: Vec<f64>,
-    /// q, dq, ddq, tau; each n columns of m values.
-    pub(crate) signals: [Option<Vec<Vec<f64>>>; 4],
+    /// Positions \[rad\], velocities \[rad/s\], accelerations \[rad/s²\] and torques \[N·m\], in the
+    /// order of [`Signal::ALL`]: each n columns of m values. Positions must be there.
+    pub signals: [Option<Vec<Vec<f64>>>; 4],
 }
 
 impl Raw {
-    /// Checks shapes, finiteness and time order, and takes the columns apart.
-    pub(crate) fn columns(&self) -> Result<Columns> {
-        let (rows, n) = (self.t.len(), self.joints.len());
-        if n == 0 {
+    /// The columns of a signal, n; none where it was not measured.
+    pub fn of(&self, signal: Signal) -> &[Vec<f64>] {
+        self.signals[signal as usize].as_deref().unwrap_or_default()
+    }
+
+    /// Makes sure of shapes, finiteness and time order.
+    pub(crate) fn check(&self) -> Result<()> {
+        let expected = [self.t.len(), self.joints.len()];
+        if self.joints.is_empty() {
             return Err(MotionError::NoJoints);
         }
         check_increasing(&self.t).map_err(|e| match e {
             order @ MotionError::TimeOrder { .. } => order,
             other => other.of("t", "every joint"),
         })?;
-        let all = [Some(&self.q), self.dq.as_ref(), self.ddq.as_ref(), self.tau.as_ref()];
-        let mut signals = [const { None }; 4];
-        for ((signal, values), columns) in NAMES.into_iter().zip(all).zip(&mut signals) {
-            let Some(values) = values else { continue };
-            MotionError::check_shape(signal, values.as_ref(), [rows, n])?;
-            for (joint, name) in self.joints.iter().enumerate() {
-                let column = values.col_as_slice(joint);
+        if self.signals[0].is_none() {
+            return Err(MotionError::Missing("q"));
+        }
+        for (signal, columns) in self.present() {
+            let rows = columns.iter().map(Vec::len).find(|rows| *rows != expected[0]);
+            let found = [rows.unwrap_or(expected[0]), columns.len()];
+            if found != expected {
+                return Err(MotionError::Shape { signal: signal.name(), found, expected });
+            }
+            for (column, joint) in columns.iter().zip(&self.joints) {
                 if let Some(row) = column.iter().position(|x| !x.is_finite()) {
-                    return Err(MotionError::NotFiniteAt { row }.of(signal, name));
+                    return Err(MotionError::NotFiniteAt { row }.of(signal.name(), joint));
                 }
             }
-            *columns = Some((0..n).map(|joint| values.col_as_slice(joint).to_vec()).collect());
         }
-        Ok(Columns { joints: self.joints.clone(), t: self.t.clone(), signals })
-    }
-}
-
-impl Columns {
-    pub(crate) fn present(&self) -> impl Iterator<Item = (usize, &Vec<Vec<f64>>)> {
-        let signals = self.signals.iter().enumerate();
-        signals.filter_map(|(place, columns)| columns.as_ref().map(|columns| (place, columns)))
+        Ok(())
     }
 
-    pub(crate) fn head(&self, rows: usize) -> Self {
-        let rows = rows.min(self.t.len());
-        let cut = |columns: &Vec<Vec<f64>>| columns.iter().map(|x| x[..rows].to_vec()).collect();
-        let signals = self.signals.each_ref().map(|columns| columns.as_ref().map(cut));
-        Self { joints: self.joints.clone(), t: self.t[..rows].to_vec(), signals }
+    pub(crate) fn present(&self) -> impl Iterator<Item = (Signal, &Vec<Vec<f64>>)> {
+        let signals = Signal::ALL.into_iter().zip(&self.signals);
+        signals.filter_map(|(signal, columns)| Some((signal, columns.as_ref()?)))
     }
 
-    pub(crate) fn forget(&mut self, rows: usize) {
+    /// The rows named by `rows`, in that order.
+    #[must_use]
+    pub fn select(&self, rows: &[usize]) -> Self {
+        let pick = |x: &Vec<f64>| -> Vec<f64> { rows.iter().map(|&row| x[row]).collect() };
+        let signals = self.signals.each_ref();
+        let signals = signals.map(|own| own.as_ref().map(|own| own.iter().map(pick).collect()));
+        Self { joints: self.joints.clone(), t: pick(&self.t), signals }
+    }
+
+    /// Puts the rows of a block of the same signals behind these.
+    pub fn append(&mut self, block: Self) {
+        if self.t.is_empty() {
+            *self = block;
+            return;
+        }
+        self.t.extend(block.t);
+        for (own, new) in self.signals.iter_mut().zip(block.signals) {
+            own.iter_mut()
+                .flatten()
+                .zip(new.into_iter().flatten())
+                .for_each(|(x, new)| x.extend(new));
+        }
+    }
+
+    /// Takes the first rows away.
+    pub fn forget(&mut self, rows: usize) {
         let rows = rows.min(self.t.len());
         self.t.drain(..rows);
         for column in self.signals.iter_mut().flatten().flatten() {
@@ -85,20 +108,20 @@ impl Columns {
         }
     }
 
-    /// Every column through `work`, which is told the place of the signal and the joint.
+    /// Every column through `work`, which is told the signal and the joint.
     pub(crate) fn map(
         &self,
         t: Vec<f64>,
-        mut work: impl FnMut(usize, usize, &[f64]) -> Result<Vec<f64>>,
+        mut work: impl FnMut(Signal, usize, &[f64]) -> Result<Vec<f64>>,
     ) -> Result<Self> {
         let mut signals = [const { None }; 4];
-        for (place, columns) in self.present() {
+        for (signal, columns) in self.present() {
             let mut mapped = Vec::with_capacity(columns.len());
             for (joint, column) in columns.iter().enumerate() {
-                let done = work(place, joint, column);
-                mapped.push(done.map_err(|e| e.of(NAMES[place], &self.joints[joint]))?);
+                let done = work(signal, joint, column);
+                mapped.push(done.map_err(|e| e.of(signal.name(), &self.joints[joint]))?);
             }
-            signals[place] = Some(mapped);
+            signals[signal as usize] = Some(mapped);
         }
         Ok(Self { joints: self.joints.clone(), t, signals })
     }

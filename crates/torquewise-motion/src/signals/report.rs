@@ -3,7 +3,7 @@
 use crate::repairs::counted;
 use crate::signals::clean::Outliers;
 use crate::signals::delay::Shift;
-use crate::signals::noise::{Quantisation, WhiteNoise};
+use crate::signals::noise::Quantisation;
 use crate::signals::resample::Timing;
 use crate::stats::median;
 use std::fmt;
@@ -20,8 +20,9 @@ pub struct SignalReport {
     pub signal: &'static str,
     /// Name of the joint.
     pub joint: String,
-    /// White noise before the filter.
-    pub noise: WhiteNoise,
+    /// Standard deviation of the white noise before the filter, in the unit of the signal: in rows at
+    /// standstill, where there are enough.
+    pub noise: f64,
     /// The step its raw values are quantised to.
     pub quantisation: Option<Quantisation>,
     /// Variance that the filter took away, as a share of that of the signal.

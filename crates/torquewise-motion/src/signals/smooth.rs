@@ -1,13 +1,12 @@
 //! Filtered q, q̇, q̈, τ, and the rows of them that are kept.
 
 use crate::error::Result;
-use crate::signals::butterworth::low_pass;
+use crate::signals::butterworth::{filtfilt, low_pass};
 use crate::signals::clean::Even;
 use crate::signals::delay::shift;
 use crate::signals::derivative::even_derivative;
 use crate::signals::plan::Plan;
-use crate::signals::raw::{Columns, Q, TAU, matrix};
-use crate::signals::zero_phase::filtfilt;
+use crate::signals::raw::{Raw, Signal, matrix};
 use crate::{Motion, Signals};
 use std::ops::Range;
 
@@ -17,7 +16,7 @@ pub(crate) struct Smooth {
     pub(crate) motion: Motion,
 }
 
-pub(crate) fn filter(even: &Even, plan: &Plan) -> Result<Columns> {
+pub(crate) fn filter(even: &Even, plan: &Plan) -> Result<Raw> {
     let columns = &even.columns;
     let Some(cutoff) = plan.cutoff else { return Ok(columns.clone()) };
     let sections = low_pass(cutoff, plan.rate)?;
@@ -29,16 +28,17 @@ pub(crate) fn filter(even: &Even, plan: &Plan) -> Result<Columns> {
 }
 
 /// Derivatives of the filtered signals, and the torque advanced by its delay.
-pub(crate) fn smooth(filtered: &Columns, even: &Even, plan: &Plan) -> Result<Smooth> {
-    let q = matrix(filtered.signals[Q].as_deref().unwrap_or_default());
+pub(crate) fn smooth(filtered: &Raw, even: &Even, plan: &Plan) -> Result<Smooth> {
+    let q = matrix(filtered.of(Signal::Q));
     let [dq, ddq] = [1, 2].map(|order| even_derivative(q.as_ref(), plan.rate, order));
     let (dq, ddq) = (dq?, ddq?);
     let delay = plan.settings.delay;
     let advanced = |tau: &Vec<Vec<f64>>| -> Vec<Vec<f64>> {
         tau.iter().map(|x| shift(x, plan.rate, delay)).collect()
     };
-    let [tau, raw] = [filtered, &even.columns]
-        .map(|columns| columns.signals[TAU].as_ref().map(|tau| matrix(&advanced(tau))));
+    let [tau, raw] = [filtered, &even.columns].map(|columns| {
+        columns.signals[Signal::Tau as usize].as_ref().map(|tau| matrix(&advanced(tau)))
+    });
     let removed_tau = tau.as_ref().zip(raw).map(|(tau, raw)| raw - tau);
     let (joints, t) = (filtered.joints.clone(), filtered.t.clone());
     let motion = Motion::new(Signals { joints, t, q, dq, ddq, tau })?;

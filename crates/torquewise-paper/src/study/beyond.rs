@@ -1,6 +1,5 @@
 //! Beyond the paper: what each choice buys, more noise, less data, more joints.
 
-use crate::charts::colour;
 use crate::error::Result;
 use crate::method::Method;
 use crate::results::{Cell, Spread, Study};
@@ -120,7 +119,7 @@ fn sweep(caption: &str, rows: &[Row], trials: &Trials) -> Chart {
             ([x, worst.median], [worst.least, worst.greatest])
         };
         let (points, spread) = own.enumerate().map(point).unzip();
-        Series { spread, ..Series::new(method.name(), Mark::DottedLine, colour(method), points) }
+        Series { spread, ..Series::new(method.name(), Mark::DottedLine, method.colour(), points) }
     };
     let x = if is_noise {
         Axis { places, ..Axis::named("signal-to-noise ratio of q/dq/ddq") }

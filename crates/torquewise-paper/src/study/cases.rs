@@ -1,12 +1,11 @@
 //! Cases 1–3: candidates and time (Fig. 6), terms kept (Fig. 7), torque outside the training log
 //! (Fig. 8), step by step (Fig. 10), coefficients.
 
-use crate::charts::{colour, step_lines};
 use crate::error::Result;
 use crate::method::{ACTIVE, Method};
 use crate::results::{Cell, Spread, Study};
 use crate::scenario::{Settings, outside};
-use crate::trial::{self, Row, Runs, Trial, Trials};
+use crate::trial::{self, Row, Runs, Trial, Trials, step_lines};
 use crate::truth::{true_energies, true_products};
 use std::collections::BTreeMap;
 use torquewise_identify::plan::LibraryOptions;
@@ -132,7 +131,7 @@ pub(crate) fn torque(settings: &Settings, trials: &Trials) -> Result<Study> {
             let head = [&row.head[..], &[runs.0.len().into()]].concat();
             study.tables[0].push(&head, runs.errors().into_iter().chain(rmse));
             let torque = Torque::new(&runs.first().model).over(&test)?;
-            predicted.push((method.name().to_owned(), colour(method), torque));
+            predicted.push((method.name().to_owned(), method.colour(), torque));
         }
         // The method to look at lies on top.
         predicted.reverse();

@@ -1,11 +1,10 @@
 //! An arm with friction, recorded, learned and controlled: friction, torque after each step, tracking
 //! (Fig. 10, 11).
 
-use crate::charts::step_lines;
 use crate::error::{Result, within};
 use crate::results::Study;
 use crate::scenario::Settings;
-use crate::trial;
+use crate::trial::{self, step_lines};
 use faer::Mat;
 use rayon::prelude::*;
 use torquewise_identify::plan::{FrictionKind, LibraryOptions};

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use torquewise_motion::Motion;
 use torquewise_rigid::geometry::{PER_BASE, PER_JOINT};
 use torquewise_rigid::inertia::plain_link;
-use torquewise_rigid::{Chain, Geometry, JointKinds, Rows};
+use torquewise_rigid::{Chain, Geometry, Rows};
 use torquewise_sim::{Arm, ArmParts, MotionKind, MotionPlan, simulate};
 
 /// A chain of bodies that can be, with axes at all angles, in a base that is tilted.
@@ -31,9 +31,7 @@ pub(crate) fn arm(chain: &Chain) -> Arm {
     let parts = ArmParts {
         name: "twin".into(),
         joints: (1..=n).map(|joint| format!("joint{joint}")).collect(),
-        kinds: JointKinds::default(),
-        placements: chain.geometry.placements(),
-        gravity: chain.geometry.gravity(),
+        geometry: chain.geometry.clone(),
         inertial: chain.inertial.clone(),
         rotors: vec![0.0; n],
         limits: vec![([-3.0, 3.0], 2.0); n],

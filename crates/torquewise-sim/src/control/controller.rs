@@ -1,11 +1,13 @@
-//! Controllers: PID, 1 and 2 of the paper, and two beyond it.
+//! Controllers: PID, 1 and 2 of the paper, and two beyond it; the closed loop at a fixed rate.
 
 use crate::control::gains::Gains;
 use crate::control::knowledge::{Knowledge, sum};
-use crate::control::moving::Slopes;
+use crate::control::moving::{Moving, Slopes};
+use crate::control::plant::Plant;
 use crate::control::reference::period;
-use crate::error::{Result, check_above_zero, check_joints};
+use crate::error::{Result, check_joints};
 use crate::state::State;
+use faer::Mat;
 use torquewise_motion::Motion;
 use torquewise_motion::path::Path;
 
@@ -39,87 +41,48 @@ impl Law {
 }
 
 /// A controller at work.
-pub struct Controller<'a> {
-    pub(crate) law: Law,
+struct Controller<'a> {
+    law: Law,
     known: &'a dyn Knowledge,
-    pub(crate) gains: Gains,
-    /// Commands are kept within ± this \[N·m\], n.
-    limit: Vec<f64>,
-    cutoff: f64,
-    pub(crate) period: f64,
+    gains: &'a Gains,
+    /// Commands are kept within the limits of its drives, velocities below the cut-off of its sensors.
+    plant: &'a Plant,
+    period: f64,
     /// The way of the desired motion.
     path: Path,
     integral: Vec<f64>,
-    /// Of the error and of the measured position, from the first tick on.
-    slopes: Option<[Slopes; 2]>,
+    /// Of the error and of the measured position.
+    slopes: [Slopes; 2],
 }
 
 impl<'a> Controller<'a> {
-    /// A controller for a desired motion, whose rows are its ticks. Commands have no limit, and
-    /// velocities are plain differences.
-    ///
-    /// # Errors
-    /// `SimError::JointCount` or `SimError::Setting` if these do not belong together;
-    /// `SimError::Uneven` or `SimError::TooShort` for a motion without a rate.
-    pub fn new(law: Law, known: &'a dyn Knowledge, gains: &Gains, wanted: &Motion) -> Result<Self> {
-        let n = known.n_joints();
+    /// A controller for a desired motion, whose rows are its ticks.
+    fn new(
+        law: Law,
+        known: &'a dyn Knowledge,
+        gains: &'a Gains,
+        plant: &'a Plant,
+        wanted: &Motion,
+    ) -> Result<Self> {
+        let n = plant.arm.n_joints();
         gains.check(n)?;
         check_joints("the desired motion", wanted.n_joints(), n)?;
-        Ok(Self {
-            law,
-            known,
-            gains: gains.clone(),
-            limit: vec![f64::INFINITY; n],
-            cutoff: f64::INFINITY,
-            period: period(wanted)?,
-            path: known.path(),
-            integral: vec![0.0; n],
-            slopes: None,
-        })
-    }
-
-    /// The same with commands within ± `limit` \[N·m\], n: where a command is at its limit, the
-    /// integral does not grow any further.
-    ///
-    /// # Errors
-    /// `SimError::JointCount` or `SimError::Setting`.
-    pub fn with_limit(mut self, limit: &[f64]) -> Result<Self> {
-        check_joints("the limit of the torque", limit.len(), self.limit.len())?;
-        for &limit in limit {
-            check_above_zero("the limit of the torque [N·m]", limit)?;
-        }
-        self.limit = limit.to_vec();
-        Ok(self)
-    }
-
-    /// The same with velocities below a cut-off \[Hz\].
-    ///
-    /// # Errors
-    /// `SimError::Setting`.
-    pub fn with_cutoff(mut self, cutoff: f64) -> Result<Self> {
-        check_above_zero("the cut-off of the velocity [Hz]", cutoff)?;
-        self.cutoff = cutoff;
-        Ok(self)
-    }
-
-    /// Number of joints n.
-    pub fn n_joints(&self) -> usize {
-        self.limit.len()
+        check_joints("what is known", known.n_joints(), n)?;
+        let (period, integral) = (period(wanted)?, vec![0.0; n]);
+        let slopes = [integral.clone(), State::of(wanted, 0).dq]
+            .map(|first| Slopes::new(period, plant.sensors.cutoff, &first));
+        Ok(Self { law, known, gains, plant, period, path: known.path(), integral, slopes })
     }
 
     /// Torque command \[N·m\], n, at a tick where the encoders say `measured` \[rad\], n.
-    pub(crate) fn command(&mut self, wanted: &State, measured: &[f64]) -> Result<Vec<f64>> {
+    fn command(&mut self, wanted: &State, measured: &[f64]) -> Result<Vec<f64>> {
         if self.law == Law::HandGuiding {
             let still = vec![0.0; measured.len()];
             return Ok(self.within(self.known.rigid(measured, &still, &still)?));
         }
         self.path.step(&wanted.q);
         let error: Vec<f64> = sum(wanted.q.clone(), -1.0, measured);
-        let [of_error, of_position] = self.slopes.get_or_insert_with(|| {
-            let still = vec![0.0; measured.len()];
-            let slopes = |first: &[f64]| Slopes::new(self.period, self.cutoff, first);
-            [slopes(&still), slopes(&wanted.dq)]
-        });
+        let [of_error, of_position] = &mut self.slopes;
         // Differences of the error rather than of the position: a delay of the one is harmless,
         // one of the other an error in proportion to the acceleration.
         let rate = of_error.next(&error).to_vec();
@@ -130,8 +93,9 @@ impl<'a> Controller<'a> {
             *integral += self.period * error;
         }
         let command = self.unlimited(wanted, [measured, &dq], [&error, &rate])?;
+        // Where a command is at its limit, the integral does not grow any further.
         for (joint, tau) in command.iter().enumerate() {
-            if tau.abs() > self.limit[joint] && tau * error[joint] > 0.0 {
+            if tau.abs() > self.plant.drive.limit[joint] && tau * error[joint] > 0.0 {
                 self.integral[joint] = before[joint];
             }
         }
@@ -153,7 +117,7 @@ impl<'a> Controller<'a> {
             let rigid = self.known.rigid(q, dq, &asked.collect::<Vec<_>>())?;
             return Ok(sum(rigid, 1.0, &self.known.friction(&self.path, &wanted.dq)?));
         }
-        let Gains { proportional, integral, derivative, .. } = &self.gains;
+        let Gains { proportional, integral, derivative, .. } = self.gains;
         let feedback = (0..error.len()).map(|i| {
             proportional[i] * error[i] + integral[i] * self.integral[i] + derivative[i] * rate[i]
         });
@@ -169,9 +133,136 @@ impl<'a> Controller<'a> {
     }
 
     fn within(&self, mut command: Vec<f64>) -> Vec<f64> {
-        for (tau, &limit) in command.iter_mut().zip(&self.limit) {
+        for (tau, &limit) in command.iter_mut().zip(&self.plant.drive.limit) {
             *tau = tau.clamp(-limit, limit);
         }
         command
+    }
+}
+
+/// What a controlled arm did, at each tick.
+#[derive(Clone, Debug)]
+pub struct Tracking {
+    /// Time stamps \[s\], m.
+    pub t: Vec<f64>,
+    /// True positions \[rad\], m×n.
+    pub q: Mat<f64>,
+    /// True velocities \[rad/s\], m×n.
+    pub dq: Mat<f64>,
+    /// Desired less true position \[rad\], m×n.
+    pub error: Mat<f64>,
+    /// Commanded torque \[N·m\], m×n, held until the next tick.
+    pub tau: Mat<f64>,
+    /// Torque of the hand that leads the arm \[N·m\], m×n; zeros without one.
+    pub hand: Mat<f64>,
+    /// Share of the ticks at which a joint is at the limit of its torque, n.
+    pub saturated: Vec<f64>,
+}
+
+/// Drives the plant along a desired motion, from its first state on.
+///
+/// With [`Law::HandGuiding`] a hand leads the arm: a spring and a damper with the gains of the
+/// controller, pulling at every joint. The torque of the hand says how heavy the arm feels.
+///
+/// Commands are kept within the limits of the drives, velocities below the cut-off of the sensors.
+///
+/// # Errors
+/// `SimError::JointCount` if they are of different arms; `SimError::Diverged` for a
+/// loop that is unstable.
+pub fn track(
+    plant: &Plant,
+    law: Law,
+    known: &dyn Knowledge,
+    gains: &Gains,
+    wanted: &Motion,
+) -> Result<Tracking> {
+    let mut controller = Controller::new(law, known, gains, plant, wanted)?;
+    let hand = (law == Law::HandGuiding).then_some(gains);
+    let (m, n) = (wanted.n_rows(), plant.arm.n_joints());
+    let first = State::of(wanted, 0);
+    let mut moving = Moving::new(plant, &first.q, &first.dq)?;
+    let [mut q, mut dq, mut error, mut tau, mut led] = std::array::from_fn(|_| Mat::zeros(m, n));
+    let mut saturated = vec![0.0; n];
+    for row in 0..m {
+        let target = State::of(wanted, row);
+        let measured = moving.measured();
+        let command = controller.command(&target, &measured)?;
+        let pull: Vec<f64> = (0..n)
+            .map(|i| {
+                hand.map_or(0.0, |hand| {
+                    let [e, de] = [target.q[i] - moving.q()[i], target.dq[i] - moving.dq()[i]];
+                    hand.proportional[i] * e + hand.derivative[i] * de
+                })
+            })
+            .collect();
+        for i in 0..n {
+            q[(row, i)] = moving.q()[i];
+            dq[(row, i)] = moving.dq()[i];
+            error[(row, i)] = target.q[i] - moving.q()[i];
+            tau[(row, i)] = command[i];
+            led[(row, i)] = pull[i];
+            saturated[i] += f64::from(u8::from(command[i].abs() >= plant.drive.limit[i]));
+        }
+        if row + 1 < m {
+            moving.hold(command, &pull, controller.period)?;
+        }
+    }
+    let saturated = saturated.into_iter().map(|ticks| ticks / m as f64).collect();
+    let t = wanted.t().iter().map(|t| t - wanted.t()[0]).collect();
+    Ok(Tracking { t, q, dq, error, tau, hand: led, saturated })
+}
+
+/// Lets each law drive the plant along the same desired motion with the same gains, each on a
+/// thread of its own.
+///
+/// # Errors
+/// Those of [`track`], of the first law that has one.
+pub fn compare(
+    plant: &Plant,
+    known: &dyn Knowledge,
+    laws: &[Law],
+    gains: &Gains,
+    wanted: &Motion,
+) -> Result<Vec<Tracking>> {
+    plant.check()?;
+    let run = |law: Law| track(plant, law, known, gains, wanted);
+    std::thread::scope(|scope| {
+        let running: Vec<_> = laws.iter().map(|&law| scope.spawn(move || run(law))).collect();
+        let done = running
+            .into_iter()
+            .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        done.collect()
+    })
+}
+
+impl Tracking {
+    /// RMS of the position error from a time \[s\] on, of each joint \[rad\], n.
+    pub fn rms_error(&self, from: f64) -> Vec<f64> {
+        self.rms(&self.error, from)
+    }
+
+    /// Largest position error from a time \[s\] on, of each joint \[rad\], n.
+    pub fn peak_error(&self, from: f64) -> Vec<f64> {
+        let column = |joint| self.error.col_as_slice(joint)[self.first(from)..].iter();
+        let peak = |joint| column(joint).fold(0.0_f64, |peak, e| peak.max(e.abs()));
+        (0..self.error.ncols()).map(peak).collect()
+    }
+
+    /// RMS of the torque of the hand from a time \[s\] on \[N·m\], n.
+    pub fn rms_hand(&self, from: f64) -> Vec<f64> {
+        self.rms(&self.hand, from)
+    }
+
+    fn rms(&self, x: &Mat<f64>, from: f64) -> Vec<f64> {
+        let first = self.first(from);
+        let of = |joint| {
+            let rows = &x.col_as_slice(joint)[first..];
+            (rows.iter().map(|x| x * x).sum::<f64>() / rows.len().max(1) as f64).sqrt()
+        };
+        (0..x.ncols()).map(of).collect()
+    }
+
+    fn first(&self, from: f64) -> usize {
+        self.t.partition_point(|t| *t < from)
     }
 }

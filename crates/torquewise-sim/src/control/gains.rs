@@ -36,10 +36,7 @@ impl Gains {
     }
 
     /// Whether they are for n joints and can be.
-    ///
-    /// # Errors
-    /// `SimError::JointCount` or `SimError::Setting`.
-    pub fn check(&self, n_joints: usize) -> Result<()> {
+    pub(crate) fn check(&self, n_joints: usize) -> Result<()> {
         check_between("the bandwidth [rad/s]", self.bandwidth, [1e-3, 1e4], "0.001 to 10000")?;
         for gains in [&self.proportional, &self.integral, &self.derivative] {
             check_joints("the gains", gains.len(), n_joints)?;

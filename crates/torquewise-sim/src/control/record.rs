@@ -7,7 +7,6 @@ use crate::control::plant::Plant;
 use crate::control::reference::period;
 use crate::error::{Result, check_between, check_joints};
 use crate::state::State;
-use faer::Mat;
 use torquewise_motion::Motion;
 use torquewise_motion::signals::Raw;
 
@@ -34,7 +33,7 @@ pub fn record(plant: &Plant, wanted: &Motion, bandwidth: f64) -> Result<Raw> {
     let mut slopes = Slopes::new(period, plant.sensors.cutoff, &first.dq);
     let mut integral = vec![0.0; n];
     let mut before: Option<Vec<f64>> = None;
-    let (mut q, mut tau) = (Mat::zeros(m, n), Mat::zeros(m, n));
+    let [mut q, mut tau] = [(); 2].map(|()| vec![Vec::with_capacity(m); n]);
     for row in 0..m {
         let measured = moving.measured();
         let v = slopes.next(&measured);
@@ -56,12 +55,12 @@ pub fn record(plant: &Plant, wanted: &Motion, bandwidth: f64) -> Result<Raw> {
             None => after.clone(),
         };
         for (i, reported) in moving.reported(&around).into_iter().enumerate() {
-            q[(row, i)] = measured[i];
-            tau[(row, i)] = reported;
+            q[i].push(measured[i]);
+            tau[i].push(reported);
         }
         before = Some(after);
     }
     let t = (0..m).map(|row| row as f64 * period).collect();
     let joints = plant.arm.joints().to_vec();
-    Ok(Raw { joints, t, q, dq: None, ddq: None, tau: Some(tau) })
+    Ok(Raw { joints, t, signals: [Some(q), None, None, Some(tau)] })
 }

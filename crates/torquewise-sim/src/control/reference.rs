@@ -2,7 +2,7 @@
 
 use crate::Arm;
 use crate::error::{Result, SimError, check_between};
-use crate::state::Rows;
+use crate::state::{State, motion};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
@@ -61,16 +61,17 @@ pub fn periodic(arm: &Arm, plan: &Periodic) -> Result<Motion> {
         arm.ranges().into_iter().map(|range| Wave::draw(range, plan, &mut random)).collect();
     let rows = whole((plan.seconds * plan.rate).round()) + 1;
     let t: Vec<f64> = (0..rows).map(|row| row as f64 / plan.rate).collect();
-    let mut states = Rows::new(rows, joints.len());
-    for (row, &t) in t.iter().enumerate() {
-        for (joint, wave) in joints.iter().enumerate() {
-            let [q, dq, ddq] = wave.at(t);
-            states.q[(row, joint)] = q;
-            states.dq[(row, joint)] = dq;
-            states.ddq[(row, joint)] = ddq;
+    let state = |t: &f64| {
+        let mut state = State::default();
+        for [q, dq, ddq] in joints.iter().map(|wave| wave.at(*t)) {
+            state.q.push(q);
+            state.dq.push(dq);
+            state.ddq.push(ddq);
         }
-    }
-    states.motion(arm.joints(), t, None)
+        state
+    };
+    let states: Vec<State> = t.iter().map(state).collect();
+    motion(arm.joints(), t, &states, None)
 }
 
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::excite::information::Information;
-use crate::excite::library::Library;
+use crate::excite::library::{Library, Stage};
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, Sweep};
 use crate::excite::recording::REST;
@@ -14,16 +14,6 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Recipe {
-    /// Poses held for so many seconds.
-    Poses(f64),
-    /// Poses passed slowly in both directions, so many seconds each.
-    Creeps(f64),
-    Sweeps,
-    Sines,
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Effort {
     pub(crate) tries: usize,
@@ -32,7 +22,7 @@ pub(crate) struct Effort {
 }
 
 pub(crate) struct Task<'a> {
-    pub(crate) recipe: Recipe,
+    pub(crate) stage: Stage,
     pub(crate) library: &'a Library,
     pub(crate) limits: &'a [Bounds],
     pub(crate) home: &'a [f64],
@@ -184,7 +174,14 @@ impl Task<'_> {
             Some((_, part)) => parts.push(part),
             None => {}
         }
-        seconds_of(self.home, parts, self.limits)
+        // With the glides between them.
+        let (mut seconds, mut at) = (2.0 * REST, self.home.to_vec());
+        for part in parts {
+            let next = part.anchor();
+            seconds += glide_seconds(&at, &next, self.limits) + part.seconds();
+            at = next;
+        }
+        seconds + glide_seconds(&at, self.home, self.limits)
     }
 
     /// Whether a part in a place, with the ways to it and on, keeps to the torques.
@@ -200,10 +197,10 @@ impl Task<'_> {
     }
 
     fn tries(&self) -> usize {
-        match self.recipe {
+        match self.stage {
             _ if self.effort.tries == 1 => 1,
-            Recipe::Poses(_) | Recipe::Creeps(_) => POSES_PER_TRY * self.effort.tries,
-            Recipe::Sweeps | Recipe::Sines => self.effort.tries,
+            Stage::Standstill { .. } => POSES_PER_TRY * self.effort.tries,
+            Stage::Uniform | Stage::Variable => self.effort.tries,
         }
     }
 
@@ -223,17 +220,17 @@ impl Task<'_> {
     /// A part of the recording; `None` if what was drawn makes no sense.
     fn draw(&self, kind: Sweep, rng: &mut ChaCha8Rng) -> Option<Part> {
         let (limits, n) = (self.limits, self.limits.len());
-        match self.recipe {
-            Recipe::Poses(dwell) => Some(Part::pose(dwell, limits, rng)),
-            Recipe::Creeps(dwell) => Part::creep(dwell, limits, rng),
-            Recipe::Sweeps => {
+        match self.stage {
+            Stage::Standstill { dwell, creep: false } => Some(Part::pose(dwell, limits, rng)),
+            Stage::Standstill { dwell, creep: true } => Part::creep(dwell, limits, rng),
+            Stage::Uniform => {
                 let most = match kind {
                     Sweep::Together => LONGEST_SWEEP * self.seconds,
                     _ => ALONE * self.seconds / (2 * n) as f64,
                 };
                 Part::sweep(kind, most, limits, rng)
             }
-            Recipe::Sines => {
+            Stage::Variable => {
                 let seconds = self.longest_period() * between(rng, PERIOD_SHARE);
                 Some(Part::sines(seconds, limits, rng))
             }
@@ -251,15 +248,4 @@ impl Task<'_> {
         let room = 0.7 * self.seconds / PERIOD_SHARE[1];
         middle.clamp(PERIOD[0], PERIOD[1]).min(room)
     }
-}
-
-/// Time \[s\] that parts take with the glides between them.
-fn seconds_of(home: &[f64], parts: Vec<&Part>, limits: &[Bounds]) -> f64 {
-    let (mut seconds, mut at) = (2.0 * REST, home.to_vec());
-    for part in parts {
-        let next = part.anchor();
-        seconds += glide_seconds(&at, &next, limits) + part.seconds();
-        at = next;
-    }
-    seconds + glide_seconds(&at, home, limits)
 }

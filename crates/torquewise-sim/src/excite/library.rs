@@ -4,7 +4,7 @@ use crate::error::{Result, SimError};
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, States};
 use crate::random::between;
-use crate::state::{Rows, State};
+use crate::state::State;
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -23,32 +23,29 @@ const INTERACTION: usize = 2;
 /// States over which the size of a column is measured.
 const REFERENCE: usize = 512;
 
-/// Offset, viscous and dry friction of each joint: 1, q̇ and sign(q̇).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Friction(pub(crate) [bool; 3]);
-
 /// The columns of a regression for the torque of n joints at once.
 #[derive(Clone, Debug)]
 pub(crate) struct Library {
     design: Design,
     /// Columns of energies asked for at standstill, then at uniform velocity (14)(15).
     offered: [Vec<usize>; 2],
-    friction: Friction,
+    /// Whether there are columns of offset, viscous and dry friction of each joint: 1, q̇ and sign(q̇).
+    friction: [bool; 3],
     /// Root mean square of each column over states within the limits.
     scale: Vec<f64>,
     pub(crate) interaction: usize,
 }
 
-/// The part of the library that a recording is there for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Share {
-    /// V and offsets; dry friction too where joints creep.
-    Standstill {
-        creep: bool,
-    },
-    /// V, what of M depends on q, and friction.
+/// A recording, by the part of the library that it is there for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Stage {
+    /// V and offsets: poses held for so many seconds; dry friction too where joints creep, that is pass
+    /// each pose slowly in both directions for as long.
+    Standstill { dwell: f64, creep: bool },
+    /// V, what of M depends on q, and friction: sweeps at constant speed.
     Uniform,
-    Whole,
+    /// All of it: sines.
+    Variable,
 }
 
 impl Library {
@@ -69,7 +66,7 @@ impl Library {
         let mut library = Self {
             design: candidates.design,
             offered: [gravity, coriolis],
-            friction: Friction([true; 3]),
+            friction: [true; 3],
             scale: vec![1.0; columns],
             interaction: order,
         };
@@ -87,17 +84,17 @@ impl Library {
         self.scale.len()
     }
 
-    pub(crate) fn share(&self, share: Share) -> Self {
+    pub(crate) fn share(&self, stage: Stage) -> Self {
         let [gravity, coriolis] = &self.offered;
-        let (energies, friction) = match share {
-            Share::Standstill { creep } => (gravity.clone(), Friction([true, false, creep])),
-            Share::Uniform => ([&gravity[..], coriolis].concat(), Friction([true; 3])),
-            Share::Whole => return self.clone(),
+        let (energies, friction) = match stage {
+            Stage::Standstill { creep, .. } => (gravity.clone(), [true, false, creep]),
+            Stage::Uniform => ([&gravity[..], coriolis].concat(), [true; 3]),
+            Stage::Variable => return self.clone(),
         };
         let design = &self.design;
         let first = design.n_columns();
         let n = design.n_equations();
-        let laws = (0..3).filter(|&law| friction.0[law]);
+        let laws = (0..3).filter(|&law| friction[law]);
         let shafts = laws.flat_map(|law| (0..n).map(move |joint| first + law * n + joint));
         let scale = energies.iter().copied().chain(shafts).map(|j| self.scale[j]).collect();
         let design = design.subset(&energies);
@@ -115,13 +112,12 @@ impl Library {
     /// The columns at some states, n·m rows by p: the joints below each other, each row times the
     /// root of the seconds it stands for.
     pub(crate) fn rows(&self, states: &States) -> Result<Mat<f64>> {
-        let Rows { q, dq, ddq } = &states.rows;
-        let (m, n) = (q.nrows(), q.ncols());
+        let (m, n, at) = (states.seconds.len(), self.design.n_equations(), &states.at);
         let variables = Mat::from_fn(m, 2 * n, |row, column| {
-            if column < n { dq[(row, column)] } else { ddq[(row, column - n)] }
+            if column < n { at[row].dq[column] } else { at[row].ddq[column - n] }
         });
-        let responses = Mat::zeros(m, 0);
-        let samples = Samples { angles: q.clone(), variables, responses };
+        let angles = Mat::from_fn(m, n, |row, joint| at[row].q[joint]);
+        let samples = Samples { angles, variables, responses: Mat::zeros(m, 0) };
         let energies = self.design.columns(&samples)?;
         let mut rows = Mat::zeros(n * m, self.n_columns());
         let first = self.design.n_columns();
@@ -131,11 +127,11 @@ impl Library {
                 out.copy_from_slice(values.col_as_slice(j));
             }
             let laws: [fn(f64) -> f64; 3] = [|_| 1.0, |dq| dq, sign];
-            let used = laws.iter().zip(self.friction.0).filter(|(_, used)| *used);
+            let used = laws.iter().zip(self.friction).filter(|(_, used)| *used);
             for (place, (law, _)) in used.enumerate() {
                 let out = rows.col_as_slice_mut(first + place * n + joint);
                 for (row, out) in out[joint * m..][..m].iter_mut().enumerate() {
-                    *out = law(dq[(row, joint)]);
+                    *out = law(at[row].dq[joint]);
                 }
             }
         }
@@ -155,7 +151,7 @@ fn sign(dq: f64) -> f64 {
 /// States all over the limits, the same for every plan: what columns are measured by.
 fn reference(limits: &[Bounds]) -> States {
     let mut rng = ChaCha8Rng::seed_from_u64(0);
-    let states: Vec<State> = (0..REFERENCE)
+    let at = (0..REFERENCE)
         .map(|_| {
             let mut draw = |ends: fn(&Bounds) -> [f64; 2]| {
                 limits.iter().map(|limits| between(&mut rng, ends(limits))).collect()
@@ -167,7 +163,7 @@ fn reference(limits: &[Bounds]) -> States {
             }
         })
         .collect();
-    States::new(&states, vec![1.0; REFERENCE])
+    States { at, seconds: vec![1.0; REFERENCE] }
 }
 
 #[cfg(test)]
@@ -192,7 +188,7 @@ mod tests {
     #[test]
     fn a_share_has_the_columns_of_the_whole() {
         let library = Library::new(&LIMITS, None).unwrap();
-        let share = library.share(Share::Standstill { creep: true });
+        let share = library.share(Stage::Standstill { dwell: 0.5, creep: true });
         let states = reference(&LIMITS);
 
         let (whole, part) = (library.rows(&states).unwrap(), share.rows(&states).unwrap());

@@ -4,7 +4,7 @@ use crate::excite::limits::Bounds;
 use crate::excite::segment::{Segment, ramp_seconds};
 use crate::excite::sines::Sines;
 use crate::random::{between, direction, log_between, normal};
-use crate::state::{Rows, State};
+use crate::state::State;
 use rand_chacha::ChaCha8Rng;
 
 /// A part of a recording that begins and ends at rest in the same pose: a pose, held; a way at constant
@@ -19,7 +19,7 @@ pub(crate) struct Part {
 /// States at which a part is judged, with the time \[s\] each stands for.
 #[derive(Clone, Debug)]
 pub(crate) struct States {
-    pub(crate) rows: Rows,
+    pub(crate) at: Vec<State>,
     pub(crate) seconds: Vec<f64>,
 }
 
@@ -213,7 +213,7 @@ impl Part {
             segments[*segment].state_at(*t, &mut state);
             state
         });
-        States::new(&at.collect::<Vec<_>>(), times.iter().map(|(_, _, step)| *step).collect())
+        States { at: at.collect(), seconds: times.iter().map(|(_, _, step)| *step).collect() }
     }
 }
 
@@ -223,14 +223,6 @@ fn room_of(travel: f64, limits: &Bounds) -> Option<[f64; 2]> {
     let room = [lower - travel.min(0.0), upper - travel.max(0.0)];
     // A way as long as the range leaves a room of roundings.
     (room[1] >= room[0]).then_some(room)
-}
-
-impl States {
-    pub(crate) fn new(states: &[State], seconds: Vec<f64>) -> Self {
-        let mut rows = Rows::new(states.len(), states.first().map_or(0, |state| state.q.len()));
-        states.iter().enumerate().for_each(|(row, state)| rows.set(row, state));
-        Self { rows, seconds }
-    }
 }
 
 #[cfg(test)]
@@ -259,13 +251,13 @@ mod tests {
         let m = states.seconds.len();
         for k in 0..m / 2 {
             for joint in 0..3 {
-                let [there, back] = [k, m - 1 - k];
-                let speed = states.rows.dq[(there, joint)];
-                let places = [there, back].map(|row| states.rows.q[(row, joint)].to_bits());
+                let [there, back] = [k, m - 1 - k].map(|row| &states.at[row]);
+                let speed = there.dq[joint];
+                let places = [there, back].map(|state| state.q[joint].to_bits());
                 let moves = speed.abs() > 0.0;
                 assert_eq!(places[0] != places[1], moves, "no place is judged twice");
-                assert!((speed + states.rows.dq[(back, joint)]).abs() < 1e-12);
-                assert!(states.rows.ddq[(there, joint)].abs() <= 0.0);
+                assert!((speed + back.dq[joint]).abs() < 1e-12);
+                assert!(there.ddq[joint].abs() <= 0.0);
             }
         }
     }

@@ -1,9 +1,9 @@
 //! Three recordings that a model can be reconstructed from, on one page.
 
 use crate::error::{Result, SimError, check_between};
-use crate::excite::design::{Effort, Recipe, Task};
+use crate::excite::design::{Effort, Task};
 use crate::excite::information::Criterion;
-use crate::excite::library::{Library, Share};
+use crate::excite::library::{Library, Stage};
 use crate::excite::limits::{Bounds, Limits};
 use crate::excite::recording::{Peaks, Planned};
 use crate::excite::segment::Segment;
@@ -186,34 +186,28 @@ impl Setting<'_> {
         tell: Tell<'_>,
     ) -> Result<Planned> {
         let Self { plan, joints, bounds, home, torques, ref library } = *self;
-        let stage = before.len();
-        let (name, seconds) = (NAMES[stage], plan.seconds[stage]);
-        let (recipe, share) = self.stage(stage);
-        let own = library.share(share);
+        let k = before.len();
+        let (name, seconds, stage) = (NAMES[k], plan.seconds[k], self.stages()[k]);
+        let own = library.share(stage);
         let mut known = Vec::new();
         for recording in before {
             known.extend(own.rows_of(&recording.parts, 1)?);
         }
-        let task = Task { recipe, library: &own, limits: bounds, home, torques, seconds, effort };
+        let task = Task { stage, library: &own, limits: bounds, home, torques, seconds, effort };
         // Each recording has numbers of its own, whatever the others draw.
         let mut rng = ChaCha8Rng::seed_from_u64(plan.seed);
-        rng.set_stream(stage as u64 + NAMES.len() as u64 * again);
-        let mut tell = |share: f64| tell((stage as f64 + share) / 3.0, name);
+        rng.set_stream(k as u64 + NAMES.len() as u64 * again);
+        let mut tell = |share: f64| tell((k as f64 + share) / 3.0, name);
         let parts = task.design(&known, &mut rng, &mut tell)?;
         if parts.is_empty() {
-            return Err(SimError::TooShort { recording: name, seconds, piece: PIECES[stage] });
+            return Err(SimError::TooShort { recording: name, seconds, piece: PIECES[k] });
         }
         Ok(Planned::new(name, joints, plan.rate, home, parts, bounds))
     }
 
-    fn stage(&self, stage: usize) -> (Recipe, Share) {
+    fn stages(&self) -> [Stage; 3] {
         let Plan { dwell, slow_sweeps: creep, .. } = *self.plan;
-        match stage {
-            0 if creep => (Recipe::Creeps(dwell), Share::Standstill { creep }),
-            0 => (Recipe::Poses(dwell), Share::Standstill { creep }),
-            1 => (Recipe::Sweeps, Share::Uniform),
-            _ => (Recipe::Sines, Share::Whole),
-        }
+        [Stage::Standstill { dwell, creep }, Stage::Uniform, Stage::Variable]
     }
 
     fn criteria(&self, recordings: &[Planned; 3]) -> Result<[Criterion; 3]> {
@@ -221,7 +215,7 @@ impl Setting<'_> {
         let until = |stage: usize| {
             let parts = || recordings[..=stage].iter().flat_map(|recording| &recording.parts);
             let seconds = parts().flat_map(|part| part.states(1).seconds).sum();
-            let rows = library.share(self.stage(stage).1).rows_of(parts(), DENSITY)?;
+            let rows = library.share(self.stages()[stage]).rows_of(parts(), DENSITY)?;
             Ok::<_, SimError>(Criterion::of(stacked(&rows).as_ref(), seconds))
         };
         let seconds: f64 = recordings.iter().map(|recording| recording.seconds).sum();

@@ -4,7 +4,7 @@ use crate::error::{Result, SimError};
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, States};
 use crate::excite::segment::{Segment, glide};
-use crate::state::{Rows, State};
+use crate::state::{State, motion};
 use torquewise_motion::stats::whole;
 use torquewise_motion::{BLOCK_ROWS, Motion, ReadResult, Recording, Visit};
 
@@ -75,16 +75,14 @@ impl Planned {
     /// The state at a time \[s\]; at rest at home before and after the recording.
     pub fn state_at(&self, t: f64) -> State {
         let mut state = State::at_rest(&self.home);
-        self.write_state(t, &mut state);
-        state
-    }
-
-    fn write_state(&self, t: f64, state: &mut State) {
         let next = self.segments.partition_point(|(start, _)| *start <= t);
-        match next.checked_sub(1).and_then(|place| self.segments.get(place)) {
-            Some((start, segment)) if t < self.seconds => segment.state_at(t - start, state),
-            _ => *state = State::at_rest(&self.home),
+        if let Some((start, segment)) =
+            next.checked_sub(1).and_then(|place| self.segments.get(place))
+            && t < self.seconds
+        {
+            segment.state_at(t - start, &mut state);
         }
+        state
     }
 
     /// Times \[s\] between which the motion is smooth, the first and last instant among them.
@@ -99,9 +97,8 @@ impl Planned {
 
     pub(crate) fn grid(&self, points: usize) -> States {
         let step = self.seconds / points as f64;
-        let states: Vec<State> =
-            (0..points).map(|k| self.state_at((k as f64 + 0.5) * step)).collect();
-        States::new(&states, vec![step; points])
+        let at = (0..points).map(|k| self.state_at((k as f64 + 0.5) * step)).collect();
+        States { at, seconds: vec![step; points] }
     }
 
     /// How far each joint goes, at the rows and at four instants between two of them, n, once that is
@@ -113,10 +110,9 @@ impl Planned {
             acceleration: 0.0,
         };
         let mut peaks = vec![none; self.joints.len()];
-        let mut state = State::at_rest(&self.home);
         let step = 1.0 / (self.rate * BETWEEN_ROWS as f64);
         for instant in 0..self.n_rows() * BETWEEN_ROWS {
-            self.write_state(instant as f64 * step, &mut state);
+            let state = self.state_at(instant as f64 * step);
             for (i, peak) in peaks.iter_mut().enumerate() {
                 let [least, greatest] = peak.position;
                 peak.position = [least.min(state.q[i]), greatest.max(state.q[i])];
@@ -150,15 +146,9 @@ impl Planned {
     }
 
     fn rows(&self, rows: std::ops::Range<usize>) -> Result<Motion> {
-        let mut states = Rows::new(rows.len(), self.joints.len());
-        let mut t = Vec::with_capacity(rows.len());
-        let mut state = State::at_rest(&self.home);
-        for (k, row) in rows.enumerate() {
-            t.push(row as f64 / self.rate);
-            self.write_state(row as f64 / self.rate, &mut state);
-            states.set(k, &state);
-        }
-        states.motion(&self.joints, t, None)
+        let t: Vec<f64> = rows.map(|row| row as f64 / self.rate).collect();
+        let states: Vec<State> = t.iter().map(|t| self.state_at(*t)).collect();
+        motion(&self.joints, t, &states, None)
     }
 }
 

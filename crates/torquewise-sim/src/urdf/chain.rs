@@ -1,11 +1,11 @@
 //! The joints of a URDF that move, base to tip, and the links that hang on them.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
-use crate::arm::{STANDARD_GRAVITY, check_finite, direction};
+use crate::arm::{STANDARD_GRAVITY, check_finite};
 use crate::error::{Result, SimError};
-use crate::spatial::{Body, Pose};
+use crate::spatial::{Body, Pose, placement, pose};
 use crate::urdf::robot::{self, Robot};
-use crate::urdf::tree::{Tree, Welded};
+use crate::urdf::tree::{Hinge, Tree, Welded};
 use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Geometry, JointKind};
@@ -54,35 +54,18 @@ struct WeldedLink {
 
 /// A body as a URDF has it, in the frame of its link.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UrdfInertial {
-    /// \[kg\]
-    pub mass: f64,
-    /// Centre of mass \[m\].
-    pub center: [f64; 3],
-    /// Moments about the centre of mass, axes those of the link: xx, yy, zz, xy, xz, yz \[kg·m²\].
-    pub moments: [f64; 6],
-}
+pub struct UrdfInertial(pub(crate) Body);
 
 impl UrdfChain {
-    /// The chain of all joints that may move but those to lock, as [`crate::Arm::from_urdf`] has
-    /// it; joints that mimic others are locked.
+    /// The chain of the named joints: all others are locked. Where the file has none of the names,
+    /// as of a log whose columns have numbers alone, joints are taken in the order of the file, but
+    /// for those to lock and those that mimic others.
     ///
     /// - `gravity`: where things fall in the frame of the base, of any length; −z without
     ///
     /// # Errors
-    /// As [`crate::Arm::from_urdf`], but for masses.
-    pub fn new(text: &str, locked: &[String], gravity: Option<[f64; 3]>) -> Result<Self> {
-        Self::of(&Robot::read(text)?, |joint| !locked.contains(&joint.name), locked, gravity)
-    }
-
-    /// The chain of the named joints: all others are locked. Where the file has none of the names,
-    /// as of a log whose columns have numbers alone, joints are taken in the order of the file.
-    ///
-    /// - `gravity`: as for [`Self::new`]
-    ///
-    /// # Errors
-    /// As [`Self::new`]; [`SimError::UnknownJoints`] if some of the names are not joints,
-    /// [`SimError::JointOrder`] if they do not follow each other from base to tip.
+    /// As [`crate::Arm::from_urdf`], but for masses; [`SimError::UnknownJoints`] if some of the names
+    /// are not joints, [`SimError::JointOrder`] if they do not follow each other from base to tip.
     pub fn of_joints(
         text: &str,
         joints: &[String],
@@ -127,25 +110,19 @@ impl UrdfChain {
         locked.extend_from_slice(named);
         let tree = Tree::new(robot, &locked)?;
         let links = |welded: &Welded<'_>| -> Vec<String> {
-            welded.links.iter().map(|(link, _)| (*link).to_owned()).collect()
+            welded.links.iter().map(|(link, ..)| (*link).to_owned()).collect()
         };
         let (base, chain) = tree.chain()?;
         let (mut joints, mut placements) = (Vec::new(), Vec::new());
-        let kinds: Vec<JointKind> = chain.iter().map(|(joint, ..)| joint.moves()).collect();
-        // The frame whose z is the axis of the joint before, in that of its link.
-        let mut X_LZ = Pose::identity();
-        for (joint, X_PL, after) in chain {
-            let axis = direction(&joint.name, joint.axis)?;
-            let own = Pose::with_z_along(&axis);
-            let X_ZZ = X_LZ.inverse() * X_PL * own;
-            placements.push(Placement { rotation: X_ZZ.R_AB, origin: X_ZZ.p_AB });
+        let kinds: Vec<JointKind> = chain.iter().map(|hinge| hinge.joint.moves()).collect();
+        for Hinge { joint, X_PJ, X_LJ, after } in chain {
+            placements.push(placement(&X_PJ));
             let (name, links) = (joint.name.clone(), links(&after));
             let inertial_of_file = tree.body(&after).ok().map(|body| body.inertial_parameters());
             let welded = tree.others(&after);
             let welded = welded.map(|(name, body, is_fixed)| WeldedLink { name, body, is_fixed });
             let welded = welded.collect();
-            joints.push(UrdfJoint { name, links, inertial_of_file, X_LG: own, welded });
-            X_LZ = own;
+            joints.push(UrdfJoint { name, links, inertial_of_file, X_LG: X_LJ, welded });
         }
         if joints.is_empty() {
             return Err(SimError::NoJoints);
@@ -157,7 +134,7 @@ impl UrdfChain {
         }
         let (geometry, frames) = Geometry::of_joints(&placements, &kinds.into(), gravity);
         for (joint, frame) in joints.iter_mut().zip(frames) {
-            joint.X_LG = joint.X_LG * Pose { R_AB: frame.rotation, p_AB: frame.origin };
+            joint.X_LG *= pose(&frame);
             let X_GL = joint.X_LG.inverse();
             let seen = |own: &[f64; PER_BODY]| Body::of_parameters(own).seen_from(&X_GL);
             let seen = joint.inertial_of_file.as_ref().map(|own| seen(own).inertial_parameters());
@@ -170,19 +147,15 @@ impl UrdfChain {
 impl UrdfJoint {
     /// The frame of the geometry in that of the link.
     pub fn frame(&self) -> Placement {
-        Placement { rotation: self.X_LG.R_AB, origin: self.X_LG.p_AB }
+        placement(&self.X_LG)
     }
 
-    /// A body given by its inertial parameters in the frame of the geometry, as the file has it.
+    /// A body shared out among the links that are welded together: what is to be changed of each, and
+    /// whether all others keep what they have. They do where what is left for the first is a body;
+    /// else those whose joint could move do; else the first carries all.
     ///
-    /// - `inertial`: m, m·c, and the moments about the origin, as [`torquewise_rigid::recursion`]
-    pub fn inertial(&self, inertial: &[f64; PER_BODY]) -> UrdfInertial {
-        UrdfInertial::of(&Body::of_parameters(inertial).seen_from(&self.X_LG))
-    }
-
-    /// The same body, shared out among the links that are welded together: what is to be changed of
-    /// each, and whether all others keep what they have. They do where what is left for the first
-    /// is a body; else those whose joint could move do; else the first carries all.
+    /// - `inertial`: m, m·c, and the moments about the origin, as [`torquewise_rigid::recursion`] has
+    ///   them, in the frame of the geometry
     pub fn distributed(
         &self,
         inertial: &[f64; PER_BODY],
@@ -200,21 +173,13 @@ impl UrdfJoint {
                 continue;
             }
             let first = self.links.first().cloned().unwrap_or_default();
-            let mut changes = vec![(first, Some(UrdfInertial::of(&rest)))];
+            let mut changes = vec![(first, Some(UrdfInertial(rest)))];
             let emptied = others.iter().filter(|link| !stay(link));
             changes.extend(emptied.map(|link| (link.name.clone(), None)));
             let all_stay = changes.len() == 1;
             return (changes, all_stay);
         }
         (Vec::new(), true)
-    }
-}
-
-impl UrdfInertial {
-    fn of(Body { mass, com, inertia }: &Body) -> Self {
-        let [xx, yy, zz] = [inertia.m11, inertia.m22, inertia.m33];
-        let moments = [xx, yy, zz, inertia.m12, inertia.m13, inertia.m23];
-        Self { mass: *mass, center: (*com).into(), moments }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Inertia and friction put into the text of a URDF; every other byte stays.
 
 use crate::error::{Result, SimError};
+use crate::spatial::Body;
 use crate::urdf::chain::UrdfInertial;
 use roxmltree::{Document, Node};
 use std::ops::Range;
@@ -90,13 +91,14 @@ fn margin_of(text: &str, place: usize) -> String {
     text[line..place].chars().take_while(|c| *c == ' ' || *c == '\t').collect()
 }
 
-fn inertial(body: &UrdfInertial) -> Vec<String> {
-    let [x, y, z] = body.center;
-    let [xx, yy, zz, xy, xz, yz] = body.moments;
+fn inertial(UrdfInertial(Body { mass, com, inertia }): &UrdfInertial) -> Vec<String> {
+    let [x, y, z]: [f64; 3] = (*com).into();
+    let [xx, yy, zz] = [inertia.m11, inertia.m22, inertia.m33];
+    let [xy, xz, yz] = [inertia.m12, inertia.m13, inertia.m23];
     vec![
         "<inertial>".to_owned(),
         format!("  <origin xyz=\"{x:?} {y:?} {z:?}\" rpy=\"0 0 0\"/>"),
-        format!("  <mass value=\"{:?}\"/>", body.mass),
+        format!("  <mass value=\"{mass:?}\"/>"),
         format!(
             "  <inertia ixx=\"{xx:?}\" ixy=\"{xy:?}\" ixz=\"{xz:?}\" iyy=\"{yy:?}\" \
              iyz=\"{yz:?}\" izz=\"{zz:?}\"/>"

@@ -1,6 +1,7 @@
 //! The links and joints of a URDF, as far as the motion of an arm depends on them.
 
 use crate::error::{Result, SimError};
+use crate::spatial::{Body, Pose, shifted_turned};
 use roxmltree::{Document, Node};
 use torquewise_rigid::JointKind;
 
@@ -12,23 +13,8 @@ pub(crate) struct Robot {
 
 pub(crate) struct Link {
     pub(crate) name: String,
-    pub(crate) inertial: Option<Inertial>,
-}
-
-pub(crate) struct Inertial {
-    pub(crate) origin: Origin,
-    /// \[kg\]
-    pub(crate) mass: f64,
-    /// Ixx, Iyy, Izz, Ixy, Ixz, Iyz \[kg·m²\].
-    pub(crate) moments: [f64; 6],
-}
-
-#[derive(Default)]
-pub(crate) struct Origin {
-    /// \[m\]
-    pub(crate) xyz: [f64; 3],
-    /// Roll, pitch, yaw \[rad\].
-    pub(crate) rpy: [f64; 3],
+    /// Its body, about a centre of mass at zero, and the frame of that.
+    pub(crate) inertial: Option<(Body, Pose)>,
 }
 
 pub(crate) struct Joint {
@@ -36,7 +22,7 @@ pub(crate) struct Joint {
     pub(crate) kind: &'static str,
     pub(crate) parent: String,
     pub(crate) child: String,
-    pub(crate) origin: Origin,
+    pub(crate) origin: Pose,
     pub(crate) axis: [f64; 3],
     /// Range \[rad, m\]; zeros where none is given.
     pub(crate) range: [f64; 2],
@@ -66,29 +52,25 @@ impl Robot {
 
 impl Link {
     fn read(link: Node<'_, '_>) -> Result<Self> {
-        let inertial = child(link, "inertial").map(Inertial::read).transpose()?;
+        let inertial = child(link, "inertial").map(inertial).transpose()?;
         Ok(Self { name: attribute(link, "name")?, inertial })
     }
 }
 
-impl Inertial {
-    fn read(inertial: Node<'_, '_>) -> Result<Self> {
-        let inertia = required(inertial, "inertia")?;
-        let mut moments = [0.0; 6];
-        for (moment, name) in moments.iter_mut().zip(["ixx", "iyy", "izz", "ixy", "ixz", "iyz"]) {
-            [*moment] = numbers(inertia, name, None)?;
-        }
-        let [mass] = numbers(required(inertial, "mass")?, "value", None)?;
-        Ok(Self { origin: Origin::of(inertial)?, mass, moments })
+fn inertial(inertial: Node<'_, '_>) -> Result<(Body, Pose)> {
+    let inertia = required(inertial, "inertia")?;
+    let mut moments = [0.0; 6];
+    for (moment, name) in moments.iter_mut().zip(["ixx", "iyy", "izz", "ixy", "ixz", "iyz"]) {
+        [*moment] = numbers(inertia, name, None)?;
     }
+    let [mass] = numbers(required(inertial, "mass")?, "value", None)?;
+    Ok((Body::new(mass, [0.0; 3], moments), origin(inertial)?))
 }
 
-impl Origin {
-    fn of(element: Node<'_, '_>) -> Result<Self> {
-        let Some(origin) = child(element, "origin") else { return Ok(Self::default()) };
-        let [xyz, rpy] = ["xyz", "rpy"].map(|name| numbers(origin, name, Some([0.0; 3])));
-        Ok(Self { xyz: xyz?, rpy: rpy? })
-    }
+fn origin(element: Node<'_, '_>) -> Result<Pose> {
+    let Some(origin) = child(element, "origin") else { return Ok(Pose::identity()) };
+    let [xyz, rpy] = ["xyz", "rpy"].map(|name| numbers(origin, name, Some([0.0; 3])));
+    Ok(shifted_turned(xyz?, rpy?))
 }
 
 impl Joint {
@@ -113,7 +95,7 @@ impl Joint {
             kind: kind.ok_or_else(|| refused(joint, "has a type that no joint has"))?,
             parent: link("parent")?,
             child: link("child")?,
-            origin: Origin::of(joint)?,
+            origin: origin(joint)?,
             axis: match child(joint, "axis") {
                 Some(axis) => numbers(axis, "xyz", None)?,
                 None => [1.0, 0.0, 0.0],

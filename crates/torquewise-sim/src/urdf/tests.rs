@@ -96,7 +96,7 @@ fn a_prismatic_joint_slides_within_its_limits_and_needs_them() {
     // Along y, which is level: 2 kg without weight on the slide.
     let force = arm.inverse_dynamics(&[0.4, 0.0], &[0.0, 0.0], &[3.0, 0.0])[0];
     assert_relative_eq!(force, 6.0, max_relative = 1e-14);
-    let chain = crate::UrdfChain::new(&text, &[], None).unwrap();
+    let chain = crate::UrdfChain::of_joints(&text, arm.joints(), &[], None).unwrap();
     assert_eq!(*chain.geometry.kinds(), arm.kinds());
     let unlimited = text.replacen("lower='-1' upper='2'", "", 1);
     assert!(matches!(refused(&unlimited), SimError::Range { joint, .. } if joint == "j1"));

@@ -1,10 +1,10 @@
 //! The tree of links and joints of a URDF: which links move as one, and the joint that leaves them.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
-use crate::arm::{check_body, check_finite};
+use crate::arm::{check_body, check_finite, direction};
 use crate::error::{Result, SimError};
-use crate::spatial::{Body, Pose};
-use crate::urdf::robot::{Joint, Link, Origin, Robot};
+use crate::spatial::{Body, Pose, with_z_along};
+use crate::urdf::robot::{Joint, Link, Robot};
 use std::collections::{HashMap, HashSet};
 
 /// A URDF that is one tree: names resolved, one root, no loop.
@@ -17,25 +17,29 @@ pub(crate) struct Tree<'a> {
 
 /// Links that move as one body, and the moving joints that leave it.
 pub(crate) struct Welded<'a> {
-    pub(crate) links: Vec<(&'a str, Pose)>,
-    /// Whether all joints between a link and the first are fixed.
-    fixed: Vec<bool>,
+    /// Name and frame of each link, and whether all joints between it and the first are fixed.
+    pub(crate) links: Vec<(&'a str, Pose, bool)>,
     exits: Vec<(&'a Joint, Pose)>,
 }
 
-/// A joint that moves, its frame in that of the link before, and what hangs on it.
-pub(crate) type Hinge<'a> = (&'a Joint, Pose, Welded<'a>);
+/// A joint that moves, and what hangs on it.
+pub(crate) struct Hinge<'a> {
+    pub(crate) joint: &'a Joint,
+    /// Its frame, turned so that z is the axis, in that of the joint before and in that of its link.
+    pub(crate) X_PJ: Pose,
+    pub(crate) X_LJ: Pose,
+    pub(crate) after: Welded<'a>,
+}
 
 impl<'a> Tree<'a> {
     /// Resolves names and checks that the joints make one tree and that those left unlocked turn or slide.
     pub(crate) fn new(robot: &'a Robot, locked: &'a [String]) -> Result<Self> {
         let links = by_name("link", robot.links.iter().map(|link| (link.name.as_str(), link)))?;
         let joints = by_name("joint", robot.joints.iter().map(|j| (j.name.as_str(), j)))?;
-        let locked: HashSet<&str> = locked.iter().map(String::as_str).collect();
-        if let Some(unknown) = locked.iter().find(|name| !joints.contains_key(*name)) {
+        if let Some(unknown) = locked.iter().find(|name| !joints.contains_key(name.as_str())) {
             let moving = robot.joints.iter().filter(|j| j.kind != "fixed");
             let known = moving.map(|j| j.name.as_str()).collect::<Vec<_>>().join(", ");
-            return Err(SimError::UnknownLocked { joint: (*unknown).into(), known });
+            return Err(SimError::UnknownLocked { joint: unknown.clone(), known });
         }
 
         let root = only_root(robot, &links)?;
@@ -43,6 +47,7 @@ impl<'a> Tree<'a> {
         for joint in &robot.joints {
             below.entry(joint.parent.as_str()).or_default().push(joint);
         }
+        let locked = locked.iter().map(String::as_str).collect();
         let tree = Self { links, below, root, locked };
         tree.check_loops(robot)?;
         tree.check_types(robot)?;
@@ -50,13 +55,12 @@ impl<'a> Tree<'a> {
     }
 
     fn welded(&self, first: &'a str) -> Result<Welded<'a>> {
-        let (mut links, mut fixed, mut exits) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut links, mut exits) = (Vec::new(), Vec::new());
         let mut open = vec![(first, Pose::identity(), true)];
         while let Some((link, X_GL, is_fixed)) = open.pop() {
-            links.push((link, X_GL));
-            fixed.push(is_fixed);
+            links.push((link, X_GL, is_fixed));
             for &joint in self.joints_below(link) {
-                let X_GJ = X_GL * pose(&joint.name, &joint.origin)?;
+                let X_GJ = X_GL * checked(&joint.name, joint.origin)?;
                 if self.moves(joint) {
                     exits.push((joint, X_GJ));
                 } else {
@@ -64,7 +68,7 @@ impl<'a> Tree<'a> {
                 }
             }
         }
-        Ok(Welded { links, fixed, exits })
+        Ok(Welded { links, exits })
     }
 
     /// Links with a body beside the first: name, body in its frame, if there can be one, and whether
@@ -73,8 +77,7 @@ impl<'a> Tree<'a> {
         &self,
         welded: &Welded<'a>,
     ) -> impl Iterator<Item = (String, Option<Body>, bool)> {
-        let all = welded.links.iter().zip(&welded.fixed).skip(1);
-        all.filter_map(|((name, X_GL), is_fixed)| {
+        welded.links.iter().skip(1).filter_map(|(name, X_GL, is_fixed)| {
             let link = self.links.get(name).filter(|link| link.inertial.is_some())?;
             let body = body_of(link).ok().map(|body| body.seen_from(X_GL));
             Some(((*name).to_owned(), body, *is_fixed))
@@ -83,7 +86,7 @@ impl<'a> Tree<'a> {
 
     pub(crate) fn body(&self, welded: &Welded<'a>) -> Result<Body> {
         let mut body = Body::none();
-        for (link, X_GL) in &welded.links {
+        for (link, X_GL, _) in &welded.links {
             if let Some(link) = self.links.get(link) {
                 body = body.welded_to(&body_of(link)?.seen_from(X_GL));
             }
@@ -100,7 +103,7 @@ impl<'a> Tree<'a> {
         // The branch with the most joints is taken for the arm.
         branches.sort_by_key(|names| std::cmp::Reverse(names.len()));
         let lock = branches[1..].concat().join(", ");
-        let link = welded.links.first().map_or(self.root, |(link, _)| link);
+        let link = welded.links.first().map_or(self.root, |(link, ..)| link);
         Err(SimError::Branches { link: link.into(), lock })
     }
 
@@ -108,10 +111,13 @@ impl<'a> Tree<'a> {
     pub(crate) fn chain(&self) -> Result<(Welded<'a>, Vec<Hinge<'a>>)> {
         let base = self.welded(self.root)?;
         let (mut exit, mut joints) = (self.only_exit(&base)?, Vec::new());
-        while let Some((joint, X_PJ)) = exit {
+        let mut X_PL = Pose::identity();
+        while let Some((joint, X_LL)) = exit {
             let after = self.welded(&joint.child)?;
             exit = self.only_exit(&after)?;
-            joints.push((joint, X_PJ, after));
+            let X_LJ = with_z_along(&direction(&joint.name, joint.axis)?);
+            joints.push(Hinge { joint, X_PJ: X_PL * X_LL * X_LJ, X_LJ, after });
+            X_PL = X_LJ.inverse();
         }
         Ok((base, joints))
     }
@@ -211,14 +217,11 @@ fn only_root<'a>(robot: &'a Robot, links: &HashMap<&str, &Link>) -> Result<&'a s
 
 /// Mass of a link in the link's frame; a link without `<inertial>` has none.
 fn body_of(link: &Link) -> Result<Body> {
-    let Some(inertial) = &link.inertial else { return Ok(Body::none()) };
-    let body = Body::new(inertial.mass, [0.0; 3], inertial.moments);
-    check_body(&link.name, &body)?;
-    Ok(body.seen_from(&pose(&link.name, &inertial.origin)?))
+    let Some((body, origin)) = &link.inertial else { return Ok(Body::none()) };
+    check_body(&link.name, body)?;
+    Ok(body.seen_from(&checked(&link.name, *origin)?))
 }
 
-fn pose(name: &str, origin: &Origin) -> Result<Pose> {
-    check_finite("origin", name, &origin.xyz)?;
-    check_finite("origin", name, &origin.rpy)?;
-    Ok(Pose::from_xyz_rpy(origin.xyz, origin.rpy))
+fn checked(name: &str, origin: Pose) -> Result<Pose> {
+    check_finite("origin", name, origin.to_matrix().as_slice()).map(|()| origin)
 }

@@ -3,10 +3,9 @@ use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{Form, FrictionTerm, Model, Torque, Weighted};
 use torquewise_motion::path::Path;
 use torquewise_sim::control::{
-    Controller, Gains, Knowledge, Law, Periodic, Plant, mean_inertia, periodic, track,
+    Gains, Knowledge, Law, Periodic, Plant, mean_inertia, periodic, track,
 };
-use torquewise_sim::friction::Bristles;
-use torquewise_sim::{Arm, Friction, SimError, Stribeck};
+use torquewise_sim::{Arm, Friction, SimError};
 
 /// Dry friction of each joint \[N·m\], the same at rest and in motion.
 const DRY: [f64; 3] = [8.0, 10.0, 4.0];
@@ -14,10 +13,13 @@ const DRY: [f64; 3] = [8.0, 10.0, 4.0];
 const STIFFNESS: f64 = 200.0;
 
 fn plant(damping: f64) -> Plant {
-    let curve = |coulomb| Stribeck { coulomb, stiction: coulomb, speed: 1.0, viscous: 0.0 };
-    let bristles = Bristles { stiffness: STIFFNESS, damping };
-    let friction = Friction::new(&DRY.map(curve)).unwrap().with_bristles(bristles).unwrap();
-    Plant { friction, ..Plant::ideal(Arm::builtin("puma560-3").unwrap()) }
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let row = |(name, dry): (&String, f64)| {
+        format!("[{name}]\ncoulomb = {dry}\nstiffness = {STIFFNESS}\ndamping = {damping}\n")
+    };
+    let text: String = arm.joints().iter().zip(DRY).map(row).collect();
+    let friction = Friction::from_toml(&text, arm.joints()).unwrap();
+    Plant { friction, ..Plant::ideal(arm) }
 }
 
 /// The arm itself, and its friction by one law for each joint.
@@ -46,8 +48,7 @@ impl Known {
         let wanted = periodic(&self.plant.arm, &Periodic::default()).unwrap();
         let inertia = mean_inertia(&self.plant, &wanted).unwrap();
         let gains = Gains::critically_damped(15.0, &inertia);
-        let mut controller = Controller::new(Law::Controller2, self, &gains, &wanted).unwrap();
-        track(&self.plant, &mut controller, &wanted).unwrap().peak_error(8.0)
+        track(&self.plant, Law::Controller2, self, &gains, &wanted).unwrap().peak_error(8.0)
     }
 }
 

@@ -5,8 +5,8 @@ use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{Form, FrictionTerm, Model, Weighted};
 use torquewise_motion::Motion;
 use torquewise_sim::control::{
-    Controller, Gains, Knowledge, Law, Learned, Periodic, Plant, Sensors, Tracking, mean_inertia,
-    periodic, track,
+    Gains, Knowledge, Law, Learned, Periodic, Plant, Sensors, Tracking, mean_inertia, periodic,
+    track,
 };
 use torquewise_sim::{Arm, Friction, SimError, Stribeck};
 
@@ -25,17 +25,10 @@ fn wanted(plant: &Plant) -> Motion {
     periodic(&plant.arm, &Periodic::default()).unwrap()
 }
 
-/// A controller that knows the plant, without limits.
-fn controller<'a>(plant: &'a Plant, law: Law, bandwidth: f64, wanted: &Motion) -> Controller<'a> {
-    let gains = Gains::critically_damped(bandwidth, &mean_inertia(plant, wanted).unwrap());
-    Controller::new(law, plant, &gains, wanted).unwrap()
-}
-
+/// By a controller that knows the plant.
 fn run(plant: &Plant, law: Law, wanted: &Motion) -> Tracking {
-    let controller = controller(plant, law, 15.0, wanted);
-    let controller = controller.with_limit(&plant.drive.limit).unwrap();
-    let mut controller = controller.with_cutoff(plant.sensors.cutoff).unwrap();
-    track(plant, &mut controller, wanted).unwrap()
+    let gains = Gains::critically_damped(15.0, &mean_inertia(plant, wanted).unwrap());
+    track(plant, law, plant, &gains, wanted).unwrap()
 }
 
 #[test]
@@ -91,20 +84,18 @@ fn step(plant: &Plant) -> Motion {
 }
 
 #[test]
-fn an_integral_that_does_not_wind_up_overshoots_less() {
+fn an_integral_that_does_not_wind_up_hardly_overshoots() {
     let mut plant = Plant::ideal(Arm::builtin("planar-2").unwrap());
     plant.drive.limit = vec![14.0, 8.0];
     let wanted = step(&plant);
-    let mut blind = controller(&plant, Law::Pid, 15.0, &wanted);
-    let beyond = |found: &Tracking| {
-        found.error.col_as_slice(0).iter().fold(0.0_f64, |most, error| most.max(-error))
-    };
 
-    let wound = track(&plant, &mut blind, &wanted).unwrap();
     let kept = run(&plant, Law::Pid, &wanted);
 
-    assert!(wound.saturated[0] > 0.01, "{:?}", wound.saturated);
-    assert!(beyond(&kept) < 0.7 * beyond(&wound), "{} {}", beyond(&kept), beyond(&wound));
+    let error = kept.error.col_as_slice(0);
+    let beyond = error.iter().fold(0.0_f64, |most, error| most.max(-error));
+    assert!(kept.saturated[0] > 0.01, "{:?}", kept.saturated);
+    // Over 0.033 rad where the integral goes on while the drive gives all it can.
+    assert!(beyond < 0.03, "{beyond}");
     assert!(kept.tau.col_as_slice(0).iter().all(|tau| tau.abs() <= 14.0));
 }
 
@@ -113,8 +104,7 @@ fn an_arm_that_floats_is_led_with_little_force() {
     let plant = Plant::ideal(Arm::builtin("puma560-3").unwrap());
     let wanted = wanted(&plant);
 
-    let mut controller = controller(&plant, Law::HandGuiding, 15.0, &wanted);
-    let led = track(&plant, &mut controller, &wanted).unwrap().rms_hand(1.0);
+    let led = run(&plant, Law::HandGuiding, &wanted).rms_hand(1.0);
 
     let rows = 0..wanted.n_rows();
     let weight = rows.map(|row| {
@@ -144,8 +134,8 @@ fn a_loop_that_is_unstable_is_an_error() {
     plant.drive.delay = 0.05;
     let wanted = wanted(&plant);
 
-    let mut controller = controller(&plant, Law::Pid, 200.0, &wanted);
-    let found = track(&plant, &mut controller, &wanted);
+    let gains = Gains::critically_damped(200.0, &mean_inertia(&plant, &wanted).unwrap());
+    let found = track(&plant, Law::Pid, &plant, &gains, &wanted);
 
     assert!(matches!(found, Err(SimError::Diverged { .. })), "{found:?}");
 }
@@ -183,7 +173,7 @@ fn what_does_not_belong_together_is_refused() {
 
     let none = Gains::critically_damped(15.0, &[1.0, -1.0]);
     let refused = |known: &dyn Knowledge, gains: &Gains, wanted: &Motion| {
-        Controller::new(Law::Pid, known, gains, wanted).err().unwrap()
+        track(&plant, Law::Pid, known, gains, wanted).unwrap_err()
     };
 
     assert!(matches!(refused(&other, &gains, &wanted), SimError::JointCount { .. }));

@@ -1,24 +1,13 @@
 //! A pendulum whose motion and torque are known, measured badly.
 
 use super::*;
-use crate::signals::clean::clean;
-use crate::signals::raw::TAU;
-use crate::signals::settings::Cutoff;
+use crate::signals::plan::Cutoff;
 use approx::assert_abs_diff_eq;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::error::Error;
 use std::f64::consts::PI;
-
-/// Conditions a trajectory by a plan made from another one of the same arm.
-pub(crate) fn condition_by(raw: &Raw, plan: &Plan) -> Result<Conditioned, MotionError> {
-    let columns = raw.columns()?;
-    plan.check(&columns)?;
-    let first = columns.t.first().copied().unwrap_or_default();
-    let even = clean(&columns, &plan.base, (first, 0))?;
-    finish(&columns, &even, plan)
-}
 
 /// q, dq, ddq of two sines at t.
 fn motion(t: f64) -> [f64; 3] {
@@ -65,13 +54,16 @@ fn measure(how: &Measured) -> Raw {
         .map(|k| (k as f64 + how.jitter * jitter.random_range(-1.0..1.0)) / how.rate)
         .collect();
     let mut column = |sigma: f64, value: &dyn Fn(f64) -> f64| {
-        Mat::from_fn(how.n, 1, |row, _| value(t[row]) + draw(sigma))
+        Some(vec![t.iter().map(|t| value(*t) + draw(sigma)).collect()])
     };
     let q = column(1e-4, &|t| motion(t)[0]);
     let dq = column(1e-2, &|t| motion(t - how.velocity_lag)[1]);
     let tau = column(0.3, &|t| torque(t - how.torque_lag));
-    let joints = vec!["arm_1".to_owned()];
-    Raw { joints, t, q, dq: Some(dq), ddq: None, tau: Some(tau) }
+    Raw { joints: vec!["arm_1".to_owned()], t, signals: [q, dq, None, tau] }
+}
+
+fn torque_of(raw: &mut Raw) -> &mut Vec<f64> {
+    &mut raw.signals[Signal::Tau as usize].as_mut().unwrap()[0]
 }
 
 /// Root mean square of the difference to the truth.
@@ -88,11 +80,11 @@ fn column(x: faer::MatRef<'_, f64>) -> Vec<f64> {
 fn a_bad_log_becomes_the_motion_it_was() {
     let mut raw = measure(&BAD);
     for row in [1500, 2200, 2201, 4000] {
-        raw.tau.as_mut().unwrap()[(row, 0)] += 40.0;
+        torque_of(&mut raw)[row] += 40.0;
     }
     let settings = Conditioning { delay: BAD.torque_lag, ..Conditioning::default() };
 
-    let Conditioned { motion: found, report, .. } = condition(&raw, &settings).unwrap();
+    let Conditioned { motion: found, report } = condition(&raw, &settings).unwrap();
 
     let t = found.t();
     assert!(off(&column(found.q()), t, |t| motion(t)[0]) < 1e-4);
@@ -112,7 +104,7 @@ fn a_bad_log_becomes_the_motion_it_was() {
 fn noise_of_each_signal_is_reported() {
     let report = condition(&measure(&BAD), &Conditioning::default()).unwrap().report;
 
-    let sigma = |name| report.signals.iter().find(|s| s.signal == name).unwrap().noise.sigma;
+    let sigma = |name| report.signals.iter().find(|s| s.signal == name).unwrap().noise;
     // Resampling takes away up to a quarter of it.
     assert!((0.7e-4..1.1e-4).contains(&sigma("q")));
     assert!((0.7e-2..1.1e-2).contains(&sigma("dq")));
@@ -128,8 +120,8 @@ fn a_perfect_log_passes_as_it_is() {
     let found = condition(&raw, &settings).unwrap();
 
     assert_eq!(found.motion.t(), raw.t);
-    assert_eq!(found.motion.q(), raw.q.as_ref());
-    assert_eq!(found.motion.tau().unwrap(), raw.tau.as_ref().unwrap().as_ref());
+    assert_eq!(column(found.motion.q()), raw.of(Signal::Q)[0]);
+    assert_eq!(column(found.motion.tau().unwrap()), raw.of(Signal::Tau)[0]);
     assert!(off(&column(found.motion.ddq()), &raw.t, |t| motion(t)[2]) < 1e-6);
     assert!(found.report.outliers.is_empty() && !found.report.resampled);
 }
@@ -152,9 +144,8 @@ fn rows_are_thinned_and_ends_dropped_unless_all_are_wanted() {
 #[test]
 fn a_coarse_current_is_told() {
     let mut raw = measure(&BAD);
-    let tau = raw.tau.as_mut().unwrap();
-    for row in 0..BAD.n {
-        tau[(row, 0)] = (tau[(row, 0)] / 4.0).round() * 4.0;
+    for tau in torque_of(&mut raw) {
+        *tau = (*tau / 4.0).round() * 4.0;
     }
 
     let report = condition(&raw, &Conditioning::default()).unwrap().report;
@@ -168,7 +159,7 @@ fn a_coarse_current_is_told() {
 #[test]
 fn errors_say_which_signal_of_which_joint() {
     let mut raw = measure(&BAD);
-    raw.tau.as_mut().unwrap()[(17, 0)] = f64::NAN;
+    torque_of(&mut raw)[17] = f64::NAN;
     let error = condition(&raw, &Conditioning::default()).unwrap_err();
     assert_eq!(error.to_string(), "cannot condition tau of joint arm_1");
     assert_eq!(error.source().unwrap().to_string(), "not finite at row 17");
@@ -181,17 +172,4 @@ fn errors_say_which_signal_of_which_joint() {
     let settings = Conditioning { delay: 1.0, ..Default::default() };
     let error = condition(&measure(&Measured { n: 200, ..BAD }), &settings).unwrap_err();
     assert!(matches!(error, MotionError::NothingLeft { .. }));
-    assert_eq!(NAMES[TAU], "tau");
-}
-
-#[test]
-fn a_plan_conditions_another_trajectory_alike() {
-    let raw = measure(&BAD);
-    let plan = Plan::new(&raw, &Conditioning::default()).unwrap();
-
-    let own = condition(&raw, &Conditioning::default()).unwrap();
-    let planned = condition_by(&raw, &plan).unwrap();
-
-    assert_eq!(own.report, planned.report);
-    assert_eq!(own.motion.ddq(), planned.motion.ddq());
 }
