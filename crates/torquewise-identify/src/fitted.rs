@@ -38,6 +38,8 @@ const DRAW_SIZE: f64 = 1e-3;
 #[derive(Debug)]
 pub(crate) struct Fitted {
     pub(crate) solved: Solved,
+    /// Usual sizes of the arm, that it was held to.
+    pub(crate) sizes: Sizes,
     /// RMS of the residual of each joint \[N·m\], n.
     pub(crate) residual_rms: Vec<f64>,
     /// What the search chose.
@@ -60,9 +62,10 @@ impl Fitted {
         seed: u64,
         watch: Watch<'_>,
     ) -> Result<Reconstruction, IdentifyError> {
-        let Self { solved, residual_rms, mut choices, found, warning } = self;
+        let Self { solved, sizes, residual_rms, mut choices, found, warning } = self;
         let mut training = survey.training(residual_rms);
-        (training.held_out_rms, training.held_out_by_region_rms) = held_out_rms(&solved, &survey)?;
+        (training.held_out_rms, training.held_out_by_region_rms) =
+            held_out_rms((&solved, &sizes), &survey)?;
         training.geometry_found = found;
         let residual_rms = &training.residual_rms;
         let covariance = faer::Scale(discrepancy(&training).powi(2)) * &solved.covariance;
@@ -196,17 +199,20 @@ fn unexplained(
 /// RMS of what is left of the torque of each joint \[N·m\] on whole logs, or on blocks of time of a
 /// single one, that were held out; and on regions of configuration (E20). Nothing where there are
 /// too few rows.
-fn held_out_rms(solved: &Solved, survey: &Survey) -> Result<(Vec<f64>, Vec<f64>), IdentifyError> {
+fn held_out_rms(
+    (solved, sizes): (&Solved, &Sizes),
+    survey: &Survey,
+) -> Result<(Vec<f64>, Vec<f64>), IdentifyError> {
     let sample = &survey.sample;
     let few = thinned(sample, HELD_OUT_ROWS);
     let every = sample.n_rows().div_ceil(few.n_rows().max(1)).max(1);
     let tau = few.require_tau()?.to_owned();
     let target = [(&tau, &tau)];
     let (at, share) = (solved.at.narrowed(), few.n_rows() as f64 / survey.rows.max(1) as f64);
-    let held_to = HeldTo::of(solved, &Sizes::of(survey), share)?;
+    let held_to = HeldTo::of(solved, sizes, share)?;
     let rms = |blocks: &[HeldOut]| -> Result<Vec<f64>, IdentifyError> {
         let Some(unseen) = Unseen::new(&at, &few, &target, blocks)? else { return Ok(Vec::new()) };
-        let errors = unseen.physical_errors(&held_to)?;
+        let errors = unseen.physical_errors(&held_to);
         Ok(errors.map(|errors| errors.rms_by_joint()).unwrap_or_default())
     };
     Ok((rms(&whole_logs(&few))?, rms(&regions(&few, every))?))

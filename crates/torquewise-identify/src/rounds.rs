@@ -157,7 +157,8 @@ impl Request {
                 }
                 let Self { choices, found, searched_rms, sizes, .. } = self;
                 let warning = Warning::of_refit(&searched_rms, &residual_rms, &sizes.torque);
-                Round::Done(Box::new(Fitted { solved, residual_rms, choices, found, warning }))
+                let fitted = Fitted { solved, sizes, residual_rms, choices, found, warning };
+                Round::Done(Box::new(fitted))
             }
         })
     }

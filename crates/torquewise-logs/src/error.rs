@@ -216,7 +216,7 @@ pub(crate) fn guarded<T>(file: &Path, work: impl FnOnce() -> Result<T>) -> Resul
         .unwrap_or_else(|_| Err(LogError::Damaged { file: file.into() }))
 }
 
-/// So many names at most.
+/// Names side by side, `most` of them at most.
 pub(crate) fn listed(names: &[String], most: usize) -> String {
     let all: Vec<_> = names.iter().take(most).map(|name| shown(name.as_bytes())).collect();
     all.join(", ") + if names.len() > most { ", …" } else { "" }

@@ -44,7 +44,7 @@ mod tests {
     use std::path::Path;
 
     #[test]
-    fn names_that_are_too_few_or_none_are_refused() {
+    fn names_given_twice_or_too_few_are_refused() {
         let twice = checked(Path::new("a.csv"), parse("a, a"), 2);
         assert!(matches!(twice, Err(LogError::JointName { .. })));
         let one = checked(Path::new("a.csv"), parse("a"), 2);

@@ -51,11 +51,15 @@ impl<'a> Trajectory<'a> {
             Stretch::Running(..) => Raw::default(),
         };
         let rows = waiting.t.len();
-        let begun = if rows > 0 { self.begin(waiting).map(drop) } else { Ok(()) };
-        match begun.and_then(|()| self.rest()) {
-            Ok((rest, own)) if rows == 0 || !rest.motions.is_empty() => {
-                done.motions.extend(rest.motions);
-                done.noise.extend(rest.noise);
+        let begun = if rows > 0 { self.begin(waiting) } else { Ok(Done::default()) };
+        match begun.and_then(|begun| Ok((begun, self.rest()?))) {
+            Ok((begun, (rest, own)))
+                if rows == 0 || begun.motions.len() + rest.motions.len() > 0 =>
+            {
+                for part in [begun, rest] {
+                    done.motions.extend(part.motions);
+                    done.noise.extend(part.noise);
+                }
                 repairs.add(&own);
             }
             Err(error) if rows == 0 || !error.is_too_short() => return Err(error),

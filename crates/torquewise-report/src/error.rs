@@ -13,6 +13,9 @@ pub enum ReportError {
     #[error("residuals of {found} joints are not of a model of {expected}")]
     #[diagnostic(help("give what `diagnose` says of the model that was reconstructed"))]
     Joints { found: usize, expected: usize },
+    #[error("costs of {found} models, expected {expected}: one for each step, and the whole")]
+    #[diagnostic(help("count all of them, or none"))]
+    Costs { found: usize, expected: usize },
     #[error("a report of {rows} rows and {joints} joints shows nothing")]
     #[diagnostic(help("give two rows of one joint"))]
     Empty { rows: usize, joints: usize },

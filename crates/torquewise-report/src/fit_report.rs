@@ -47,8 +47,10 @@ pub struct Findings<'a> {
 /// left out.
 ///
 /// # Errors
-/// [`ReportError::Empty`] if a diagnosis has no rows, [`ReportError::Joints`] if it is of another arm, [`ReportError::Step`] if the model after a
-/// step cannot be evaluated, [`ReportError::Page`] if the page cannot be written.
+/// [`ReportError::Empty`] if a diagnosis has no rows, [`ReportError::Joints`] if it is of another arm,
+/// [`ReportError::Costs`] if they are of fewer or more models than steps and the whole,
+/// [`ReportError::Step`] if the model after a step cannot be evaluated, [`ReportError::Page`] if the
+/// page cannot be written.
 pub fn fit_report(findings: &Findings<'_>) -> Result<String> {
     findings.check()?;
     let page = Page {
@@ -115,6 +117,8 @@ impl<'a> Findings<'a> {
                 return Err(ReportError::Joints { found, expected });
             }
         }
-        Ok(())
+        let (found, expected) = (self.costs.len(), self.found.model.stages.len() + 1);
+        let is_counted = found == 0 || found == expected;
+        if is_counted { Ok(()) } else { Err(ReportError::Costs { found, expected }) }
     }
 }

@@ -122,11 +122,12 @@ const SETTLED: f64 = 1e-7;
 /// Part of the promised gain that a step must bring.
 const ARMIJO: f64 = 1e-4;
 
-/// Minimises ½ xᵀHx − bᵀx + strength · Ψ(x) from a feasible start.
+/// Minimises ½ xᵀHx − bᵀx + strength · Ψ(x) from a feasible start near the minimum; from elsewhere,
+/// [`minimise_from_afar`].
 ///
-/// The sum is convex in the inertial parameters themselves, so Newton's method finds its only
-/// minimum, and Ψ keeps every step feasible: what comes out is a physical arm, whatever H and b
-/// are.
+/// The sum is convex in the inertial parameters themselves, so Newton's method comes nearer to its only
+/// minimum with each of its at most 60 steps, and Ψ keeps them feasible: what comes out is a physical
+/// arm, whatever H and b are.
 ///
 /// # Errors
 /// [`ChainError::Singular`] if the start is not feasible or no step can be computed.

@@ -115,7 +115,7 @@ impl Body {
 pub(crate) fn is_positive_semidefinite(inertia: &Matrix3<f64>) -> bool {
     let scale = inertia.amax();
     // Tables are printed to six digits or so: a flat body may come out a little negative.
-    scale == 0.0 || (inertia / scale).symmetric_eigenvalues().min() >= -1e-6
+    scale == 0.0 || (inertia / scale).symmetric_eigenvalues().min() >= -1e-5
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use torquewise::export::{Precision, Program, Quantity, test_vectors};
 use torquewise::exported::{self, ExportOptions, Exported, Target, function_name};
 use torquewise::model::Model;
+use torquewise::model::friction::FrictionLaw;
 
 /// Write a model as code for a controller, or as a robot for a simulator
 ///
@@ -111,7 +112,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 /// What is said of a robot file, and what it has no room for.
 fn robot(arguments: &Arguments, model: &Model, exported: &Exported) -> Outcome {
     let Exported { version, left_out, files, .. } = exported;
-    let notes = left_out.iter().map(|part| format!("not in the file: {part}")).collect();
+    let mut notes: Vec<String> =
+        left_out.iter().map(|part| format!("not in the file: {part}")).collect();
+    let is_curved = |law: &FrictionLaw| {
+        !matches!(law, FrictionLaw::Offset | FrictionLaw::Viscous | FrictionLaw::Coulomb { .. })
+    };
+    if arguments.to != Target::Json
+        && model.friction.iter().any(|own| own.term.load || is_curved(&own.term.law))
+    {
+        notes
+            .push("`fit --friction linear` fits the friction that such a file can hold".to_owned());
+    }
     let holds = match arguments.to {
         Target::Json => "",
         _ => ": links, rotors, viscous and dry friction",

@@ -1,5 +1,6 @@
 //! Models that no arm can be: said first by `fit`, shown by `show --check`, refused by `export`.
 
+use crate::spoilt::Table;
 use crate::terminal::Terminal;
 use serde_json::{Value, json};
 
@@ -39,6 +40,22 @@ fn fit_says_first_that_the_mass_matrix_is_not_positive_definite() {
     assert_eq!(fit["mass_matrix"]["q"].as_array().unwrap().len(), 3);
     terminal
         .refused("export model.json --to c -o arm.c", &["M(q) has the eigenvalue -", "--force"]);
+}
+
+#[test]
+fn export_refuses_any_model_that_is_not_positive_definite_unless_forced() {
+    let terminal = changed(|model| scale_m11(model, -20.0));
+
+    terminal.refused(
+        "export changed.json --to c -o arm.c",
+        &["M(q) has the eigenvalue -", "at q = (", "fit anew", "--force"],
+    );
+    let forced = terminal.run("export changed.json --to c -o arm.c --force --strict");
+
+    assert_eq!(forced.code, 3, "{forced:?}");
+    assert!(forced.stderr.starts_with("warning: M(q) has the eigenvalue -"), "{forced:?}");
+    assert!(terminal.read("arm.c").contains("arm_torque"));
+    terminal.done("export model.json --to c -o arm.c --force");
 }
 
 #[test]
@@ -83,4 +100,25 @@ fn the_check_tells_whether_friction_takes_power() {
     assert_eq!(said.code, 3, "{said:?}");
     assert!(said.stdout.contains("friction takes power    NO   friction of the shaft of joint 2"));
     assert!(said.stderr.contains("drives it with"), "{said:?}");
+}
+
+#[test]
+fn bounds_hold_the_torque_of_another_motion() {
+    let terminal = Terminal::new();
+    terminal.done("simulate puma560-3 -o train.csv --seconds 60 --rate 100 --case 2 --seed 1");
+    terminal.done(
+        "simulate puma560-3 -o test.csv --motion sines --seconds 30 --rate 100 --case 2 --seed 2",
+    );
+    terminal.done("fit train.csv -o model.json --library chain --friction none");
+
+    terminal.done("predict model.json test.csv -o bounds.csv --interval 95");
+
+    let [log, bounds] = ["test.csv", "bounds.csv"].map(|file| Table::of(&terminal, file));
+    for joint in 1..=3 {
+        let of = |table: &Table, name: &str| table.column(&format!("{name}{joint}"));
+        let (tau, low, high) = (of(&log, "tau"), of(&bounds, "tau_low"), of(&bounds, "tau_high"));
+        let within = (0..tau.len()).filter(|&k| low[k] <= tau[k] && tau[k] <= high[k]).count();
+        let share = within as f64 / tau.len() as f64;
+        assert!((0.90..=0.98).contains(&share), "joint {joint}: {share}");
+    }
 }

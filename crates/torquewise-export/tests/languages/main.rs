@@ -15,8 +15,8 @@ use models::{
 use std::io::Read;
 use std::path::Path;
 use torquewise_export::{
-    ExportError, Precision, Program, Quantity, fmu_archive, fmu_sources, to_c, to_latex, to_python,
-    to_rust, torque_costs,
+    ExportError, Precision, Program, Quantity, fmu_archive, fmu_sources, test_vectors, to_c,
+    to_latex, to_python, to_rust, torque_costs,
 };
 use torquewise_model::Model;
 use witness::{expected, expected_along, worst};
@@ -267,6 +267,31 @@ fn a_latex_document_is_typeset_within_its_margins() {
         let wide = log.split("Overfull \\hbox (").skip(1).map(|rest| rest.split("pt").next());
         let widths: Vec<f64> = wide.map(|points| points.unwrap().parse().unwrap()).collect();
         assert!(widths.iter().all(|points| *points < 20.0), "{widths:?}");
+    }
+}
+
+#[test]
+fn test_vectors_are_what_the_model_returns() {
+    for model in [energies(3, 25, 1), chain(3, true, 4)] {
+        let text = test_vectors(&model, 20, 5).unwrap();
+
+        assert_eq!(text, test_vectors(&model, 20, 5).unwrap());
+        assert_ne!(text, test_vectors(&model, 20, 6).unwrap());
+        let rows = text.lines().skip(1).map(|line| line.split(',').map(|x| x.parse().unwrap()));
+        let rows: Vec<Vec<f64>> = rows.map(Iterator::collect).collect();
+        let state = |row: &Vec<f64>| [0, 3, 6].map(|first| row[first..first + 3].to_vec());
+        let states: Vec<models::State> = rows.iter().map(state).collect();
+        // The acceleration of the torque stands last, that of its numbers is expected there.
+        let but_last = |row: &Vec<f64>| row[..row.len() - 3].to_vec();
+        let values: Vec<Vec<f64>> = rows.iter().map(|row| but_last(row)[9..].to_vec()).collect();
+        let expected: Vec<_> = expected(&model, &states).iter().map(but_last).collect();
+        let error = worst(&values, &expected);
+        assert!(error < AGREES, "{error:.1e}");
+        for row in rows.iter().filter(|_| model.chain.is_some()) {
+            for (found, ddq) in row[row.len() - 3..].iter().zip(&row[6..9]) {
+                assert!((found - ddq).abs() < AGREES * (1.0 + ddq.abs()), "{found} for {ddq}");
+            }
+        }
     }
 }
 

@@ -1,17 +1,13 @@
 //! Held-out error of a physical arm: the parameters of each trial are held to what those of the whole
 //! fit were held to (E14).
 
-use super::{Errors, Unseen, all_of};
+use super::{Errors, HeldOut, Sums, Unseen, all_of};
 use crate::estimate::{Sizes, Solved, prior};
 use faer::Mat;
 use rayon::prelude::*;
-use torquewise_rigid::feasible::{Prior, Quadratic, minimise, minimise_from_afar};
+use torquewise_rigid::feasible::{Prior, Quadratic, minimise_from_afar};
 use torquewise_rigid::{Geometry, UsualArm};
 use torquewise_stepwise::error::IdentifyError;
-
-/// Price of a parameter, relative to the diagonal of the normal equations: rounding makes them
-/// indefinite where torque tells nothing.
-const ROUNDING: f64 = 1e-11;
 
 /// What the parameters of an arm are held to, whatever the rows.
 pub(crate) struct HeldTo {
@@ -41,43 +37,64 @@ impl HeldTo {
         Ok(Self { prior, strength, pulls, start })
     }
 
-    /// The best parameters of normal equations.
-    fn best(
-        &self,
-        (mut gram, right): (Mat<f64>, Mat<f64>),
-        near: Option<&[f64]>,
-    ) -> Result<Vec<f64>, IdentifyError> {
-        let p = gram.ncols();
+    /// The best parameters of normal equations of a part of the rows; nothing where there are none.
+    fn best(&self, mut gram: Mat<f64>, right: &Mat<f64>, part: f64) -> Option<Mat<f64>> {
         let mut right: Vec<f64> = right.col(0).iter().copied().collect();
-        (0..p).for_each(|k| gram[(k, k)] *= 1.0 + ROUNDING);
-        for (k, (stiffness, rest)) in (p - self.pulls.len()..p).zip(&self.pulls) {
-            gram[(k, k)] += stiffness;
-            right[k] += stiffness * rest;
+        let first = right.len() - self.pulls.len();
+        for (k, (stiffness, rest)) in (first..).zip(&self.pulls) {
+            gram[(k, k)] += part * stiffness;
+            right[k] += part * stiffness * rest;
         }
         let cost = Quadratic { hessian: &gram, right: &right };
-        Ok(match near {
-            Some(near) => minimise(cost, &self.prior, self.strength, near)?,
-            None => minimise_from_afar(cost, &self.prior, self.strength, &self.start)?,
-        })
+        // From the best of all rows, what is held out would be known.
+        let x = minimise_from_afar(cost, &self.prior, self.strength, &self.start).ok()?;
+        Some(Mat::from_fn(x.len(), 1, |k, _| x[k]))
     }
 }
 
 impl Unseen<'_> {
-    /// What all columns, the parameters of a physical arm, leave of the first target.
-    ///
-    /// # Errors
-    /// [`IdentifyError::Chain`] if no such arm can be solved for.
-    pub(crate) fn physical_errors(
-        &self,
-        held_to: &HeldTo,
-    ) -> Result<Option<Errors>, IdentifyError> {
+    /// What all columns, the parameters of a physical arm, leave of the first target; nothing where a
+    /// trial cannot be solved.
+    pub(crate) fn physical_errors(&self, held_to: &HeldTo) -> Option<Errors> {
         let (gram, right) = &self.all;
-        let near = held_to.best((gram.clone(), right.clone()), None)?;
-        let solved = self.around.par_iter().map(|(own_gram, own_right)| {
-            let x = held_to.best((gram - own_gram, right - own_right), Some(&near))?;
-            Ok(Mat::from_fn(x.len(), 1, |k, _| x[k]))
-        });
-        let solved = solved.collect::<Result<Vec<Mat<f64>>, IdentifyError>>()?;
-        Ok(self.measured(&[solved], &all_of(near.len())).into_iter().next().flatten())
+        let rows = self.joints.first().map_or(0, |joint| joint.weights.len()) as f64;
+        let trial = |((own_gram, own_right), block): (&Sums, &HeldOut)| {
+            let part = 1.0 - block.around.len() as f64 / rows;
+            held_to.best(gram - own_gram, &(right - own_right), part)
+        };
+        let solved = self.around.par_iter().zip(self.blocks).map(trial);
+        let solved = solved.collect::<Option<Vec<Mat<f64>>>>()?;
+        self.measured(&[solved], &all_of(gram.ncols())).into_iter().next().flatten()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use torquewise_rigid::inertia::plain_link;
+
+    #[test]
+    fn a_trial_is_held_as_strongly_as_its_part_of_the_rows_says() {
+        let link = |mass: f64| plain_link(mass, &nalgebra::Vector3::new(0.2, 0.0, 0.0), 0.1);
+        let (nominal, told) = (link(2.0), link(3.0));
+        let held_to = |strength: f64| HeldTo {
+            prior: Prior { bodies: vec![nominal], ..Prior::default() },
+            strength,
+            pulls: vec![(30.0, -0.5)],
+            start: nominal.iter().copied().chain([0.0]).collect(),
+        };
+        // Rows that tell a heavier link, and a step of the geometry of 1.
+        let gram = Mat::from_fn(11, 11, |i, j| if i == j { 10.0 } else { 0.0 });
+        let right = Mat::from_fn(11, 1, |k, _| 10.0 * told.get(k).copied().unwrap_or(1.0));
+        let best =
+            |strength: f64, part: f64| held_to(strength).best(gram.clone(), &right, part).unwrap();
+
+        let (weak, strong) = (best(1e-7, 1.0), best(1e7, 0.5));
+
+        assert!((weak[(0, 0)] - 3.0).abs() < 1e-3, "{}", weak[(0, 0)]);
+        assert!((strong[(0, 0)] - 2.0).abs() < 1e-3, "{}", strong[(0, 0)]);
+        // (g x + part S r) / (g + part S), whatever the strength of the other prior.
+        assert!((weak[(10, 0)] - (10.0 - 15.0) / 40.0).abs() < 1e-9, "{}", weak[(10, 0)]);
+        assert!((strong[(10, 0)] - (10.0 - 7.5) / 25.0).abs() < 1e-9, "{}", strong[(10, 0)]);
     }
 }

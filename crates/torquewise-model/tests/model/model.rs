@@ -140,6 +140,15 @@ fn parts_that_do_not_fit_are_refused() {
 }
 
 #[test]
+fn a_step_that_was_not_taken_is_an_error() {
+    let (_, model) = two_link();
+
+    assert_eq!(model.after_step(1).unwrap().form.n_coefficients(), 3);
+    assert!(matches!(model.after_step(0), Err(ModelError::Step { found: 0, known: 1 })));
+    assert!(matches!(model.after_step(2), Err(ModelError::Step { .. })));
+}
+
+#[test]
 fn digits_follow_the_standard_error() {
     assert_eq!(with_error(8.396_03, 0.003_1), "8.3960 ± 0.0031");
     assert_eq!(with_error(1234.5678, 12.0), "1235 ± 12");
@@ -158,4 +167,17 @@ fn equations_read_as_formulas() {
         tex.starts_with(r"\begin{align*}") && tex.contains(r"\cos q_{2}\,\ddot q_{1}"),
         "{tex}"
     );
+}
+
+#[test]
+fn a_log_of_other_joints_is_of_another_arm() {
+    let (_, model) = two_link();
+    let other = vec![model.joints[1].clone(), model.joints[0].clone()];
+
+    let names = model.check_joints(&other).unwrap_err();
+    let count = model.check_joints(&other[1..]).unwrap_err();
+
+    assert!(model.check_joints(&model.joints).is_ok());
+    assert!(matches!(names, ModelError::JointNames { log, .. } if log == other));
+    assert!(matches!(count, ModelError::JointCount { model: 2, log: 1 }));
 }

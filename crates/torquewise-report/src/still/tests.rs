@@ -144,6 +144,27 @@ fn what_has_no_place_on_an_axis_is_not_drawn() {
 }
 
 #[test]
+fn long_series_are_thinned_with_their_peaks() {
+    let height = |k: i32| if k == 77_777 { 10.0 } else { 0.1 * f64::from(k % 2) };
+    let points: Vec<[f64; 2]> = (0..200_000).map(|k| [f64::from(k), height(k)]).collect();
+    for mark in MARKS {
+        let series = Series::new("a", mark, Colour::Series(0), points.clone());
+        let y = Axis { range: Some([0.0, 10.0]), ..Axis::default() };
+
+        let svg = drawn(Chart { y, ..with(series) });
+
+        assert!(svg.len() < 600_000, "{mark:?}: {} bytes", svg.len());
+        if mark == Mark::Line {
+            let curve = svg.split("<polyline").max_by_key(|path| path.len()).unwrap();
+            let places = numbers(&format!("<polyline{curve}"), "polyline", "points");
+            let [peak, _] = ends(places.into_iter().skip(1).step_by(2));
+            let [top, _] = ends(numbers(&svg, "line", "y1"));
+            assert!((peak - top).abs() <= 1.0, "{peak} {top}");
+        }
+    }
+}
+
+#[test]
 fn places_have_their_names_and_a_legend_those_of_several_series_with_points() {
     let names = ["energy", "product: |c| > 0.1"].map(String::from).to_vec();
     let x = Axis { places: names, ..Axis::default() };
