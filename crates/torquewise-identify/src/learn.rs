@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
 use torquewise_rigid::coupling::Coupling;
-use torquewise_rigid::search::{Stage, all_parameters};
+use torquewise_rigid::search::{FINAL_ROWS, Stage, all_parameters};
 use torquewise_rigid::{Chain, ChainError, Geometry, JointKinds, Rows, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
@@ -63,8 +63,6 @@ const WORTH_OF_ANGLES: f64 = 0.1;
 const WORTH_OF_PARALLEL: f64 = 0.05;
 /// Where they lower it by less than this part, the axis is not resolved.
 const UNRESOLVED: f64 = 0.3;
-/// Rounds of refinement on all but a held-out block.
-const ROUNDS: usize = 6;
 /// Rows that trials are fitted on.
 const TRIAL_ROWS: usize = 900;
 /// Rows that the last fit is made on.
@@ -202,10 +200,8 @@ struct ChainLearner<'a> {
 
 impl<'a> ChainLearner<'a> {
     fn new(motion: &'a Motion, watch: Watch<'a>) -> Self {
-        let speed = |joint: usize| {
-            motion.dq().col(joint).iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()))
-        };
-        let laws = FrictionLibrary::new((0..motion.n_joints()).map(speed).collect());
+        let peak = |joint: usize| motion.dq().col(joint).norm_max();
+        let laws = FrictionLibrary::new((0..motion.n_joints()).map(peak).collect());
         Self { motion, laws, joints: None, found: None, watch }
     }
 
@@ -241,7 +237,7 @@ impl<'a> ChainLearner<'a> {
         geometry: &Geometry,
     ) -> Result<(ChainSpec, Chain), IdentifyError> {
         let spec = ChainSpec { free: Vec::new(), ..spec };
-        let rows = self.rows(&spec, spec.search.final_rows)?;
+        let rows = self.rows(&spec, FINAL_ROWS)?;
         let start = Chain::at(geometry.clone());
         let chain = refine(&rows, &start, &spec.free, &spec.search, &searching(self.watch))?;
         Ok((spec, chain))
@@ -267,7 +263,7 @@ impl<'a> ChainLearner<'a> {
             let (geometry, free) = start.geometry.snapped(angle);
             let (spec, start) =
                 (ChainSpec { free, ..spec.clone() }, Chain { geometry, ..start.clone() });
-            Ok((trial(label.to_owned(), &spec, &rows, &start, ROUNDS, &watch)?, spec, start))
+            Ok((trial(label.to_owned(), &spec, &rows, &start, &watch)?, spec, start))
         };
         let best = |all: Vec<Judged>| {
             let best = all.into_iter().min_by(|a, b| a.0.error().total_cmp(&b.0.error()));
@@ -309,7 +305,7 @@ impl<'a> ChainLearner<'a> {
         }
         self.found = Some(GeometryFound { times, starts: starts_made, unresolved });
         *spec = own;
-        let rows = self.rows(spec, spec.search.final_rows)?;
+        let rows = self.rows(spec, FINAL_ROWS)?;
         let chain = refine(&rows, &start, &spec.free, &spec.search, &watch)?;
         self.falling(spec, &rows, chain)
     }

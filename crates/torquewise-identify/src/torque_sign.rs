@@ -233,7 +233,7 @@ pub(crate) fn swapped(
     let friction = DriveTerm::friction(FrictionLibrary::new(peaks).linear());
     let drive: Vec<DriveTerm> = DriveTerm::rotors(n).into_iter().chain(friction).collect();
     let rows = rows(&motion, &columns(&drive, &motion, None))?;
-    let look = Search { seed, starts: STARTS, glance_rows: FEW, ..Search::default() };
+    let look = Search { seed, starts: STARTS, ..Search::default() };
     let watch = searching(watch);
     let left =
         pairs.into_iter().map(|pair| (pair, glance(&rows.clone().swapped(pair), &look, &watch)));

@@ -91,19 +91,14 @@ impl Geometry {
         Ok(Self { parameters: parameters.to_vec(), ..Self::straight(0) })
     }
 
-    /// The geometry of a chain whose joint frames are given, z of each the axis, all revolute; and
-    /// the frame of each of its links, seen from the given one.
+    /// The geometry of a chain whose joint frames are given, z of each the axis; and the frame of each
+    /// of its links, seen from the given one.
     ///
     /// The base is the first frame at q = 0; a frame of the geometry has the axis of the given one
     /// and differs from it by a turn about z and a shift along it, or any shift if it slides.
     ///
     /// - `placements`: each in the frame before, at q = 0, the first in the world; n ≥ 1
     /// - `down`: where things fall in the world, of any length but zero
-    pub fn of_frames(placements: &[Placement], down: [f64; 3]) -> (Self, Vec<Placement>) {
-        Self::of_joints(placements, &JointKinds::default(), down)
-    }
-
-    /// The same of joints of any kind.
     pub fn of_joints(
         placements: &[Placement],
         kinds: &JointKinds,

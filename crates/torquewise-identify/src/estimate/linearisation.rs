@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::RobotNames;
 use torquewise_motion::path::TRAVELS;
 use torquewise_motion::{Motion, Signals};
+use torquewise_rigid::search::all_parameters;
 use torquewise_rigid::{Chain, Coupling, Geometry, JointKinds, Rows};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::noise::NoiseFloor;
@@ -234,21 +235,16 @@ impl Linearisation {
         seen: &Motion,
     ) -> Result<(Mat<f64>, Vec<f64>), IdentifyError> {
         let rows = self.weighed(block, seen)?;
-        let tangent = self.chain()?.tangent(&rows, &self.weights)?;
+        let tangent =
+            self.chain()?.tangent(&rows, &self.weights, &all_parameters(self.n_joints()))?;
         let mut out = tangent.columns;
         for (j, scale) in self.scales.iter().enumerate() {
             out.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= scale);
         }
         let p = out.ncols();
-        let whole =
-            Mat::from_fn(
-                out.nrows(),
-                p + 1,
-                |k, j| {
-                    if j < p { out[(k, j)] } else { tangent.residual[k] }
-                },
-            );
-        Ok((whole, tangent.weights))
+        let left = &tangent.residual;
+        let cell = |k: usize, j: usize| if j < p { out[(k, j)] } else { left[k] };
+        Ok((Mat::from_fn(out.nrows(), p + 1, cell), tangent.weights))
     }
 }
 
@@ -290,7 +286,7 @@ impl Linearisation {
     }
 
     fn tangent_columns(&self, rows: &Rows) -> Result<(Mat<f64>, Vec<f64>), IdentifyError> {
-        let tangent = self.chain()?.tangent_of(rows, &self.weights, &self.structure.free)?;
+        let tangent = self.chain()?.tangent(rows, &self.weights, &self.structure.free)?;
         Ok((tangent.columns, tangent.weights))
     }
 }

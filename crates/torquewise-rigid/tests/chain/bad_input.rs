@@ -6,11 +6,11 @@ use miette::Diagnostic;
 use torquewise_model::ModelError;
 use torquewise_model::expansion::energy_terms;
 use torquewise_rigid::search::{UNWATCHED, all_parameters};
-use torquewise_rigid::{ChainError, Geometry, Rows, Search, fit, refine, search};
+use torquewise_rigid::{ChainError, Geometry, Rows, Search, refine, search};
 use torquewise_sim::Arm;
 
 fn plan() -> Search {
-    Search { starts: 2, finalists: 1, rounds: 4, weighings: 1, ..Search::default() }
+    Search { starts: 2, rounds: 4, weighings: 1, ..Search::default() }
 }
 
 /// Rows of which every signal is `of(row, joint)`.
@@ -92,12 +92,8 @@ fn a_search_of_nothing_finds_nothing() {
     let rows = made(60, 2, |row, joint| (row as f64 * 0.1 + joint as f64).sin());
     for plan in [
         Search { starts: 0, ..plan() },
-        Search { glance_rows: 0, ..plan() },
-        Search { start_rows: 0, ..plan() },
-        Search { final_rows: 0, ..plan() },
         Search { weighings: 0, ..plan() },
         Search { ridge: f64::NAN, ..plan() },
-        Search { prior: f64::NAN, ..plan() },
     ] {
         let result = search(&rows, &plan, UNWATCHED);
 
@@ -110,12 +106,9 @@ fn a_start_of_another_arm_is_refused() {
     let rows = rows(&sines(&Arm::builtin("planar-2").unwrap(), 4.0, 1));
     let other = drawn(3, 1);
 
-    let fitted = fit(&rows, &other, &plan());
-    let refined = refine(&rows, &other, &all_parameters(2), &plan(), UNWATCHED);
+    let result = refine(&rows, &other, &all_parameters(2), &plan(), UNWATCHED);
 
-    for result in [fitted, refined] {
-        assert!(matches!(result, Err(ChainError::Shape { what: "geometry", .. })), "{result:?}");
-    }
+    assert!(matches!(result, Err(ChainError::Shape { what: "geometry", .. })), "{result:?}");
 }
 
 #[test]
