@@ -4,11 +4,10 @@ use crate::basis::{Energies, Wanted, joint_sums};
 use crate::drifts;
 use crate::drive_terms::DriveTerm;
 use crate::estimate::{Linearisation, Sizes, Solved};
-use crate::excitation::Finding;
 use crate::prune::prune;
 use crate::reconstruction::{Progress, Reconstruction, Watch};
 use crate::samples::eigen;
-use crate::torque_kind::{TorqueKind, torque_kind};
+use crate::torque_kind::torque_kind;
 use crate::unseen::{HeldOut, HeldTo, Unseen, geometric_mean, regions, whole_logs};
 use crate::warning::Warning;
 use faer::{ColRef, Mat};
@@ -77,20 +76,14 @@ impl Fitted {
             form: Form::Energy(terms),
             chain: Some(chain),
             friction,
-            stages: Vec::new(),
             training,
             choices,
+            ..Model::default()
         };
         let noise = &solved.at.noise;
         Progress::Working.tell(watch)?;
         let kind = torque_kind(&solved.at.narrowed(), &survey.sample)?;
-        warnings.extend(kind.map(|kind| {
-            let joints = survey.joints.clone();
-            Warning::Excitation(match kind {
-                TorqueKind::Weightless => Finding::Weightless,
-                TorqueKind::Gains(gains) => Finding::Gains { joints, gains },
-            })
-        }));
+        warnings.extend(kind.map(Warning::Excitation));
         Progress::Working.tell(watch)?;
         warnings.extend(drifts(&model, &survey.sample)?.into_iter().map(Warning::Drift));
         model.training.unexplained_rms = unexplained(&model, &survey, noise)?;
@@ -153,16 +146,9 @@ fn parameters(
     let (geometry, fitted) = (at.geometry.clone(), at.structure.free.clone());
     let coupling = at.structure.coupling.clone();
     let (robot, kinds) = (at.structure.robot.clone(), at.structure.kinds.clone());
-    let mut chain = RigidChain {
-        geometry,
-        fitted,
-        links,
-        drives,
-        coupling,
-        kinds,
-        robot,
-        covariance: Vec::new(),
-    };
+    let none = Vec::new();
+    let mut chain =
+        RigidChain { geometry, fitted, links, drives, coupling, kinds, robot, covariance: none };
     chain.set_covariance(&covariance);
     (chain, friction)
 }

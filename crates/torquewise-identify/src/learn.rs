@@ -2,10 +2,9 @@
 
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, columns};
-use crate::estimate::{Linearisation, Structure};
+use crate::estimate::Linearisation;
 use crate::plan::{ChainOptions, FrictionKind};
 use crate::reconstruction::{Progress, Watch};
-use crate::regions::Regions;
 use crate::unseen::geometric_mean;
 use offers::Offer;
 use rayon::prelude::*;
@@ -18,7 +17,6 @@ use torquewise_rigid::{Chain, ChainError, Geometry, JointKinds, Rows, Search, re
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
 use torquewise_stepwise::held_out::CvScore;
-use torquewise_stepwise::noise::NoiseFloor;
 use torquewise_stepwise::survey::thinned;
 
 mod couplings;
@@ -335,31 +333,8 @@ impl<'a> ChainLearner<'a> {
     /// A chain with more beside its links, whose coefficients are none so far, at its own geometry.
     fn library(&self, chain: &Chain, drive: Vec<DriveTerm>) -> Linearisation {
         let none = vec![0.0; drive.len()];
-        let structure = Structure {
-            chosen: drive.len(),
-            drive,
-            coupling: chain.geometry.coupling().clone(),
-            kinds: chain.geometry.kinds().clone(),
-            robot: None,
-            free: Vec::new(),
-            rest: self.laws.width.iter().map(|width| AT_REST * width).collect(),
-        };
-        Linearisation {
-            geometry: chain.geometry.parameters().to_vec(),
-            linear: chain.inertial.iter().chain(&none).copied().collect(),
-            weights: chain
-                .residual_rms
-                .iter()
-                .map(|rms| 1.0 / rms.max(f64::MIN_POSITIVE))
-                .collect(),
-            scales: Vec::new(),
-            structure,
-            noise: NoiseFloor::none(self.motion.n_joints()),
-            raw_noise: false,
-            block_rows: 1,
-            regions: Regions::default(),
-            seed: 0,
-        }
+        let rest = self.laws.width.iter().map(|width| AT_REST * width).collect();
+        Linearisation::of(chain, (drive, &none), rest)
     }
 }
 

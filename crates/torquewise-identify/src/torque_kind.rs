@@ -1,6 +1,7 @@
 //! What the torque columns are: without gravity, or with a gain for each joint (E27).
 
 use crate::estimate::Linearisation;
+use crate::excitation::Finding;
 use crate::unseen::{HeldOut, Unseen, geometric_mean, regions, whole_logs};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -33,26 +34,18 @@ const NOTHING: f64 = 0.01;
 /// Ridge on columns of unit length.
 const RIDGE: f64 = 1e-8;
 
-/// What torque columns are, where that is no torque in one unit.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum TorqueKind {
-    /// Gravity was taken out.
-    Weightless,
-    /// What a unit of each is worth beside the others, their geometric mean 1, n.
-    Gains(Vec<f64>),
-}
-
 /// Whether links explain held-out torque as well where nothing weighs; or whether links that joints
 /// share ask for gains of their own: a gain is not free, since the same mass loads several joints.
 ///
-/// - returns: `None` where what is logged is best taken as torque
+/// - returns: [`Finding::Weightless`] or [`Finding::Gains`]; `None` where what is logged is best taken
+///   as torque
 ///
 /// # Errors
 /// [`IdentifyError::Chain`] if the motion is of another arm.
 pub(crate) fn torque_kind(
     at: &Linearisation,
     sample: &Motion,
-) -> Result<Option<TorqueKind>, IdentifyError> {
+) -> Result<Option<Finding>, IdentifyError> {
     let motion = thinned(sample, ROWS);
     let every = sample.n_rows().div_ceil(motion.n_rows().max(1)).max(1);
     let (columns, weights) = at.columns_of(&motion)?;
@@ -84,14 +77,16 @@ pub(crate) fn torque_kind(
     };
     let pulled = size(&(&columns - &weightless));
     if pulled > PULLED * size(&columns) && leaves(&weightless, ALIKE) {
-        return Ok(Some(TorqueKind::Weightless));
+        return Ok(Some(Finding::Weightless));
     }
     let drive = [PER_BODY * motion.n_joints(), at.linear.len()];
     let rows = JointRows::new(&columns, &weights, &tau, drive);
     let Some((per, loads)) = rows.gains(&at.linear) else { return Ok(None) };
     let mean = geometric_mean(&per);
+    let gains = per.iter().map(|per| mean / per).collect();
+    let joints = sample.joints().to_vec();
     Ok(leaves(&rows.widened(&columns, &per, &loads), WORTH)
-        .then(|| TorqueKind::Gains(per.iter().map(|per| mean / per).collect())))
+        .then_some(Finding::Gains { joints, gains }))
 }
 
 /// Sums of the rows of each joint, of columns of which those from `drive[0]` to `drive[1]` are of its

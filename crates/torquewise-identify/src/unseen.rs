@@ -292,20 +292,6 @@ fn all_of(count: usize) -> Vec<usize> {
     (0..count).collect()
 }
 
-/// What all columns leave, see [`Unseen::errors`]; nothing where there are too few rows.
-///
-/// # Errors
-/// As [`Unseen::new`].
-pub(crate) fn held_out(
-    at: &Linearisation,
-    motion: &Motion,
-    targets: &[Target<'_>],
-    blocks: &[HeldOut],
-) -> Result<Option<Vec<Errors>>, IdentifyError> {
-    let unseen = Unseen::new(at, motion, targets, blocks)?;
-    Ok(unseen.and_then(|unseen| unseen.errors_of_all()))
-}
-
 /// Coefficients for each target without the rows around each block, p×targets; `None` where they
 /// cannot be solved for.
 fn solved_without((gram, right): &Sums, around: &[Sums], ridge: f64) -> Option<Vec<Mat<f64>>> {

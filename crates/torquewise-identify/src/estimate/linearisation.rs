@@ -62,6 +62,33 @@ pub struct Linearisation {
 const LEAST_COLUMN: f64 = 1e-6;
 
 impl Linearisation {
+    /// At a chain, its geometry held, with so much beside its links; rows count as they are, without
+    /// scales.
+    ///
+    /// - `drive`: what stands beside the links, and its coefficients
+    /// - `rest`: speeds below which joints are at rest \[rad/s\], n
+    pub(crate) fn of(
+        chain: &Chain,
+        (drive, coefficients): (Vec<DriveTerm>, &[f64]),
+        rest: Vec<f64>,
+    ) -> Self {
+        let (coupling, kinds) = (chain.geometry.coupling().clone(), chain.geometry.kinds().clone());
+        let (chosen, robot, free) = (drive.len(), None, Vec::new());
+        let per = |rms: &f64| 1.0 / rms.max(f64::MIN_POSITIVE);
+        Self {
+            structure: Structure { drive, chosen, coupling, kinds, robot, free, rest },
+            geometry: chain.geometry.parameters().to_vec(),
+            linear: chain.inertial.iter().chain(coefficients).copied().collect(),
+            weights: chain.residual_rms.iter().map(per).collect(),
+            scales: Vec::new(),
+            noise: NoiseFloor::none(chain.geometry.n_joints()),
+            raw_noise: false,
+            block_rows: 1,
+            regions: Regions::default(),
+            seed: 0,
+        }
+    }
+
     /// Number of parameters p: linear ones, then those of the geometry, free or not.
     pub fn n_parameters(&self) -> usize {
         self.linear.len() + self.geometry.len()
