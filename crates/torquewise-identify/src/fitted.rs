@@ -143,12 +143,16 @@ fn parameters(
         .collect();
     let covariance =
         Mat::from_fn(order.len(), order.len(), |i, j| covariance[(order[i], order[j])]);
-    let (geometry, fitted) = (at.geometry.clone(), at.structure.free.clone());
-    let coupling = at.structure.coupling.clone();
-    let (robot, kinds) = (at.structure.robot.clone(), at.structure.kinds.clone());
-    let none = Vec::new();
-    let mut chain =
-        RigidChain { geometry, fitted, links, drives, coupling, kinds, robot, covariance: none };
+    let mut chain = RigidChain {
+        geometry: at.geometry.parameters().to_vec(),
+        fitted: at.structure.free.clone(),
+        links,
+        drives,
+        coupling: at.geometry.coupling().clone(),
+        kinds: at.geometry.kinds().clone(),
+        robot: at.structure.robot.clone(),
+        covariance: Vec::new(),
+    };
     chain.set_covariance(&covariance);
     (chain, friction)
 }
@@ -189,7 +193,7 @@ fn held_out_rms(solved: &Solved, survey: &Survey) -> Result<(Vec<f64>, Vec<f64>)
     let tau = few.require_tau()?.to_owned();
     let target = [(&tau, &tau)];
     let (at, share) = (solved.at.narrowed(), few.n_rows() as f64 / survey.rows.max(1) as f64);
-    let held_to = HeldTo::of(solved, &Sizes::of(survey), share)?;
+    let held_to = HeldTo::of(solved, &Sizes::of(survey), share);
     let rms = |blocks: &[HeldOut]| -> Result<Vec<f64>, IdentifyError> {
         let Some(unseen) = Unseen::new(&at, &few, &target, blocks)? else { return Ok(Vec::new()) };
         let errors = unseen.physical_errors(&held_to)?;

@@ -139,7 +139,7 @@ fn by_chain(
                 None => fitted,
             };
             let patterns = find_patterns(&survey, &settings.patterns)?;
-            let chain = SignTest::at(&fitted.solved.at, options.geometry.is_some())?;
+            let chain = SignTest::at(&fitted.solved.at, options.geometry.is_some());
             Progress::Judging.tell(watch)?;
             let mut found = fitted.report(survey, patterns, seed, watch)?;
             Warning::retain_founded(&mut found.warnings, &found.model);

@@ -74,7 +74,8 @@ impl Request {
     }
 
     fn into_joints(self) -> Joints {
-        let Structure { kinds, coupling, .. } = self.passes.at.structure;
+        let axes = &self.passes.at.geometry;
+        let (kinds, coupling) = (axes.kinds().clone(), axes.coupling().clone());
         Joints { kinds, coupling, choices: self.choices }
     }
 

@@ -3,9 +3,9 @@
 use crate::estimate::Linearisation;
 use crate::excitation::Finding;
 use crate::unseen::{HeldOut, Unseen, geometric_mean, regions, whole_logs};
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use faer::Mat;
 use torquewise_motion::Motion;
+use torquewise_rigid::feasible::Factored;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::survey::thinned;
@@ -31,7 +31,7 @@ const MOST_APART: f64 = 20.0;
 /// What is left of held-out torque, in units of the least residual that weights are made of, below
 /// which it is rounding, as of a log without noise: no reading of it is better.
 const NOTHING: f64 = 0.01;
-/// Ridge on columns of unit length.
+/// Ridge on columns of unit length, which may be linearly dependent.
 const RIDGE: f64 = 1e-8;
 
 /// Whether links explain held-out torque as well where nothing weighs; or whether links that joints
@@ -70,7 +70,7 @@ pub(crate) fn torque_kind(
     let weightless = at.weightless_columns_of(&motion)?;
     // On a slide, gravity and the offset of its sensor are one constant.
     let size = |columns: &Mat<f64>| -> f64 {
-        let turning = (0..motion.n_joints()).filter(|&joint| !at.structure.kinds.slides(joint));
+        let turning = (0..motion.n_joints()).filter(|&joint| !at.geometry.kinds().slides(joint));
         let rows = motion.n_rows();
         let of = |joint: usize| columns.subrows(joint * rows, rows).squared_norm_l2();
         turning.map(of).sum::<f64>().sqrt()
@@ -145,7 +145,8 @@ impl JointRows {
                 right[(place, 0)] = per[joint] * (links.transpose() * response)[(0, 0)];
                 right[(place, 0)] -= hold * per[joint].ln();
             }
-            let found = solved(gram, &right)?;
+            (0..size).for_each(|k| gram[(k, k)] *= 1.0 + RIDGE);
+            let found = Factored::new(gram).ok()?.solve(right.col_as_slice(0));
             let mut moved = 0.0_f64;
             for (place, joint) in others.iter().enumerate() {
                 let change = (1.0 + found[p + place]).clamp(1.0 / MOST_CHANGE, MOST_CHANGE);
@@ -172,18 +173,4 @@ impl JointRows {
             Some(_) => 0.0,
         })
     }
-}
-
-/// Solves normal equations of columns that may be linearly dependent.
-fn solved(mut gram: Mat<f64>, right: &Mat<f64>) -> Option<Vec<f64>> {
-    let p = gram.ncols();
-    let root = |square: f64| if square > 0.0 { square.sqrt() } else { 1.0 };
-    let size: Vec<f64> = (0..p).map(|k| root(gram[(k, k)])).collect();
-    for i in 0..p {
-        (0..p).for_each(|j| gram[(i, j)] /= size[i] * size[j]);
-        gram[(i, i)] += RIDGE;
-    }
-    let right = Mat::from_fn(p, 1, |k, _| right[(k, 0)] / size[k]);
-    let found = gram.llt(Side::Lower).ok()?.solve(right);
-    Some((0..p).map(|k| found[(k, 0)] / size[k]).collect())
 }

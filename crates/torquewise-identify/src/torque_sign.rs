@@ -46,13 +46,10 @@ impl SignTest {
     /// What a pass over all rows was made at.
     ///
     /// - `is_given`: whether its axes were known beforehand, and so stay
-    ///
-    /// # Errors
-    /// [`IdentifyError::Chain`] if it has no geometry.
-    pub(crate) fn at(at: &Linearisation, is_given: bool) -> Result<Self, IdentifyError> {
-        let geometry = at.axes()?;
+    pub(crate) fn at(at: &Linearisation, is_given: bool) -> Self {
+        let geometry = at.geometry.clone();
         let free = if is_given { Vec::new() } else { geometry.movable() };
-        Ok(Self { geometry, free, drive: at.structure.drive.clone() })
+        Self { geometry, free, drive: at.structure.drive.clone() }
     }
 
     /// A chain that is searched on few rows.

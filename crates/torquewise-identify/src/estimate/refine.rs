@@ -84,7 +84,7 @@ impl Passes {
         sizes: &Sizes,
     ) -> Result<ControlFlow<Solved, Self>, IdentifyError> {
         self.made += 1;
-        let step = Step::new(sums, &self.at, sizes)?;
+        let step = Step::new(sums, &self.at, sizes);
         let (active, tuning) = match self.tuning.take() {
             Some(tuning) => (self.at.active(), tuning),
             None => step.tuned(self.may_release)?,
@@ -140,7 +140,7 @@ pub(crate) fn refine(
 ) -> Result<Linearisation, IdentifyError> {
     let linear = start.linear_indices();
     let sums = add_up(recording, start)?;
-    let step = Step::new(&sums, start, sizes)?;
+    let step = Step::new(&sums, start, sizes);
     let parameters = step.step(&linear, &step.tuning(&linear)?, 0.0)?;
     let mut at = start.at(&parameters);
     for weighing in 0..WEIGHINGS[1] {
