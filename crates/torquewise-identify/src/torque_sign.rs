@@ -61,9 +61,7 @@ impl SignTest {
         seed: u64,
         watch: Watch<'_>,
     ) -> Result<Self, IdentifyError> {
-        let laws = FrictionLibrary::new(survey.dq_peak.clone());
-        let rotors = DriveTerm::rotors(survey.joints.len()).into_iter();
-        let drive: Vec<DriveTerm> = rotors.chain(DriveTerm::friction(laws.linear())).collect();
+        let drive = DriveTerm::usual(&FrictionLibrary::new(survey.dq_peak.clone()));
         let motion = thinned(&survey.sample, ROWS);
         let extras = columns(&drive, &motion, None);
         let settings = Search { seed, ..Search::default() };
@@ -227,8 +225,7 @@ pub(crate) fn swapped(
         return Ok(None);
     }
     let peaks = (0..n).map(|joint| motion.dq().col(joint).norm_max()).collect();
-    let friction = DriveTerm::friction(FrictionLibrary::new(peaks).linear());
-    let drive: Vec<DriveTerm> = DriveTerm::rotors(n).into_iter().chain(friction).collect();
+    let drive = DriveTerm::usual(&FrictionLibrary::new(peaks));
     let rows = rows(&motion, &columns(&drive, &motion, None))?;
     let look = Search { seed, starts: STARTS, ..Search::default() };
     let watch = searching(watch);

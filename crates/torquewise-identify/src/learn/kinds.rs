@@ -50,8 +50,7 @@ pub(crate) fn first_look(
 ) -> Result<FirstLook, IdentifyError> {
     let (learner, n) = (ChainLearner::new(motion, watch), motion.n_joints());
     learner.first_look(&|kinds: JointKinds| {
-        let mut drive = DriveTerm::rotors(n);
-        drive.extend(DriveTerm::friction(learner.laws.linear()));
+        let drive = DriveTerm::usual(&learner.laws);
         let search = Search { seed, kinds, ..Search::default() };
         ChainSpec { drive, search, free: all_parameters(n), gravity: None }
     })

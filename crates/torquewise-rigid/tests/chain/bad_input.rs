@@ -3,10 +3,8 @@
 use crate::twins::{drawn, rows, sines};
 use faer::{Mat, MatRef};
 use miette::Diagnostic;
-use torquewise_model::ModelError;
-use torquewise_model::expansion::energy_terms;
 use torquewise_rigid::search::{UNWATCHED, all_parameters};
-use torquewise_rigid::{ChainError, Geometry, Rows, Search, refine, search};
+use torquewise_rigid::{ChainError, Rows, Search, refine, search};
 use torquewise_sim::Arm;
 
 fn plan() -> Search {
@@ -65,13 +63,6 @@ fn no_joint_and_too_many_are_refused() {
 
         assert!(matches!(error, ChainError::TooManyJoints { joints, .. } if joints == n));
     }
-}
-
-#[test]
-fn the_energies_of_nine_joints_are_not_listed() {
-    let error = energy_terms(&Geometry::straight(9), &[1.0; 90]).unwrap_err();
-
-    assert!(matches!(error, ModelError::TooManyJoints { joints: 9, most: 8 }));
 }
 
 #[test]
