@@ -72,10 +72,9 @@ pub(crate) fn payload(
     center: Option<[f64; 3]>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(String, Vec<String>, Model)> {
-    let Some(place) = Place::named(&model.model, link) else {
+    let Some(place) = Place::named(&model.model, link, center) else {
         return wrong(format!("link: no link of the model is called {}", link.unwrap_or("")));
     };
-    let place = place.with_center(center);
     let (model, log) = (Arc::clone(&model.model), log.log.clone());
     let (found, loaded) = work(py, progress, move |observer| {
         let found = torquewise::payload::payload(&model, &log, place, observer)?;
@@ -99,7 +98,7 @@ pub(crate) fn gains(
     if !(mass > 0.0 && mass <= 1e4) {
         return wrong("mass: expected a number above 0, at most 10000 kg".to_owned());
     }
-    let Some(place) = Place::named(&model.model, None) else {
+    let Some(place) = Place::named(&model.model, None, None) else {
         return wrong("model: expected joints".to_owned());
     };
     let (model, log) = (Arc::clone(&model.model), log.log.clone());

@@ -6,7 +6,7 @@ use crate::reconstruct::surveyed;
 use crate::reconstruction::{Progress, Watch};
 use crate::rounds::Request;
 use crate::summary::summarise;
-use crate::unseen::{BLOCKS, Errors, even_blocks, held_out};
+use crate::unseen::{BLOCKS, Errors, Unseen, even_blocks};
 use rayon::prelude::*;
 use torquewise_model::model::{Candidate, Choice};
 use torquewise_motion::RawRecording;
@@ -249,8 +249,9 @@ fn at(
     let band = logs.band(cutoff, delays).map_err(IdentifyError::Read)?;
     let Some(Band { motion, torques }) = band else { return Ok(Vec::new()) };
     let targets: Vec<_> = torques.iter().map(|torque| (&torque.filtered, &torque.raw)).collect();
-    let errors =
-        held_out(&request.linearisation().narrowed(), &motion, &targets, &even_blocks(&motion))?;
+    let (at, blocks) = (request.linearisation().narrowed(), even_blocks(&motion));
+    let unseen = Unseen::new(&at, &motion, &targets, &blocks)?;
+    let errors = unseen.and_then(|unseen| unseen.errors_of_all());
     let tried = torques.iter().zip(errors.into_iter().flatten());
     Ok(tried.map(|(torque, errors)| Tried { cutoff, delay: torque.delay, errors }).collect())
 }

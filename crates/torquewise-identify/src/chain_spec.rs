@@ -5,7 +5,7 @@ use crate::learn::residual_rms;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_rigid::search::Watch;
-use torquewise_rigid::{Chain, Rows, Search, fit, refine};
+use torquewise_rigid::{Chain, Rows, Search, refine};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::{BLOCKS, CvScore, choose_worth, split};
 
@@ -35,25 +35,23 @@ impl ChainSpec {
 /// Errors below this are rounding.
 const LEAST_ERROR: f64 = 1e-12;
 
-/// Fits a specification with each block left out, and scores it there; without rounds the geometry stays.
+/// Rounds of refinement on all but a held-out block.
+const ROUNDS: usize = 6;
+
+/// Fits a specification with each block left out, and scores it there.
 pub(crate) fn trial(
     label: String,
     spec: &ChainSpec,
     rows: &Rows,
     start: &Chain,
-    rounds: usize,
     watch: Watch<'_>,
 ) -> Result<CvScore, IdentifyError> {
-    let search = Search { rounds, weighings: 1, ..spec.search.clone() };
+    let search = Search { rounds: ROUNDS, weighings: 1, ..spec.search.clone() };
     let errors = (0..BLOCKS)
         .into_par_iter()
         .map(|block| {
             let (held, rest) = split(rows.len(), block);
-            let rest = rows.select(&rest);
-            let chain = match rounds {
-                0 => fit(&rest, start, &search)?,
-                _ => refine(&rest, start, &spec.free, &search, watch)?,
-            };
+            let chain = refine(&rows.select(&rest), start, &spec.free, &search, watch)?;
             Ok(error(&chain, &rows.select(&held), rows))
         })
         .collect::<Result<Vec<f64>, IdentifyError>>()?;

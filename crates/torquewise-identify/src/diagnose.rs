@@ -278,31 +278,19 @@ mod tests {
     use super::importance;
     use faer::Mat;
     use torquewise_model::friction::FrictionLaw;
-    use torquewise_model::{Form, FrictionTerm, Model, Term, Training, Trig, Weighted};
+    use torquewise_model::{Form, FrictionTerm, Model, Term, Trig, Weighted};
     use torquewise_motion::{Motion, Signals};
 
     #[test]
     fn friction_is_weighed_among_the_terms_of_its_joint() {
-        let of =
-            |term, coefficient| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
-        let dry = |joint, c| {
-            let law = FrictionLaw::Coulomb { width: 0.0 };
-            Weighted {
-                term: FrictionTerm::of_joint(2, joint, law),
-                coefficient: c,
-                std_error: 0.0,
-                inclusion: None,
-            }
-        };
+        let law = FrictionLaw::Coulomb { width: 0.0 };
+        let dry = |joint, c| Weighted::new(FrictionTerm::of_joint(2, joint, law), c);
         let gravity = Term::one(2).times(Trig::Cos, 0, 1, 1);
         let model = Model {
             joints: vec!["a".into(), "b".into()],
-            form: Form::Torque(vec![vec![of(gravity.clone(), 3.0)], vec![]]),
+            form: Form::Torque(vec![vec![Weighted::new(gravity.clone(), 3.0)], vec![]]),
             friction: vec![dry(0, -5.0), dry(1, 0.7)],
-            chain: None,
-            stages: vec![],
-            training: Training::default(),
-            choices: vec![],
+            ..Model::default()
         };
         // Forward, backward, and half the rows at rest.
         let speeds = [1.0, 0.0, -2.0, 0.0];

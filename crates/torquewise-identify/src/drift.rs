@@ -72,7 +72,7 @@ pub fn drifts(model: &Model, sample: &Motion) -> Result<Vec<Drift>, IdentifyErro
 }
 
 /// Where time runs on: a log ends where it does not.
-fn logs(t: &[f64]) -> Vec<Range<usize>> {
+pub(crate) fn logs(t: &[f64]) -> Vec<Range<usize>> {
     let ends: Vec<usize> = (1..t.len()).filter(|&row| t[row] <= t[row - 1]).collect();
     let starts = std::iter::once(0).chain(ends.iter().copied());
     starts.zip(ends.iter().copied().chain([t.len()])).map(|(a, b)| a..b).collect()
@@ -113,26 +113,19 @@ mod tests {
     use super::*;
     use faer::Mat;
     use torquewise_model::friction::FrictionLaw;
-    use torquewise_model::{Form, FrictionTerm, Training, Weighted};
+    use torquewise_model::{Form, FrictionTerm, Weighted};
     use torquewise_motion::Signals;
 
     const ROWS: usize = 4_000;
 
     fn model() -> Model {
-        let dry = |joint| Weighted {
-            term: FrictionTerm::of_joint(2, joint, FrictionLaw::Coulomb { width: 0.0 }),
-            coefficient: 5.0,
-            std_error: 0.0,
-            inclusion: None,
-        };
+        let law = FrictionLaw::Coulomb { width: 0.0 };
+        let dry = |joint| Weighted::new(FrictionTerm::of_joint(2, joint, law), 5.0);
         Model {
             joints: vec!["cold".into(), "warm".into()],
             form: Form::Torque(vec![vec![], vec![]]),
             friction: vec![dry(0), dry(1)],
-            chain: None,
-            stages: vec![],
-            training: Training::default(),
-            choices: vec![],
+            ..Model::default()
         }
     }
 

@@ -7,6 +7,7 @@ use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::{EnergyTerm, FrictionTerm, JointKind, Place, Term, Trig};
 use torquewise_motion::Motion;
 use torquewise_rigid::{Chain, Kinematics};
+use torquewise_stepwise::friction::FrictionLibrary;
 
 /// A joint slower than so many half widths of the reversal of its friction is at rest: its friction
 /// may be anything.
@@ -36,6 +37,12 @@ impl DriveTerm {
     /// Rotors of all joints, each on its own shaft.
     pub(crate) fn rotors(n_joints: usize) -> Vec<Self> {
         (0..n_joints).map(|joint| Self::Rotor(unit(n_joints, joint))).collect()
+    }
+
+    /// Rotors, and dry and viscous friction, of all joints.
+    pub(crate) fn usual(laws: &FrictionLibrary) -> Vec<Self> {
+        let rotors = Self::rotors(laws.peak.len()).into_iter();
+        rotors.chain(Self::friction(laws.linear())).collect()
     }
 
     /// A shaft that two joints turn together, as in a coupled wrist: its rotor and its friction.

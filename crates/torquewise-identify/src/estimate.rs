@@ -19,7 +19,7 @@ pub use linearisation::Linearisation;
 pub(crate) use linearisation::Structure;
 pub(crate) use nominal::{Sizes, prior};
 pub use pass::add_up;
-pub(crate) use refine::{Next, Passes, refine};
+pub(crate) use refine::{Passes, refine};
 pub(crate) use rollouts::refined_by_rollouts;
 pub(crate) use solve::Solved;
 pub(crate) use step::{LEAST_RESIDUAL, weights};

@@ -4,11 +4,10 @@ use crate::basis::{Energies, Wanted, joint_sums};
 use crate::drifts;
 use crate::drive_terms::DriveTerm;
 use crate::estimate::{Linearisation, Sizes, Solved};
-use crate::excitation::Finding;
 use crate::prune::prune;
 use crate::reconstruction::{Progress, Reconstruction, Watch};
 use crate::samples::eigen;
-use crate::torque_kind::{TorqueKind, torque_kind};
+use crate::torque_kind::torque_kind;
 use crate::unseen::{HeldOut, HeldTo, Unseen, geometric_mean, regions, whole_logs};
 use crate::warning::Warning;
 use faer::{ColRef, Mat};
@@ -80,20 +79,14 @@ impl Fitted {
             form: Form::Energy(terms),
             chain: Some(chain),
             friction,
-            stages: Vec::new(),
             training,
             choices,
+            ..Model::default()
         };
         let noise = &solved.at.noise;
         Progress::Working.tell(watch)?;
         let kind = torque_kind(&solved.at.narrowed(), &survey.sample)?;
-        warnings.extend(kind.map(|kind| {
-            let joints = survey.joints.clone();
-            Warning::Excitation(match kind {
-                TorqueKind::Weightless => Finding::Weightless,
-                TorqueKind::Gains(gains) => Finding::Gains { joints, gains },
-            })
-        }));
+        warnings.extend(kind.map(Warning::Excitation));
         Progress::Working.tell(watch)?;
         warnings.extend(drifts(&model, &survey.sample)?.into_iter().map(Warning::Drift));
         model.training.unexplained_rms = unexplained(&model, &survey, noise)?;
@@ -153,17 +146,14 @@ fn parameters(
         .collect();
     let covariance =
         Mat::from_fn(order.len(), order.len(), |i, j| covariance[(order[i], order[j])]);
-    let (geometry, fitted) = (at.geometry.clone(), at.structure.free.clone());
-    let coupling = at.structure.coupling.clone();
-    let (robot, kinds) = (at.structure.robot.clone(), at.structure.kinds.clone());
     let mut chain = RigidChain {
-        geometry,
-        fitted,
+        geometry: at.geometry.parameters().to_vec(),
+        fitted: at.structure.free.clone(),
         links,
         drives,
-        coupling,
-        kinds,
-        robot,
+        coupling: at.geometry.coupling().clone(),
+        kinds: at.geometry.kinds().clone(),
+        robot: at.structure.robot.clone(),
         covariance: Vec::new(),
     };
     chain.set_covariance(&covariance);
@@ -209,7 +199,7 @@ fn held_out_rms(
     let tau = few.require_tau()?.to_owned();
     let target = [(&tau, &tau)];
     let (at, share) = (solved.at.narrowed(), few.n_rows() as f64 / survey.rows.max(1) as f64);
-    let held_to = HeldTo::of(solved, sizes, share)?;
+    let held_to = HeldTo::of(solved, sizes, share);
     let rms = |blocks: &[HeldOut]| -> Result<Vec<f64>, IdentifyError> {
         let Some(unseen) = Unseen::new(&at, &few, &target, blocks)? else { return Ok(Vec::new()) };
         let errors = unseen.physical_errors(&held_to);

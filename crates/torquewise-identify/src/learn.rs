@@ -2,10 +2,9 @@
 
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, columns};
-use crate::estimate::{Linearisation, Structure};
+use crate::estimate::Linearisation;
 use crate::plan::{ChainOptions, FrictionKind};
 use crate::reconstruction::{Progress, Watch};
-use crate::regions::Regions;
 use crate::unseen::geometric_mean;
 use offers::Offer;
 use rayon::prelude::*;
@@ -13,12 +12,11 @@ use std::ops::ControlFlow;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
 use torquewise_rigid::coupling::Coupling;
-use torquewise_rigid::search::{Stage, all_parameters};
+use torquewise_rigid::search::{FINAL_ROWS, Stage, all_parameters};
 use torquewise_rigid::{Chain, ChainError, Geometry, JointKinds, Rows, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
 use torquewise_stepwise::held_out::CvScore;
-use torquewise_stepwise::noise::NoiseFloor;
 use torquewise_stepwise::survey::thinned;
 
 mod couplings;
@@ -63,8 +61,6 @@ const WORTH_OF_ANGLES: f64 = 0.1;
 const WORTH_OF_PARALLEL: f64 = 0.05;
 /// Where they lower it by less than this part, the axis is not resolved.
 const UNRESOLVED: f64 = 0.3;
-/// Rounds of refinement on all but a held-out block.
-const ROUNDS: usize = 6;
 /// Rows that trials are fitted on.
 const TRIAL_ROWS: usize = 900;
 /// Rows that the last fit is made on.
@@ -202,10 +198,8 @@ struct ChainLearner<'a> {
 
 impl<'a> ChainLearner<'a> {
     fn new(motion: &'a Motion, watch: Watch<'a>) -> Self {
-        let speed = |joint: usize| {
-            motion.dq().col(joint).iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()))
-        };
-        let laws = FrictionLibrary::new((0..motion.n_joints()).map(speed).collect());
+        let peak = |joint: usize| motion.dq().col(joint).norm_max();
+        let laws = FrictionLibrary::new((0..motion.n_joints()).map(peak).collect());
         Self { motion, laws, joints: None, found: None, watch }
     }
 
@@ -241,7 +235,7 @@ impl<'a> ChainLearner<'a> {
         geometry: &Geometry,
     ) -> Result<(ChainSpec, Chain), IdentifyError> {
         let spec = ChainSpec { free: Vec::new(), ..spec };
-        let rows = self.rows(&spec, spec.search.final_rows)?;
+        let rows = self.rows(&spec, FINAL_ROWS)?;
         let start = Chain::at(geometry.clone());
         let chain = refine(&rows, &start, &spec.free, &spec.search, &searching(self.watch))?;
         Ok((spec, chain))
@@ -267,7 +261,7 @@ impl<'a> ChainLearner<'a> {
             let (geometry, free) = start.geometry.snapped(angle);
             let (spec, start) =
                 (ChainSpec { free, ..spec.clone() }, Chain { geometry, ..start.clone() });
-            Ok((trial(label.to_owned(), &spec, &rows, &start, ROUNDS, &watch)?, spec, start))
+            Ok((trial(label.to_owned(), &spec, &rows, &start, &watch)?, spec, start))
         };
         let best = |all: Vec<Judged>| {
             let best = all.into_iter().min_by(|a, b| a.0.error().total_cmp(&b.0.error()));
@@ -309,7 +303,7 @@ impl<'a> ChainLearner<'a> {
         }
         self.found = Some(GeometryFound { times, starts: starts_made, unresolved });
         *spec = own;
-        let rows = self.rows(spec, spec.search.final_rows)?;
+        let rows = self.rows(spec, FINAL_ROWS)?;
         let chain = refine(&rows, &start, &spec.free, &spec.search, &watch)?;
         self.falling(spec, &rows, chain)
     }
@@ -339,31 +333,8 @@ impl<'a> ChainLearner<'a> {
     /// A chain with more beside its links, whose coefficients are none so far, at its own geometry.
     fn library(&self, chain: &Chain, drive: Vec<DriveTerm>) -> Linearisation {
         let none = vec![0.0; drive.len()];
-        let structure = Structure {
-            chosen: drive.len(),
-            drive,
-            coupling: chain.geometry.coupling().clone(),
-            kinds: chain.geometry.kinds().clone(),
-            robot: None,
-            free: Vec::new(),
-            rest: self.laws.width.iter().map(|width| AT_REST * width).collect(),
-        };
-        Linearisation {
-            geometry: chain.geometry.parameters().to_vec(),
-            linear: chain.inertial.iter().chain(&none).copied().collect(),
-            weights: chain
-                .residual_rms
-                .iter()
-                .map(|rms| 1.0 / rms.max(f64::MIN_POSITIVE))
-                .collect(),
-            scales: Vec::new(),
-            structure,
-            noise: NoiseFloor::none(self.motion.n_joints()),
-            raw_noise: false,
-            block_rows: 1,
-            regions: Regions::default(),
-            seed: 0,
-        }
+        let rest = self.laws.width.iter().map(|width| AT_REST * width).collect();
+        Linearisation::of(chain, (drive, &none), rest)
     }
 }
 

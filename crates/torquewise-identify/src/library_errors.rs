@@ -3,7 +3,7 @@
 use crate::states::States;
 use crate::unseen::{HeldOut, Unseen, regions, whole_logs};
 use faer::Mat;
-use torquewise_model::{Form, Model};
+use torquewise_model::{Form, Model, Term, Weighted};
 use torquewise_motion::Motion;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::survey::thinned;
@@ -65,10 +65,10 @@ fn columns(model: &Model, motion: &Motion) -> Vec<(std::ops::Range<usize>, Mat<f
             .iter()
             .enumerate()
             .map(|(joint, terms)| {
-                let value =
-                    |[q, dq, ddq]: &[Vec<f64>; 3], k: usize| terms[k].term.value(q, dq, ddq);
-                let own = (0..terms.len()).map(|k| rows.iter().map(|row| value(row, k)).collect());
-                joined(joint, own.chain(friction(joint)).collect())
+                let value = |own: &Weighted<Term>| -> Vec<f64> {
+                    rows.iter().map(|[q, dq, ddq]| own.term.value(q, dq, ddq)).collect()
+                };
+                joined(joint, terms.iter().map(value).chain(friction(joint)).collect())
             })
             .collect(),
         Form::Energy(terms) => {

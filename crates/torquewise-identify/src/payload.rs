@@ -68,8 +68,10 @@ pub struct Place {
 impl Place {
     /// On the link of a name, as the URDF that gave the geometry calls it or its joint; the last if
     /// none. `None` if the model has no such link.
-    #[must_use]
-    pub fn named(model: &Model, name: Option<&str>) -> Option<Self> {
+    ///
+    /// - `center`: of mass in the frame of the link \[m\], where that is known: nothing else tells the
+    ///   mass of a load that turns about a point and is not lifted
+    pub fn named(model: &Model, name: Option<&str>, center: Option<[f64; 3]>) -> Option<Self> {
         let robot = model.chain.as_ref().and_then(|chain| chain.robot.as_ref());
         let mut links = robot.iter().flat_map(|robot| robot.links.iter().enumerate());
         let mut joints = model.joints.iter().enumerate();
@@ -82,14 +84,7 @@ impl Place {
                     .0
             }
         };
-        Some(Self { link, center: None })
-    }
-
-    /// With its centre of mass in the frame of the link \[m\], where that is known: nothing else tells
-    /// the mass of a load that turns about a point and is not lifted.
-    #[must_use]
-    pub fn with_center(self, center: Option<[f64; 3]>) -> Self {
-        Self { center, ..self }
+        Some(Self { link, center })
     }
 }
 

@@ -4,11 +4,12 @@ use crate::estimate::refined_by_rollouts;
 use crate::fitted::Fitted;
 use crate::plan::{ChainOptions, Method, Plan, Refine};
 use crate::reconstruction::{Progress, Reconstruction, Watch};
-use crate::rounds::{Request, Round};
+use crate::rounds::Request;
 use crate::score::score;
 use crate::summary::{Pass, Summary, summarise};
 use crate::torque_sign::SignTest;
 use crate::warning::Warning;
+use std::ops::ControlFlow;
 use torquewise_motion::Recording;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::patterns::find_patterns;
@@ -131,14 +132,14 @@ fn by_chain(
     };
     Progress::Refit.tell(watch)?;
     match pass.request.clone().take(&pass.sums)? {
-        Round::Again(request) => Ok(Solution::Request(request)),
-        Round::Done(fitted) => {
+        ControlFlow::Continue(request) => Ok(Solution::Request(Box::new(request))),
+        ControlFlow::Break(fitted) => {
             let fitted = match options.refine {
-                Some(Refine::Rollout) => refined(*fitted, pass)?,
-                None => *fitted,
+                Some(Refine::Rollout) => refined(fitted, pass)?,
+                None => fitted,
             };
             let patterns = find_patterns(&survey, &settings.patterns)?;
-            let chain = SignTest::at(&fitted.solved.at, options.geometry.is_some())?;
+            let chain = SignTest::at(&fitted.solved.at, options.geometry.is_some());
             Progress::Judging.tell(watch)?;
             let mut found = fitted.report(survey, patterns, seed, watch)?;
             Warning::retain_founded(&mut found.warnings, &found.model);

@@ -4,7 +4,7 @@
 //! be read apart and their sums merged.
 
 use crate::drive_terms::AT_REST;
-use crate::estimate::{Linearisation, Next, Passes, Sizes, Structure, refine, weights};
+use crate::estimate::{Linearisation, Passes, Sizes, Structure, refine, weights};
 use crate::fitted::Fitted;
 use crate::learn::{Joints, LAST_ROWS, Learned, learn};
 use crate::plan::ChainOptions;
@@ -12,6 +12,7 @@ use crate::reconstruction::{Progress, Watch};
 use crate::regions::Regions;
 use crate::warning::Warning;
 use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
 use torquewise_regression::normal_sums::{FOLDS, NormalSums};
@@ -38,15 +39,6 @@ pub struct Request {
     found: Option<GeometryFound>,
     /// RMS of what the search left of each joint \[N·m\], n.
     searched_rms: Vec<f64>,
-}
-
-/// What a pass came to.
-#[derive(Debug)]
-pub(crate) enum Round {
-    /// Another pass is wanted.
-    Again(Box<Request>),
-    /// Nothing moves any more.
-    Done(Box<Fitted>),
 }
 
 impl Request {
@@ -82,7 +74,8 @@ impl Request {
     }
 
     fn into_joints(self) -> Joints {
-        let Structure { kinds, coupling, .. } = self.passes.at.structure;
+        let axes = &self.passes.at.geometry;
+        let (kinds, coupling) = (axes.kinds().clone(), axes.coupling().clone());
         Joints { kinds, coupling, choices: self.choices }
     }
 
@@ -140,25 +133,27 @@ impl Request {
         &self.passes.at
     }
 
-    /// Takes the step that a pass asks for; where that is next to nothing, all is done.
+    /// Takes the step that a pass asks for, and asks for another; breaks where it is next to nothing.
     ///
     /// # Errors
     /// [`IdentifyError::Chain`] if its sums cannot be solved.
-    pub(crate) fn take(self, sums: &NormalSums) -> Result<Round, IdentifyError> {
+    pub(crate) fn take(
+        self,
+        sums: &NormalSums,
+    ) -> Result<ControlFlow<Fitted, Self>, IdentifyError> {
         Ok(match self.passes.clone().take(sums, &self.sizes)? {
-            Next::Pass(passes) => Round::Again(Box::new(Self { passes, ..self })),
-            Next::Settled(solved) => {
+            ControlFlow::Continue(passes) => ControlFlow::Continue(Self { passes, ..self }),
+            ControlFlow::Break(solved) => {
                 let residual_rms = sums.residual_rms();
                 let spread = residual_rms.iter().zip(&self.sizes.torque);
                 if self.passes.at.corrects_noise() && spread.clone().any(|(rms, std)| rms > std) {
                     // So much noise that correcting for it leaves nothing to solve.
                     let passes = self.passes.without_noise_correction(MOST_PASSES);
-                    return Ok(Round::Again(Box::new(Self { passes, ..self })));
+                    return Ok(ControlFlow::Continue(Self { passes, ..self }));
                 }
                 let Self { choices, found, searched_rms, sizes, .. } = self;
                 let warning = Warning::of_refit(&searched_rms, &residual_rms, &sizes.torque);
-                let fitted = Fitted { solved, sizes, residual_rms, choices, found, warning };
-                Round::Done(Box::new(fitted))
+                ControlFlow::Break(Fitted { solved, sizes, residual_rms, choices, found, warning })
             }
         })
     }
@@ -181,14 +176,12 @@ fn linearised(
 ) -> Result<Linearisation, IdentifyError> {
     let Learned { chain, spec, laws, .. } = learned;
     let rest = if spec.has_friction() { AT_REST } else { 0.0 };
+    let rest = laws.width.iter().map(|width| rest * width).collect();
+    let at = Linearisation::of(chain, (spec.drive.clone(), &chain.drive), rest);
     let structure = Structure {
-        drive: spec.drive.clone(),
-        chosen: spec.drive.len(),
-        coupling: chain.geometry.coupling().clone(),
-        kinds: chain.geometry.kinds().clone(),
         robot: options.geometry.as_ref().and_then(|known| known.robot.clone()),
         free: spec.free.clone(),
-        rest: laws.width.iter().map(|width| rest * width).collect(),
+        ..at.structure
     };
     // The noise of filtered rows is not white: it is drawn before the filter.
     let white = if options.noise_correction && !filtered {
@@ -197,16 +190,13 @@ fn linearised(
         NoiseFloor::none(survey.joints.len())
     };
     let at = Linearisation {
-        geometry: chain.geometry.parameters().to_vec(),
-        linear: chain.inertial.iter().chain(&chain.drive).copied().collect(),
         weights: weights(&chain.residual_rms, sizes),
-        scales: Vec::new(),
         structure,
         noise: white,
         raw_noise: options.noise_correction && filtered,
-        block_rows: BLOCK_ROWS[0],
         regions: Regions::of(sample, FOLDS),
         seed,
+        ..at
     };
     Ok(cut_for(at.scaled_by(sample)?, sample.n_rows()))
 }

@@ -178,14 +178,12 @@ impl States {
         if factor.function == Trig::Position {
             return self.powers(factor);
         }
-        let (sin, mut cos) = self.turn(&factor.multiples);
-        match factor.function {
-            Trig::Cos | Trig::Position => {
-                let slope = sin.into_iter().map(|s| -s).collect();
-                [std::mem::take(&mut cos), slope]
-            }
-            Trig::Sin => [sin, cos],
+        let (sin, cos) = self.turn(&factor.multiples);
+        if factor.function == Trig::Sin {
+            return [sin, cos];
         }
+        let slope = sin.into_iter().map(|s| -s).collect();
+        [cos, slope]
     }
 
     /// Powers of a sum of positions, and their slopes.

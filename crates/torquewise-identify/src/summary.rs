@@ -21,7 +21,7 @@ use torquewise_stepwise::survey::{Survey, SurveySum};
 ///
 /// Sums are exact, samples depend on the logs alone: whatever the order in which logs are merged
 /// and however they are grouped before, the summary is the same, bit for bit.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     pub(crate) settings: Settings,
     pub(crate) logs: usize,
@@ -30,7 +30,8 @@ pub struct Summary {
     pub(crate) still: NoiseSum,
     /// Sums of the rows of each pattern, or of all rows; none where a chain is learned.
     pub(crate) sums: Vec<RowSums>,
-    /// What was chosen before rows were summed.
+    /// What was chosen before rows were summed; not in a file, which holds no friction.
+    #[serde(skip)]
     pub(crate) choices: Vec<Choice>,
     /// Sums of the rows that a chain asked for.
     pub(crate) pass: Option<Pass>,

@@ -1,10 +1,11 @@
 //! What the torque columns are: without gravity, or with a gain for each joint (E27).
 
 use crate::estimate::Linearisation;
+use crate::excitation::Finding;
 use crate::unseen::{HeldOut, Unseen, geometric_mean, regions, whole_logs};
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use faer::Mat;
 use torquewise_motion::Motion;
+use torquewise_rigid::feasible::Factored;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::survey::thinned;
@@ -30,29 +31,21 @@ const MOST_APART: f64 = 20.0;
 /// What is left of held-out torque, in units of the least residual that weights are made of, below
 /// which it is rounding, as of a log without noise: no reading of it is better.
 const NOTHING: f64 = 0.01;
-/// Ridge on columns of unit length.
+/// Ridge on columns of unit length, which may be linearly dependent.
 const RIDGE: f64 = 1e-8;
-
-/// What torque columns are, where that is no torque in one unit.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum TorqueKind {
-    /// Gravity was taken out.
-    Weightless,
-    /// What a unit of each is worth beside the others, their geometric mean 1, n.
-    Gains(Vec<f64>),
-}
 
 /// Whether links explain held-out torque as well where nothing weighs; or whether links that joints
 /// share ask for gains of their own: a gain is not free, since the same mass loads several joints.
 ///
-/// - returns: `None` where what is logged is best taken as torque
+/// - returns: [`Finding::Weightless`] or [`Finding::Gains`]; `None` where what is logged is best taken
+///   as torque
 ///
 /// # Errors
 /// [`IdentifyError::Chain`] if the motion is of another arm.
 pub(crate) fn torque_kind(
     at: &Linearisation,
     sample: &Motion,
-) -> Result<Option<TorqueKind>, IdentifyError> {
+) -> Result<Option<Finding>, IdentifyError> {
     let motion = thinned(sample, ROWS);
     let every = sample.n_rows().div_ceil(motion.n_rows().max(1)).max(1);
     let (columns, weights) = at.columns_of(&motion)?;
@@ -77,21 +70,23 @@ pub(crate) fn torque_kind(
     let weightless = at.weightless_columns_of(&motion)?;
     // On a slide, gravity and the offset of its sensor are one constant.
     let size = |columns: &Mat<f64>| -> f64 {
-        let turning = (0..motion.n_joints()).filter(|&joint| !at.structure.kinds.slides(joint));
+        let turning = (0..motion.n_joints()).filter(|&joint| !at.geometry.kinds().slides(joint));
         let rows = motion.n_rows();
         let of = |joint: usize| columns.subrows(joint * rows, rows).squared_norm_l2();
         turning.map(of).sum::<f64>().sqrt()
     };
     let pulled = size(&(&columns - &weightless));
     if pulled > PULLED * size(&columns) && leaves(&weightless, ALIKE) {
-        return Ok(Some(TorqueKind::Weightless));
+        return Ok(Some(Finding::Weightless));
     }
     let drive = [PER_BODY * motion.n_joints(), at.linear.len()];
     let rows = JointRows::new(&columns, &weights, &tau, drive);
     let Some((per, loads)) = rows.gains(&at.linear) else { return Ok(None) };
     let mean = geometric_mean(&per);
+    let gains = per.iter().map(|per| mean / per).collect();
+    let joints = sample.joints().to_vec();
     Ok(leaves(&rows.widened(&columns, &per, &loads), WORTH)
-        .then(|| TorqueKind::Gains(per.iter().map(|per| mean / per).collect())))
+        .then_some(Finding::Gains { joints, gains }))
 }
 
 /// Sums of the rows of each joint, of columns of which those from `drive[0]` to `drive[1]` are of its
@@ -150,7 +145,8 @@ impl JointRows {
                 right[(place, 0)] = per[joint] * (links.transpose() * response)[(0, 0)];
                 right[(place, 0)] -= hold * per[joint].ln();
             }
-            let found = solved(gram, &right)?;
+            (0..size).for_each(|k| gram[(k, k)] *= 1.0 + RIDGE);
+            let found = Factored::new(gram).ok()?.solve(right.col_as_slice(0));
             let mut moved = 0.0_f64;
             for (place, joint) in others.iter().enumerate() {
                 let change = (1.0 + found[p + place]).clamp(1.0 / MOST_CHANGE, MOST_CHANGE);
@@ -177,18 +173,4 @@ impl JointRows {
             Some(_) => 0.0,
         })
     }
-}
-
-/// Solves normal equations of columns that may be linearly dependent.
-fn solved(mut gram: Mat<f64>, right: &Mat<f64>) -> Option<Vec<f64>> {
-    let p = gram.ncols();
-    let root = |square: f64| if square > 0.0 { square.sqrt() } else { 1.0 };
-    let size: Vec<f64> = (0..p).map(|k| root(gram[(k, k)])).collect();
-    for i in 0..p {
-        (0..p).for_each(|j| gram[(i, j)] /= size[i] * size[j]);
-        gram[(i, i)] += RIDGE;
-    }
-    let right = Mat::from_fn(p, 1, |k, _| right[(k, 0)] / size[k]);
-    let found = gram.llt(Side::Lower).ok()?.solve(right);
-    Some((0..p).map(|k| found[(k, 0)] / size[k]).collect())
 }

@@ -46,13 +46,10 @@ impl SignTest {
     /// What a pass over all rows was made at.
     ///
     /// - `is_given`: whether its axes were known beforehand, and so stay
-    ///
-    /// # Errors
-    /// [`IdentifyError::Chain`] if it has no geometry.
-    pub(crate) fn at(at: &Linearisation, is_given: bool) -> Result<Self, IdentifyError> {
-        let geometry = at.axes()?;
+    pub(crate) fn at(at: &Linearisation, is_given: bool) -> Self {
+        let geometry = at.geometry.clone();
         let free = if is_given { Vec::new() } else { geometry.movable() };
-        Ok(Self { geometry, free, drive: at.structure.drive.clone() })
+        Self { geometry, free, drive: at.structure.drive.clone() }
     }
 
     /// A chain that is searched on few rows.
@@ -64,9 +61,7 @@ impl SignTest {
         seed: u64,
         watch: Watch<'_>,
     ) -> Result<Self, IdentifyError> {
-        let laws = FrictionLibrary::new(survey.dq_peak.clone());
-        let rotors = DriveTerm::rotors(survey.joints.len()).into_iter();
-        let drive: Vec<DriveTerm> = rotors.chain(DriveTerm::friction(laws.linear())).collect();
+        let drive = DriveTerm::usual(&FrictionLibrary::new(survey.dq_peak.clone()));
         let motion = thinned(&survey.sample, ROWS);
         let extras = columns(&drive, &motion, None);
         let settings = Search { seed, ..Search::default() };
@@ -230,10 +225,9 @@ pub(crate) fn swapped(
         return Ok(None);
     }
     let peaks = (0..n).map(|joint| motion.dq().col(joint).norm_max()).collect();
-    let friction = DriveTerm::friction(FrictionLibrary::new(peaks).linear());
-    let drive: Vec<DriveTerm> = DriveTerm::rotors(n).into_iter().chain(friction).collect();
+    let drive = DriveTerm::usual(&FrictionLibrary::new(peaks));
     let rows = rows(&motion, &columns(&drive, &motion, None))?;
-    let look = Search { seed, starts: STARTS, glance_rows: FEW, ..Search::default() };
+    let look = Search { seed, starts: STARTS, ..Search::default() };
     let watch = searching(watch);
     let left =
         pairs.into_iter().map(|pair| (pair, glance(&rows.clone().swapped(pair), &look, &watch)));

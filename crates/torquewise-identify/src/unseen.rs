@@ -1,5 +1,6 @@
 //! Held-out error of a chain, by blocks of time and regions.
 
+use crate::drift::logs;
 use crate::estimate::{LEAST_RESIDUAL, Linearisation};
 use crate::regions::Regions;
 use faer::linalg::solvers::Solve;
@@ -110,21 +111,15 @@ pub(crate) fn even_blocks(motion: &Motion) -> Vec<HeldOut> {
 }
 
 /// Whole logs where there are four or more, of very many some together; blocks of time of fewer.
-///
-/// A log begins where time does not go on.
 pub(crate) fn whole_logs(motion: &Motion) -> Vec<HeldOut> {
-    let t = motion.t();
-    let begins: Vec<usize> = (1..t.len()).filter(|&row| t[row] <= t[row - 1]).collect();
-    if begins.len() + 1 < LEAST_LOGS {
+    let logs = logs(motion.t());
+    if logs.len() < LEAST_LOGS {
         return even_blocks(motion);
     }
-    let edges: Vec<usize> =
-        std::iter::once(0).chain(begins).chain(std::iter::once(t.len())).collect();
-    let logs = edges.len() - 1;
-    let groups = logs.min(BLOCKS);
-    let edge = |group: usize| edges[group * logs / groups];
-    let rows = (0..groups).map(|group| (edge(group)..edge(group + 1)).collect::<Vec<usize>>());
-    rows.map(|rows| HeldOut { around: rows.clone(), rows }).collect()
+    let groups = logs.len().min(BLOCKS);
+    let first = |group: usize| group * logs.len() / groups;
+    let rows = (0..groups).map(|group| logs[first(group)].start..logs[first(group + 1) - 1].end);
+    rows.map(|rows| HeldOut { rows: rows.clone().collect(), around: rows.collect() }).collect()
 }
 
 /// The torque of a motion: what is fitted to, and what is to be predicted \[N·m\], m×n each.
@@ -290,20 +285,6 @@ fn picked(of: &Mat<f64>, rows: &[usize], columns: &[usize]) -> Mat<f64> {
 
 fn all_of(count: usize) -> Vec<usize> {
     (0..count).collect()
-}
-
-/// What all columns leave, see [`Unseen::errors`]; nothing where there are too few rows.
-///
-/// # Errors
-/// As [`Unseen::new`].
-pub(crate) fn held_out(
-    at: &Linearisation,
-    motion: &Motion,
-    targets: &[Target<'_>],
-    blocks: &[HeldOut],
-) -> Result<Option<Vec<Errors>>, IdentifyError> {
-    let unseen = Unseen::new(at, motion, targets, blocks)?;
-    Ok(unseen.and_then(|unseen| unseen.errors_of_all()))
 }
 
 /// Coefficients for each target without the rows around each block, p×targets; `None` where they

@@ -269,8 +269,6 @@ impl fmt::Display for Warning {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use torquewise_model::Form;
-    use torquewise_model::model::Training;
 
     /// Two joints, of which the torque of the second is predicted poorly on held-out rows.
     fn model() -> Model {
@@ -281,15 +279,8 @@ mod tests {
             held_out_by_region_rms: vec![0.1, 0.2],
             ..Training::default()
         };
-        Model {
-            joints: vec!["joint1".into(), "joint2".into()],
-            form: Form::Energy(Vec::new()),
-            chain: None,
-            friction: Vec::new(),
-            stages: Vec::new(),
-            training,
-            choices: Vec::new(),
-        }
+        let joints = vec!["joint1".into(), "joint2".into()];
+        Model { joints, training, ..Model::default() }
     }
 
     #[test]

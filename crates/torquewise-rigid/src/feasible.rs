@@ -227,7 +227,9 @@ pub struct Factored {
 const JITTERS: [f64; 5] = [0.0, 1e-14, 1e-12, 1e-10, 1e-8];
 
 impl Factored {
-    fn new(mut matrix: Mat<f64>) -> Result<Self, ChainError> {
+    /// # Errors
+    /// [`ChainError::Singular`] if it is not positive definite.
+    pub fn new(mut matrix: Mat<f64>) -> Result<Self, ChainError> {
         let p = matrix.ncols();
         let scales: Vec<f64> = (0..p)
             .map(|j| if matrix[(j, j)] > 0.0 { 1.0 / matrix[(j, j)].sqrt() } else { 1.0 })
@@ -279,12 +281,17 @@ mod tests {
         plain_link(2.0, &Vector3::new(0.2, 0.0, 0.0), 0.1)
     }
 
+    /// H and b that ask for such parameters of one body, each as strongly, and its prior.
+    fn asked_for(asked: &[f64], weight: f64) -> (Mat<f64>, Vec<f64>, Prior) {
+        let hessian = Mat::from_fn(10, 10, |i, j| if i == j { weight } else { 0.0 });
+        let right = asked.iter().map(|x| weight * x).collect();
+        (hessian, right, Prior { bodies: vec![nominal()], ..Prior::default() })
+    }
+
     #[test]
     fn what_is_feasible_and_certain_is_found() {
         let truth = plain_link(3.0, &Vector3::new(0.1, 0.1, 0.3), 0.05);
-        let hessian = Mat::from_fn(10, 10, |i, j| if i == j { 1e8 } else { 0.0 });
-        let right: Vec<f64> = truth.iter().map(|x| 1e8 * x).collect();
-        let prior = Prior { bodies: vec![nominal()], ..Prior::default() };
+        let (hessian, right, prior) = asked_for(&truth, 1e8);
 
         let cost = Quadratic { hessian: &hessian, right: &right };
         let found = minimise(cost, &prior, 1e-3, &nominal()).unwrap();
@@ -298,9 +305,7 @@ mod tests {
     fn far_from_the_minimum_a_weak_barrier_is_no_wall() {
         // Ten quantities of which noise makes a body that cannot be.
         let asked = [5.0, 3.0, -2.0, 4.0, -1.0, 0.5, 2.0, -0.3, 0.2, -4.0];
-        let hessian = Mat::from_fn(10, 10, |i, j| if i == j { 1e4 } else { 0.0 });
-        let right: Vec<f64> = asked.iter().map(|x| 1e4 * x).collect();
-        let prior = Prior { bodies: vec![nominal()], ..Prior::default() };
+        let (hessian, right, prior) = asked_for(&asked, 1e4);
         let (cost, strength) = (Quadratic { hessian: &hessian, right: &right }, 1e-2);
 
         let found = minimise_from_afar(cost, &prior, strength, &nominal()).unwrap();
@@ -316,9 +321,7 @@ mod tests {
         // A negative mass, as noise makes it.
         let mut asked = nominal();
         asked[0] = -1.0;
-        let hessian = Mat::from_fn(10, 10, |i, j| if i == j { 1e4 } else { 0.0 });
-        let right: Vec<f64> = asked.iter().map(|x| 1e4 * x).collect();
-        let prior = Prior { bodies: vec![nominal()], ..Prior::default() };
+        let (hessian, right, prior) = asked_for(&asked, 1e4);
 
         let cost = Quadratic { hessian: &hessian, right: &right };
         let found = minimise(cost, &prior, 1e-4, &nominal()).unwrap();

@@ -6,6 +6,7 @@ use crate::coupling::Coupling;
 use crate::error::ChainError;
 use crate::joint::JointKinds;
 use nalgebra::{Matrix3, Rotation3, Vector3};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Standard gravity \[m/s²\].
@@ -22,7 +23,7 @@ pub const PER_BASE: usize = 2;
 /// shift (p₁, p₂, 0) seen from the turned frame. Neither a shift along the axis nor a turn about it
 /// is a parameter: the masses of the link behind it are free, so torque cannot determine it. Nor is
 /// the place of a sliding joint, which stays 0.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Geometry {
     /// Turns of gravity from −z of the base about x and y \[rad\], then w₁, w₂ \[rad\], p₁, p₂
     /// \[m\] of joints 2…n.
@@ -91,19 +92,20 @@ impl Geometry {
         Ok(Self { parameters: parameters.to_vec(), ..Self::straight(0) })
     }
 
-    /// The geometry of a chain whose joint frames are given, z of each the axis, all revolute; and
-    /// the frame of each of its links, seen from the given one.
+    /// The same joints where their axes lie as other parameters say, as many.
+    #[must_use]
+    pub fn at(&self, parameters: &[f64]) -> Self {
+        Self { parameters: parameters.to_vec(), ..self.clone() }
+    }
+
+    /// The geometry of a chain whose joint frames are given, z of each the axis; and the frame of each
+    /// of its links, seen from the given one.
     ///
     /// The base is the first frame at q = 0; a frame of the geometry has the axis of the given one
     /// and differs from it by a turn about z and a shift along it, or any shift if it slides.
     ///
     /// - `placements`: each in the frame before, at q = 0, the first in the world; n ≥ 1
     /// - `down`: where things fall in the world, of any length but zero
-    pub fn of_frames(placements: &[Placement], down: [f64; 3]) -> (Self, Vec<Placement>) {
-        Self::of_joints(placements, &JointKinds::default(), down)
-    }
-
-    /// The same of joints of any kind.
     pub fn of_joints(
         placements: &[Placement],
         kinds: &JointKinds,

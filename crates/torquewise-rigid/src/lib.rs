@@ -26,6 +26,6 @@ pub use geometry::Geometry;
 pub use joint::{JointKind, JointKinds};
 pub use recursion::{Kinematics, Moved, State};
 pub use rows::Rows;
-pub use search::{Chain, Search, fit, refine, search};
+pub use search::{Chain, Search, refine, search};
 pub use tangent::Tangent;
 pub use usual_arm::UsualArm;

@@ -117,15 +117,8 @@ impl Kinematics {
     /// Frames given one by one; joint i turns about z of frame i, or slides along it.
     ///
     /// - `gravity`: \[m/s²\], in the base
-    pub fn of_frames(placements: Vec<Placement>, gravity: [f64; 3]) -> Self {
-        let (coupling, kinds) = (Coupling::default(), JointKinds::default());
-        Self { placements, gravity: gravity.into(), coupling, kinds }
-    }
-
-    /// The same frames, of which some slide.
-    #[must_use]
-    pub fn of_kinds(self, kinds: JointKinds) -> Self {
-        Self { kinds, ..self }
+    pub fn of_frames(placements: Vec<Placement>, kinds: JointKinds, gravity: [f64; 3]) -> Self {
+        Self { placements, gravity: gravity.into(), coupling: Coupling::default(), kinds }
     }
 
     /// The same chain where nothing weighs.

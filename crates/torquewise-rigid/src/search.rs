@@ -20,23 +20,12 @@ pub struct Search {
     /// Starts at most: arms whose axes lie at right angles at random. Fewer are made where several
     /// of them lead to the same arm.
     pub starts: usize,
-    /// How many of them, the best, are refined on all rows.
-    pub finalists: usize,
-    /// Rows of the first look at a start.
-    pub glance_rows: usize,
-    /// Rows on which a start is refined.
-    pub start_rows: usize,
-    /// Rows on which a finalist is refined.
-    pub final_rows: usize,
     /// Rounds of refinement of a start.
     pub rounds: usize,
     /// Rounds of weighing joints by their residual and refining again, at least 1.
     pub weighings: usize,
     /// Ridge of the masses, relative to the mean square of a column.
     pub ridge: f64,
-    /// How strongly the geometry is held to that of usual arms: the mean square, in units of the
-    /// noise, that one spread of theirs counts.
-    pub prior: f64,
     /// Seed of the starts.
     pub seed: u64,
     /// How logged coordinates turn the joints of the starts.
@@ -49,14 +38,9 @@ impl Default for Search {
     fn default() -> Self {
         Self {
             starts: 48,
-            finalists: 4,
-            glance_rows: 120,
-            start_rows: 400,
-            final_rows: 1_200,
             rounds: 25,
             weighings: 3,
             ridge: 1e-4,
-            prior: 7.5e-3,
             seed: 0,
             coupling: Coupling::default(),
             kinds: JointKinds::default(),
@@ -128,6 +112,16 @@ impl Chain {
     }
 }
 
+/// How many starts, the best, are refined on all rows.
+const FINALISTS: usize = 4;
+/// Rows of the first look at a start, and of its refinement.
+const GLANCE_ROWS: usize = 120;
+const START_ROWS: usize = 400;
+/// Rows on which a finalist is refined.
+pub const FINAL_ROWS: usize = 1_200;
+/// How strongly the geometry is held to that of usual arms: the mean square, in units of the noise,
+/// that one spread of theirs counts.
+const PRIOR: f64 = 7.5e-3;
 /// Largest first guess of the place of an axis \[m\].
 const PLACE: f64 = 0.2;
 /// Sweeps through the joints of a start.
@@ -217,7 +211,7 @@ pub fn search(rows: &Rows, search: &Search, watch: Watch<'_>) -> Result<Found, C
         return Err(ChainError::TooFewRows { rows: rows.len(), joints: n, needed });
     }
     let weights = first_weights(rows);
-    let (glance, start) = (rows.thinned(search.glance_rows), rows.thinned(search.start_rows));
+    let (glance, start) = (rows.thinned(GLANCE_ROWS), rows.thinned(START_ROWS));
     let free = Geometry::straight(n).of_kinds(search.kinds.clone()).movable();
     let made = |place: usize| {
         let fitted = right_angles(&glance, &weights, (search, place), watch)?;
@@ -237,8 +231,8 @@ pub fn search(rows: &Rows, search: &Search, watch: Watch<'_>) -> Result<Found, C
         times = found.iter().filter(|own| are_same(&own.1, &found[0].1, &start)).count();
         tell(watch, Stage::Starts { made: starts, agreeing: times })?;
     }
-    found.truncate(search.finalists.max(1));
-    let finals = rows.thinned(search.final_rows);
+    found.truncate(FINALISTS);
+    let finals = rows.thinned(FINAL_ROWS);
     let mut chains: Vec<Chain> = found
         .into_par_iter()
         .filter_map(|(_, chain)| refine(&finals, &chain, &free, search, watch).ok())
@@ -259,10 +253,10 @@ fn are_same(a: &Chain, b: &Chain, rows: &Rows) -> bool {
 /// coupling, or at torques in another order. Geometric mean over the joints of the residual's part
 /// of the torque; infinite where no start can be fitted, or the work is stopped.
 pub fn glance(rows: &Rows, search: &Search, watch: Watch<'_>) -> f64 {
-    let (weights, glance) = (first_weights(rows), rows.thinned(search.glance_rows));
+    let weights = first_weights(rows);
     let left = (0..search.starts).into_par_iter().filter_map(|place| {
-        let fitted = right_angles(&glance, &weights, (search, place), watch)?;
-        Some(score(&Chain::new(&fitted, &glance, &weights), rows, LEAST_RESIDUAL))
+        let fitted = right_angles(rows, &weights, (search, place), watch)?;
+        Some(score(&Chain::new(&fitted, rows, &weights), rows, LEAST_RESIDUAL))
     });
     let least = left.reduce_with(f64::min).unwrap_or(f64::INFINITY);
     FIRST_NOISE * (least / rows.n_joints() as f64).exp()
@@ -275,7 +269,8 @@ fn score(chain: &Chain, rows: &Rows, least: f64) -> f64 {
     parts.map(|(rms, weight)| (rms * weight).max(least).ln()).sum()
 }
 
-/// Refines the free parameters of a geometry, joints weighed by what is left of them.
+/// Refines the free parameters of a geometry, joints weighed by what is left of them; without rounds
+/// the masses alone, and what is beside them.
 ///
 /// The residuals of `start` are the first weights, where it has any; `free` are the parameters that
 /// may move.
@@ -303,7 +298,7 @@ pub fn refine(
     let mut geometry = start.geometry.clone();
     let mut chain = None;
     for _ in 0..search.weighings {
-        let (usual, strength) = (UsualArm::near(&geometry), search.prior);
+        let (usual, strength) = (UsualArm::near(&geometry), PRIOR);
         let target = Target { rows, weights: &weights, ridge: search.ridge, usual, strength };
         let fitted = target.descend(&geometry, free, search.rounds, watch)?;
         let found = Chain::new(&fitted, rows, &weights);
@@ -312,15 +307,6 @@ pub fn refine(
         chain = Some(found);
     }
     chain.ok_or(ChainError::Singular)
-}
-
-/// Fits the masses and what is beside them at a known geometry.
-///
-/// # Errors
-/// [`ChainError::Shape`] if the start is of another arm, [`ChainError::Singular`].
-pub fn fit(rows: &Rows, start: &Chain, search: &Search) -> Result<Chain, ChainError> {
-    let search = Search { rounds: 0, ..search.clone() };
-    refine(rows, start, &[], &search, UNWATCHED)
 }
 
 /// One over the noise of each joint; the first guess where there is no residual.

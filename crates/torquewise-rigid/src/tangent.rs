@@ -4,7 +4,7 @@ use crate::error::ChainError;
 use crate::inertial_fit::weighted_columns;
 use crate::levenberg_marquardt::Target;
 use crate::rows::Rows;
-use crate::search::{Chain, all_parameters, first_weights, weights_of};
+use crate::search::{Chain, first_weights, weights_of};
 use crate::usual_arm::UsualArm;
 use faer::Mat;
 
@@ -19,7 +19,7 @@ pub struct Tangent {
     /// Weighted residual, m·n.
     pub residual: Vec<f64>,
     /// Change of the weighted torque per unit of each parameter, (m·n)×p: masses, what stands
-    /// beside the links, and all of the geometry, whether it was free to move or held.
+    /// beside the links, and the geometry.
     pub columns: Mat<f64>,
 }
 
@@ -29,22 +29,14 @@ impl Chain {
         weights_of(&self.residual_rms, &first_weights(rows))
     }
 
-    /// What the chain leaves of some rows, linearised in all of its parameters.
+    /// What the chain leaves of some rows, linearised in its masses and these parameters of its geometry.
     ///
     /// - `weights`: one over the noise of each joint, n, see [`Chain::weights`]
     ///
     /// # Errors
     /// [`ChainError::Shape`] if the rows are of another arm, or have other columns beside the
     /// chain.
-    pub fn tangent(&self, rows: &Rows, weights: &[f64]) -> Result<Tangent, ChainError> {
-        self.tangent_of(rows, weights, &all_parameters(rows.n_joints()))
-    }
-
-    /// The same with some parameters of the geometry only.
-    ///
-    /// # Errors
-    /// As [`Self::tangent`].
-    pub fn tangent_of(
+    pub fn tangent(
         &self,
         rows: &Rows,
         weights: &[f64],

@@ -85,7 +85,7 @@ impl Arm {
         joints.iter().try_for_each(|(name, joint)| joint.check(name))?;
         let (joint_names, joints): (_, Vec<Joint>) = joints.into_iter().unzip();
         let placements = joints.iter().map(|joint| placement(&joint.X_PJ)).collect();
-        let kinematics = Kinematics::of_frames(placements, gravity).of_kinds(kinds(&joints));
+        let kinematics = Kinematics::of_frames(placements, kinds(&joints), gravity);
         let inertial = joints.iter().flat_map(|joint| joint.body.inertial_parameters()).collect();
         Ok(Self { name, joint_names, joints, gravity, kinematics, inertial })
     }

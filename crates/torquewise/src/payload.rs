@@ -21,7 +21,7 @@ pub use torquewise_identify::payload::{Gains, Payload, Place};
 /// use torquewise::{Log, Model, observe::NOBODY, payload::{Place, payload}};
 ///
 /// let arm = Model::load("arm.json")?;
-/// let Some(flange) = Place::named(&arm, None) else { return Ok(()) };
+/// let Some(flange) = Place::named(&arm, None, None) else { return Ok(()) };
 /// let load = payload(&arm, &Log::open("with_tool.csv")?, flange, NOBODY)?;
 /// println!("{:.3} ± {:.3} kg", load.mass.value, load.mass.std_error);
 /// load.added_to(&arm)?.save("arm_with_tool.json")?;

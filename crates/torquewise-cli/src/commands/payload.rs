@@ -67,11 +67,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         Some(&[x, y, z]) => Some([x, y, z]),
         Some(_) => return Err(CliError::Usage("--center expects three numbers in m".to_owned())),
     };
-    let place = Place::named(&model, arguments.link.as_deref()).ok_or_else(|| {
-        let (name, joints) = (arguments.link.as_deref().unwrap_or(""), model.joints.join(", "));
+    let link = arguments.link.as_deref();
+    let place = Place::named(&model, link, center).ok_or_else(|| {
+        let (name, joints) = (link.unwrap_or(""), model.joints.join(", "));
         CliError::Usage(format!("no link of the model is called {name}; its joints are {joints}"))
     })?;
-    let place = place.with_center(center);
     let log = arguments.signals.open(&arguments.logs)?;
     if let Some(mass) = arguments.known_mass {
         return run_gains(arguments, &model, &log, (place, mass));

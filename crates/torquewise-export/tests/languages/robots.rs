@@ -103,7 +103,7 @@ fn kinematics(text: &str) -> (Kinematics, Vec<f64>) {
         inertial.extend([i.m12, i.m13, i.m23]);
     }
     let gravity = [0.0, 0.0, -9.81];
-    (Kinematics::of_frames(placements, gravity).of_kinds(kinds.into()), inertial)
+    (Kinematics::of_frames(placements, kinds.into(), gravity), inertial)
 }
 
 #[test]

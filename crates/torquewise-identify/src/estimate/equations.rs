@@ -3,8 +3,8 @@
 use super::linearisation::Linearisation;
 use faer::{ColRef, Mat};
 use torquewise_regression::noise_correction::corrected;
+use torquewise_rigid::UsualArm;
 use torquewise_rigid::feasible::Quadratic;
-use torquewise_rigid::{Geometry, UsualArm};
 
 /// Price of a step, relative to the diagonal of the normal equations.
 const ROUNDING: f64 = 1e-11;
@@ -65,13 +65,13 @@ impl Equations {
             squares: self.squares,
         };
         let linear = at.linear.len();
-        let usual = usual(at);
+        let (usual, geometry) = (UsualArm::near(&at.geometry), at.geometry.parameters());
         for (place, &k) in active.iter().enumerate().filter(|(_, k)| **k >= linear) {
             let stiffness = prior * usual.precision[k - linear];
             let price = damping * self.hessian[(k, k)];
             own.hessian[(place, place)] += stiffness + price;
             own.right[place] +=
-                stiffness * usual.parameters[k - linear] + price * at.geometry[k - linear];
+                stiffness * usual.parameters[k - linear] + price * geometry[k - linear];
         }
         own
     }
@@ -81,18 +81,9 @@ impl Equations {
     }
 }
 
-/// What the geometry is held to; nothing where it is none.
-fn usual(at: &Linearisation) -> UsualArm {
-    let own = Geometry::new(&at.geometry).map(|geometry| UsualArm::near(&geometry));
-    own.unwrap_or_else(|_| UsualArm {
-        parameters: at.geometry.clone(),
-        precision: vec![0.0; at.geometry.len()],
-    })
-}
-
 /// What the prior of the geometry costs at parameters.
 pub(super) fn cost_of_pull(at: &Linearisation, parameters: &[f64], prior: f64) -> f64 {
-    let (linear, usual) = (at.linear.len(), usual(at));
+    let (linear, usual) = (at.linear.len(), UsualArm::near(&at.geometry));
     let cost = |&k: &usize| {
         let apart = parameters[linear + k] - usual.parameters[k];
         0.5 * prior * usual.precision[k] * apart * apart

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::RobotNames;
 use torquewise_motion::path::TRAVELS;
 use torquewise_motion::{Motion, Signals};
-use torquewise_rigid::{Chain, Coupling, Geometry, JointKinds, Rows};
+use torquewise_rigid::search::all_parameters;
+use torquewise_rigid::{Chain, Geometry, Rows};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::noise::NoiseFloor;
 
@@ -19,10 +20,6 @@ pub(crate) struct Structure {
     /// How many of these were chosen. The others were offered as well: what the arm does is the mean
     /// of what both say (E21).
     pub(crate) chosen: usize,
-    /// How logged coordinates turn the joints.
-    pub(crate) coupling: Coupling,
-    /// Which of its joints turn and which slide.
-    pub(crate) kinds: JointKinds,
     /// What a URDF calls its parts, where one gave the geometry.
     pub(crate) robot: Option<RobotNames>,
     /// Parameters of the geometry that may move, ascending; the others stay, unless all rows
@@ -37,8 +34,8 @@ pub(crate) struct Structure {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Linearisation {
     pub(crate) structure: Structure,
-    /// Geometry θ₀, all parameters.
-    pub(crate) geometry: Vec<f64>,
+    /// Where the axes lie, θ₀, and what moves by them.
+    pub(crate) geometry: Geometry,
     /// Inertial parameters of the bodies, 10 each, then coefficients of the drive.
     pub(crate) linear: Vec<f64>,
     /// One over the noise of each joint \[1/(N·m)\], n.
@@ -61,9 +58,35 @@ pub struct Linearisation {
 const LEAST_COLUMN: f64 = 1e-6;
 
 impl Linearisation {
+    /// At a chain, its geometry held, with so much beside its links; rows count as they are, without
+    /// scales.
+    ///
+    /// - `drive`: what stands beside the links, and its coefficients
+    /// - `rest`: speeds below which joints are at rest \[rad/s\], n
+    pub(crate) fn of(
+        chain: &Chain,
+        (drive, coefficients): (Vec<DriveTerm>, &[f64]),
+        rest: Vec<f64>,
+    ) -> Self {
+        let (chosen, robot, free) = (drive.len(), None, Vec::new());
+        let per = |rms: &f64| 1.0 / rms.max(f64::MIN_POSITIVE);
+        Self {
+            structure: Structure { drive, chosen, robot, free, rest },
+            geometry: chain.geometry.clone(),
+            linear: chain.inertial.iter().chain(coefficients).copied().collect(),
+            weights: chain.residual_rms.iter().map(per).collect(),
+            scales: Vec::new(),
+            noise: NoiseFloor::none(chain.geometry.n_joints()),
+            raw_noise: false,
+            block_rows: 1,
+            regions: Regions::default(),
+            seed: 0,
+        }
+    }
+
     /// Number of parameters p: linear ones, then those of the geometry, free or not.
     pub fn n_parameters(&self) -> usize {
-        self.linear.len() + self.geometry.len()
+        self.linear.len() + self.geometry.parameters().len()
     }
 
     /// Indices of the parameters that may move.
@@ -141,21 +164,22 @@ impl Linearisation {
     /// Whether its parts fit n joints.
     pub(crate) fn is_sound(&self, n: usize) -> bool {
         let bodies = torquewise_rigid::recursion::PER_BODY * n;
-        let geometry = Geometry::new(&self.geometry);
+        let geometry = self.geometry.parameters();
         let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
         let noise = [&self.noise.q, &self.noise.dq, &self.noise.ddq];
-        geometry.is_ok_and(|geometry| geometry.n_joints() == n)
+        Geometry::new(geometry).is_ok_and(|geometry| geometry.n_joints() == n)
             && self.linear.len() == bodies + self.structure.drive.len()
             && self.structure.drive.iter().all(|term| term.n_joints() == n)
             && self.structure.chosen <= self.structure.drive.len()
-            && self.structure.coupling.is_sound(n)
-            && self.structure.kinds.fit(n)
-            && self.structure.free.iter().all(|&k| k < self.geometry.len())
+            && self.geometry.coupling().is_sound(n)
+            && self.geometry.kinds().fit(n)
+            && self.structure.free.iter().all(|&k| k < geometry.len())
             && self.structure.rest.len() == n
             && self.weights.len() == n
             && self.scales.len() == self.n_parameters()
             && noise.iter().all(|noise| noise.len() == n && finite(noise))
-            && [&self.geometry, &self.linear, &self.weights, &self.scales].iter().all(|x| finite(x))
+            && finite(geometry)
+            && [&self.linear, &self.weights, &self.scales].iter().all(|x| finite(x))
             && self.block_rows > 0
             && self.regions.is_sound(n)
     }
@@ -173,13 +197,13 @@ impl Linearisation {
 
     /// All parameters, p.
     pub(crate) fn parameters(&self) -> Vec<f64> {
-        self.linear.iter().chain(&self.geometry).copied().collect()
+        self.linear.iter().chain(self.geometry.parameters()).copied().collect()
     }
 
     /// The same at other parameters.
     pub(crate) fn at(&self, parameters: &[f64]) -> Self {
         let (linear, geometry) = parameters.split_at(self.linear.len());
-        Self { geometry: geometry.to_vec(), linear: linear.to_vec(), ..self.clone() }
+        Self { geometry: self.geometry.at(geometry), linear: linear.to_vec(), ..self.clone() }
     }
 
     /// The same part of the way to another: between two physical arms all are physical.
@@ -204,23 +228,17 @@ impl Linearisation {
         Ok(Self { scales: sizes.iter().map(scale).collect(), ..at })
     }
 
-    /// Where the axes lie, and what moves by them.
-    pub(crate) fn axes(&self) -> Result<Geometry, IdentifyError> {
-        let Structure { coupling, kinds, .. } = &self.structure;
-        Ok(Geometry::new(&self.geometry)?.coupled(coupling.clone()).of_kinds(kinds.clone()))
-    }
-
     /// The chain that is linearised.
-    pub(crate) fn chain(&self) -> Result<Chain, IdentifyError> {
+    pub(crate) fn chain(&self) -> Chain {
         let bodies = torquewise_rigid::recursion::PER_BODY * self.n_joints();
         let (inertial, drive) = self.linear.split_at(bodies);
-        Ok(Chain {
-            geometry: self.axes()?,
+        Chain {
+            geometry: self.geometry.clone(),
             inertial: inertial.to_vec(),
             drive: drive.to_vec(),
             residual_rms: self.weights.iter().map(|weight| 1.0 / weight).collect(),
             cost: 0.0,
-        })
+        }
     }
 
     /// Rows \[J e\] of a block in units of the noise and of the scales, (m·n)×(p+1), and what each
@@ -234,21 +252,16 @@ impl Linearisation {
         seen: &Motion,
     ) -> Result<(Mat<f64>, Vec<f64>), IdentifyError> {
         let rows = self.weighed(block, seen)?;
-        let tangent = self.chain()?.tangent(&rows, &self.weights)?;
+        let tangent =
+            self.chain().tangent(&rows, &self.weights, &all_parameters(self.n_joints()))?;
         let mut out = tangent.columns;
         for (j, scale) in self.scales.iter().enumerate() {
             out.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= scale);
         }
         let p = out.ncols();
-        let whole =
-            Mat::from_fn(
-                out.nrows(),
-                p + 1,
-                |k, j| {
-                    if j < p { out[(k, j)] } else { tangent.residual[k] }
-                },
-            );
-        Ok((whole, tangent.weights))
+        let left = &tangent.residual;
+        let cell = |k: usize, j: usize| if j < p { out[(k, j)] } else { left[k] };
+        Ok((Mat::from_fn(out.nrows(), p + 1, cell), tangent.weights))
     }
 }
 
@@ -256,11 +269,8 @@ impl Linearisation {
     /// The rows of a block, those of joints at rest with little weight.
     fn weighed(&self, block: &Motion, seen: &Motion) -> Result<Rows, IdentifyError> {
         let drive = &self.structure.drive;
-        let gravity = if drive.iter().any(DriveTerm::is_load_dependent) {
-            Some(Gravity::of(&self.chain()?, drive))
-        } else {
-            None
-        };
+        let is_loaded = drive.iter().any(DriveTerm::is_load_dependent);
+        let gravity = is_loaded.then(|| Gravity::of(&self.chain(), drive));
         let drive = columns(drive, block, gravity.as_ref());
         let tau = block.require_tau()?;
         let rests = self.structure.rest.iter().any(|speed| *speed > 0.0);
@@ -290,7 +300,7 @@ impl Linearisation {
     }
 
     fn tangent_columns(&self, rows: &Rows) -> Result<(Mat<f64>, Vec<f64>), IdentifyError> {
-        let tangent = self.chain()?.tangent_of(rows, &self.weights, &self.structure.free)?;
+        let tangent = self.chain().tangent(rows, &self.weights, &self.structure.free)?;
         Ok((tangent.columns, tangent.weights))
     }
 }

@@ -7,12 +7,11 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_motion::path::TRAVELS;
+use torquewise_rigid::JointKinds;
 use torquewise_rigid::feasible::{Positive, Prior};
 use torquewise_rigid::geometry::GRAVITY;
 use torquewise_rigid::inertia::plain_link;
 use torquewise_rigid::recursion::PER_BODY;
-use torquewise_rigid::{Geometry, JointKinds};
-use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::survey::Survey;
 
 /// Mass of a link over the cube of its length \[kg/m³\]: about that of robots of a few kilograms
@@ -72,24 +71,24 @@ impl Sizes {
 }
 
 /// Inertial parameters of plain links between the axes of a geometry, 10n.
-fn plain_arm(at: &Linearisation, sizes: &Sizes) -> Result<Vec<f64>, IdentifyError> {
-    let (length, mass) = sizes.link(&at.structure.kinds);
-    let placements = Geometry::new(&at.geometry)?.placements();
+fn plain_arm(at: &Linearisation, sizes: &Sizes) -> Vec<f64> {
+    let (length, mass) = sizes.link(at.geometry.kinds());
+    let placements = at.geometry.placements();
     let end = |k: usize| placements.get(k + 1).map_or_else(Vector3::zeros, |next| next.origin);
     let links = (0..placements.len()).flat_map(|k| plain_link(mass, &end(k), SPREAD * length));
-    Ok(links.collect())
+    links.collect()
 }
 
 /// Physical constraints on the parameters of a linearisation, and a feasible start.
-pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64>), IdentifyError> {
-    let bodies = plain_arm(at, sizes)?;
+pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> (Prior, Vec<f64>) {
+    let bodies = plain_arm(at, sizes);
     let mut start = bodies.clone();
     start.extend(at.parameters().into_iter().skip(bodies.len()));
     let of_bodies = bodies.chunks_exact(PER_BODY).map(|p| std::array::from_fn(|k| p[k])).collect();
     let mut prior = Prior { bodies: of_bodies, ..Prior::default() };
     let drive = &at.structure.drive;
     let first = bodies.len();
-    let kinds = &at.structure.kinds;
+    let kinds = at.geometry.kinds();
     let (length, mass) = sizes.link(kinds);
     let rotor_of = |shaft: &[f64]| {
         // A slide feels its motor as a mass.
@@ -129,7 +128,7 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64
         }
     }
     prior.positive.extend(passive(drive, first, (sizes, kinds)));
-    Ok((prior, start))
+    (prior, start)
 }
 
 /// Sums of coefficients that are the friction of each shaft at a speed, times the direction: none

@@ -8,6 +8,7 @@ use super::step::{Step, Tuning, weights};
 use crate::reconstruction::{Progress, Watch};
 use crate::unseen::geometric_mean;
 use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
 use torquewise_motion::Recording;
 use torquewise_regression::normal_sums::NormalSums;
 use torquewise_stepwise::error::IdentifyError;
@@ -50,14 +51,6 @@ pub(crate) struct Passes {
     may_release: bool,
 }
 
-/// What follows a pass.
-pub(crate) enum Next {
-    /// Another pass.
-    Pass(Passes),
-    /// Nothing moves any more.
-    Settled(Solved),
-}
-
 impl Passes {
     /// The same where the geometry is given: nothing of it is released.
     pub(crate) fn with_given_geometry(self) -> Self {
@@ -80,19 +73,24 @@ impl Passes {
         Self { most: SAMPLE_PASSES, may_release: false, ..Self::over_all(at, 0) }
     }
 
-    /// What follows from the sums of the pass that was asked for.
+    /// What follows from the sums of the pass that was asked for: another pass, or a break where nothing
+    /// moves any more.
     ///
     /// # Errors
     /// [`IdentifyError::Chain`] if they cannot be solved.
-    pub(crate) fn take(mut self, sums: &NormalSums, sizes: &Sizes) -> Result<Next, IdentifyError> {
+    pub(crate) fn take(
+        mut self,
+        sums: &NormalSums,
+        sizes: &Sizes,
+    ) -> Result<ControlFlow<Solved, Self>, IdentifyError> {
         self.made += 1;
-        let step = Step::new(sums, &self.at, sizes)?;
+        let step = Step::new(sums, &self.at, sizes);
         let (active, tuning) = match self.tuning.take() {
             Some(tuning) => (self.at.active(), tuning),
             None => step.tuned(self.may_release)?,
         };
         if self.is_last {
-            return Ok(Next::Settled(step.solved(&active, tuning)?));
+            return Ok(ControlFlow::Break(step.solved(&active, tuning)?));
         }
         let tolerance = step.tolerance(&active);
         let here = step.cost(&self.at.parameters(), &tuning);
@@ -106,7 +104,7 @@ impl Passes {
         let moved = step.step(&active, &tuning, self.reach)?;
         let ahead = merit - step.cost(&moved, &tuning);
         if here - merit <= tolerance && ahead <= tolerance {
-            return Ok(Next::Settled(step.solved(&active, tuning)?));
+            return Ok(ControlFlow::Break(step.solved(&active, tuning)?));
         }
         let best = match self.best.take() {
             Some(best) if gain <= 0.0 => {
@@ -126,7 +124,7 @@ impl Passes {
             from.towards(&self.at, SHORTER).parameters()
         };
         let at = self.at.at(&parameters).freed(&active);
-        Ok(Next::Pass(Self { at, tuning: Some(tuning), best: Some(best), ..self }))
+        Ok(ControlFlow::Continue(Self { at, tuning: Some(tuning), best: Some(best), ..self }))
     }
 }
 
@@ -142,7 +140,7 @@ pub(crate) fn refine(
 ) -> Result<Linearisation, IdentifyError> {
     let linear = start.linear_indices();
     let sums = add_up(recording, start)?;
-    let step = Step::new(&sums, start, sizes)?;
+    let step = Step::new(&sums, start, sizes);
     let parameters = step.step(&linear, &step.tuning(&linear)?, 0.0)?;
     let mut at = start.at(&parameters);
     for weighing in 0..WEIGHINGS[1] {
@@ -156,8 +154,8 @@ pub(crate) fn refine(
             Progress::Working.tell(watch)?;
             let sums = add_up(recording, &passes.at)?;
             match passes.take(&sums, sizes)? {
-                Next::Pass(next) => passes = next,
-                Next::Settled(solved) => break solved.at,
+                ControlFlow::Continue(next) => passes = next,
+                ControlFlow::Break(solved) => break solved.at,
             }
         };
     }

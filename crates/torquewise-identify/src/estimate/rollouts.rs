@@ -64,7 +64,7 @@ pub(crate) fn refined_by_rollouts(
         let windows = before.first().map_or(0, |drift| drift.windows);
         return Err(IdentifyError::TooFewWindows { windows, needed: LEAST_WINDOWS });
     }
-    let torque = TorqueOf::new(Step::new(sums, &start, sizes)?, places.clone())?;
+    let torque = TorqueOf::new(Step::new(sums, &start, sizes), places.clone())?;
     let (weight, choice) = torque.chosen(&windows)?;
     let at = |rotors: &[f64]| start.at(&torque.step.whole(&torque.places, rotors));
     let cost = |rotors: &[f64]| -> Result<f64, IdentifyError> {

@@ -89,7 +89,7 @@ impl Step<'_> {
     /// away: a score test, the scores of blocks of time as its measure.
     fn released(&self, active: &[usize], tuning: &Tuning) -> Result<Vec<usize>, IdentifyError> {
         let p = self.before.len();
-        let (linear, movable) = (self.at.linear.len(), self.at.axes()?.movable());
+        let (linear, movable) = (self.at.linear.len(), self.at.geometry.movable());
         let moves = |k: usize| k.checked_sub(linear).is_none_or(|k| movable.contains(&k));
         let held: Vec<usize> =
             (0..p).filter(|&k| active.binary_search(&k).is_err() && moves(k)).collect();

@@ -56,12 +56,8 @@ pub(super) struct Step<'a> {
 }
 
 impl<'a> Step<'a> {
-    pub(super) fn new(
-        sums: &'a NormalSums,
-        at: &'a Linearisation,
-        sizes: &'a Sizes,
-    ) -> Result<Self, IdentifyError> {
-        let (prior, start) = prior(at, sizes)?;
+    pub(super) fn new(sums: &'a NormalSums, at: &'a Linearisation, sizes: &'a Sizes) -> Self {
+        let (prior, start) = prior(at, sizes);
         let (gram, bias) = (sums.gram(), sums.bias());
         let all = Equations::new(&gram, &bias, at);
         let (before, repeats) = (at.parameters(), repeats(sums, &gram));
@@ -70,7 +66,7 @@ impl<'a> Step<'a> {
             .map(|(weight, torque)| -(weight * torque).ln())
             .collect();
         let relative_noise = mean(&parts).exp();
-        Ok(Self { sums, at, gram, bias, prior, start, before, all, repeats, relative_noise })
+        Self { sums, at, gram, bias, prior, start, before, all, repeats, relative_noise }
     }
 
     /// Parameters as they were, those that may move as a solution has them.
@@ -99,7 +95,7 @@ impl<'a> Step<'a> {
             return Ok(best.to_vec());
         }
         let (at, chosen) = (self.at.of_chosen(), self.at.chosen_indices());
-        let (prior, start) = prior(&self.at.narrowed(), sizes)?;
+        let (prior, start) = prior(&self.at.narrowed(), sizes);
         let own = self.all.of(&chosen, &at, (0.0, 0.0));
         let solution =
             minimise_from_afar(own.quadratic(), &prior, strength, &start[..chosen.len()])?;

@@ -1,6 +1,6 @@
 //! Joints that several logged coordinates turn, where the log shows it (E18).
 
-use super::{ChainLearner, ROUNDS, TRIAL_ROWS, searching};
+use super::{ChainLearner, TRIAL_ROWS, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
@@ -42,8 +42,8 @@ impl ChainLearner<'_> {
             let found = self.geometry(&mut with, None, &mut made)?;
             let rows = self.rows(spec, TRIAL_ROWS)?;
             let trials = [
-                trial("none".to_owned(), &best, &rows, &chain, ROUNDS, &searching(self.watch))?,
-                trial(label, &with, &rows, &found, ROUNDS, &searching(self.watch))?,
+                trial("none".to_owned(), &best, &rows, &chain, &searching(self.watch))?,
+                trial(label, &with, &rows, &found, &searching(self.watch))?,
             ];
             if trials[1].error() > COUPLING_GAIN * trials[0].error()
                 || record_worth(COUPLING, &trials, 0.0, choices) == 0

@@ -1,7 +1,7 @@
 //! Which joints turn and which slide, by held-out rows (E26).
 
 use super::couplings::COUPLING;
-use super::{ChainLearner, DriveTerm, Joints, ROUNDS, TRIAL_ROWS, UNRESOLVED, Watch, searching};
+use super::{ChainLearner, DriveTerm, Joints, TRIAL_ROWS, UNRESOLVED, Watch, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::excitation::LEAST_RANGE;
 use rayon::prelude::*;
@@ -50,8 +50,7 @@ pub(crate) fn first_look(
 ) -> Result<FirstLook, IdentifyError> {
     let (learner, n) = (ChainLearner::new(motion, watch), motion.n_joints());
     learner.first_look(&|kinds: JointKinds| {
-        let mut drive = DriveTerm::rotors(n);
-        drive.extend(DriveTerm::friction(learner.laws.linear()));
+        let drive = DriveTerm::usual(&learner.laws);
         let search = Search { seed, kinds, ..Search::default() };
         ChainSpec { drive, search, free: all_parameters(n), gravity: None }
     })
@@ -134,7 +133,7 @@ impl ChainLearner<'_> {
             let kinds = chain.geometry.kinds();
             let of_kinds = || format!("kinds {}", kinds.letters(n));
             let label = if kinds.all_turn() { "all turn".to_owned() } else { of_kinds() };
-            trial(label, spec, &self.rows(spec, TRIAL_ROWS)?, chain, ROUNDS, &watch)
+            trial(label, spec, &self.rows(spec, TRIAL_ROWS)?, chain, &watch)
         };
         let (worth, is_simpler) = rule;
         let (known, other) = (judged(&known.0, &known.1)?, judged(&spec, &chain)?);
@@ -183,8 +182,7 @@ impl ChainLearner<'_> {
         let left = |kinds: &JointKinds| -> Result<f64, IdentifyError> {
             let spec = at(kinds.clone());
             let rows = self.rows(&spec, count)?;
-            let (glance_rows, search) = (count, spec.search.clone());
-            Ok(glance(&rows, &Search { starts, glance_rows, ..search }, &watch))
+            Ok(glance(&rows, &Search { starts, ..spec.search }, &watch))
         };
         let q = self.motion.q();
         let travel = |joint: usize| {

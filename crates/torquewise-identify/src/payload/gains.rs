@@ -11,7 +11,7 @@ use torquewise_model::shaft_friction::Estimated;
 use torquewise_model::{Model, ModelError};
 use torquewise_motion::Recording;
 use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_rigid::feasible::{Prior, Quadratic, curvature, minimise};
+use torquewise_rigid::feasible::{Factored, Prior, Quadratic, minimise};
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 
@@ -156,10 +156,7 @@ impl Gains {
             let arm = at.felt(&|joint| with.arm[joint].clone());
             middle += &arm * chain.covariance_matrix() * arm.transpose();
         }
-        let whole = at.curvature(&sums, &prior);
-        let cost = Quadratic { hessian: &whole, right: &[] };
-        let factor = curvature(cost, &Prior::default(), 0.0, &vec![0.0; whole.ncols()])?;
-        let covariance = factor.sandwiched(&middle);
+        let covariance = Factored::new(at.curvature(&sums, &prior))?.sandwiched(&middle);
         let gain = |(joint, per): (usize, &f64)| {
             let error = covariance[(PER_BODY + joint, PER_BODY + joint)].max(0.0).sqrt();
             Estimated { value: 1.0 / per, std_error: error / per.powi(2) }

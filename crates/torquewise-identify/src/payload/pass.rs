@@ -9,7 +9,7 @@ use torquewise_model::{Model, RigidChain};
 use torquewise_motion::Recording;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_rigid::ChainError;
-use torquewise_rigid::feasible::{Prior, Quadratic, curvature, minimise_from_afar};
+use torquewise_rigid::feasible::{Factored, Prior, Quadratic, minimise_from_afar};
 use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::inertia::{plain_link, seen_from};
 use torquewise_rigid::recursion::PER_BODY;
@@ -190,10 +190,9 @@ impl Pass {
         let ridge = |k: usize| 1e-9 * information[(k, k)] + 1e-12 * information[(0, 0)] + 1e-30;
         let first =
             Mat::from_fn(4, 4, |i, j| information[(i, j)] + if i == j { ridge(i) } else { 0.0 });
-        let own = Quadratic { hessian: &first, right: &right[..4] };
         let mut found = vec![0.0; PER_BODY];
         let mut uncertain = 0.0;
-        if let Ok(factor) = curvature(own, &Prior::default(), 0.0, &[0.0; 4]) {
+        if let Ok(factor) = Factored::new(first) {
             found[..4].copy_from_slice(&factor.solve(&right[..4]));
             let scatter = self.scatter(&found).submatrix(0, 0, 4, 4).to_owned();
             uncertain = factor.sandwiched(&scatter)[(0, 0)].max(0.0).sqrt();

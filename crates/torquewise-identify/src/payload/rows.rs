@@ -53,21 +53,16 @@ impl Weights {
 /// Columns of all bodies at a state, n×10n.
 pub(super) struct Columns {
     kinematics: Kinematics,
-    inertial: Vec<f64>,
     moved: Moved<f64>,
-    torque: Vec<f64>,
 }
 
 impl Columns {
     pub(super) fn of(chain: &RigidChain) -> Result<Self, IdentifyError> {
-        let kinematics = Kinematics::new(&chain.axes()?);
-        let (inertial, torque) = (chain.inertial(), vec![0.0; chain.n_joints()]);
-        Ok(Self { kinematics, inertial, moved: Moved::default(), torque })
+        Ok(Self { kinematics: Kinematics::new(&chain.axes()?), moved: Moved::default() })
     }
 
     pub(super) fn at(&mut self, [q, dq, ddq]: [&[f64]; 3], out: &mut Mat<f64>) {
-        let state = State { q, dq, ddq };
-        self.kinematics.inverse_dynamics(state, &self.inertial, &mut self.moved, &mut self.torque);
+        self.kinematics.move_into(State { q, dq, ddq }, &mut self.moved);
         out.fill(0.0);
         self.moved.regressor(|joint, parameter, value| out[(joint, parameter)] = value);
     }

@@ -5,9 +5,8 @@ use super::{Errors, HeldOut, Sums, Unseen, all_of};
 use crate::estimate::{Sizes, Solved, prior};
 use faer::Mat;
 use rayon::prelude::*;
+use torquewise_rigid::UsualArm;
 use torquewise_rigid::feasible::{Prior, Quadratic, minimise_from_afar};
-use torquewise_rigid::{Geometry, UsualArm};
-use torquewise_stepwise::error::IdentifyError;
 
 /// What the parameters of an arm are held to, whatever the rows.
 pub(crate) struct HeldTo {
@@ -21,20 +20,16 @@ pub(crate) struct HeldTo {
 
 impl HeldTo {
     /// What a fit to all rows was held to, as it counts beside a share of them.
-    ///
-    /// # Errors
-    /// [`IdentifyError::Chain`] if its geometry is none.
-    pub(crate) fn of(solved: &Solved, sizes: &Sizes, share: f64) -> Result<Self, IdentifyError> {
+    pub(crate) fn of(solved: &Solved, sizes: &Sizes, share: f64) -> Self {
         let at = solved.at.narrowed();
-        let (prior, mut start) = prior(&at, sizes)?;
+        let (prior, mut start) = prior(&at, sizes);
         start.truncate(at.linear.len());
         let [strength, stiffness] = solved.strengths.map(|strength| share * strength);
-        let usual = UsualArm::near(&Geometry::new(&at.geometry)?);
-        let pull =
-            |&k: &usize| (stiffness * usual.precision[k], usual.parameters[k] - at.geometry[k]);
+        let (usual, own) = (UsualArm::near(&at.geometry), at.geometry.parameters());
+        let pull = |&k: &usize| (stiffness * usual.precision[k], usual.parameters[k] - own[k]);
         let pulls: Vec<(f64, f64)> = at.structure.free.iter().map(pull).collect();
         start.resize(start.len() + pulls.len(), 0.0);
-        Ok(Self { prior, strength, pulls, start })
+        Self { prior, strength, pulls, start }
     }
 
     /// The best parameters of normal equations of a part of the rows; nothing where there are none.

@@ -4,7 +4,6 @@ use crate::chain::{NOISE, WRIST, linear, rubbing, sines};
 use crate::support::{chain, fit, percent, reference_arm, threads_leave_no_trace};
 use faer::Mat;
 use torquewise_identify::plan::FrictionKind;
-use torquewise_identify::{IdentifyError, UNWATCHED, reconstruct};
 use torquewise_model::Torque;
 use torquewise_model::model::GeometryFound;
 use torquewise_motion::{Motion, Signals};
@@ -52,17 +51,6 @@ fn the_same_seed_gives_the_same_chain_model_at_any_number_of_threads() {
     let log = rubbing(&motion, &linear(&motion, &[[0.1, 1.0, 1.0]; 2]), NOISE);
 
     assert!(threads_leave_no_trace(&log, &chain(FrictionKind::Auto)));
-}
-
-#[test]
-fn too_few_rows_for_a_chain_are_named() {
-    let arm = Arm::builtin("generic-6").unwrap();
-    let log = sines(&arm, 1.1, 1);
-
-    let error = reconstruct(&log, &chain(FrictionKind::Linear), UNWATCHED).unwrap_err();
-
-    assert!(matches!(error, IdentifyError::Chain(_)), "{error}");
-    assert!(error.to_string().contains("55 rows of 6 joints"), "{error}");
 }
 
 #[test]

@@ -13,8 +13,6 @@ use faer::Mat;
 /// response.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lasso {
-    /// Number of penalties on the path, one or more.
-    pub path: usize,
     /// Last penalty of the path over its first, in (0, 1).
     pub ratio: f64,
     /// Duality gap at which a point is done, as a part of ‖y‖²/m; above 0. Below 1e-13 rounding
@@ -27,11 +25,14 @@ pub struct Lasso {
 }
 
 impl Default for Lasso {
-    /// 100 penalties down to 1e-4 of the first, no threshold.
+    /// Penalties down to 1e-4 of the first, no threshold.
     fn default() -> Self {
-        Self { path: 100, ratio: 1e-4, gap_tolerance: 1e-9, max_sweeps: 2000, threshold: 0.0 }
+        Self { ratio: 1e-4, gap_tolerance: 1e-9, max_sweeps: 2000, threshold: 0.0 }
     }
 }
+
+/// Number of penalties on a path.
+const PATH: usize = 100;
 
 /// The LASSO at one penalty.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,8 +58,7 @@ pub struct PathPoint {
 /// # Errors
 /// [`SparseError::Setting`] if a setting is out of its range.
 pub fn lasso_path(problem: &NormalEquations, lasso: &Lasso) -> Result<Vec<PathPoint>, SparseError> {
-    let Lasso { path, ratio, gap_tolerance, max_sweeps, threshold } = *lasso;
-    require("path", path as f64, path > 0, "one or more")?;
+    let Lasso { ratio, gap_tolerance, max_sweeps, threshold } = *lasso;
     require("ratio", ratio, ratio > 0.0 && ratio < 1.0, "between 0 and 1")?;
     require("gap_tolerance", gap_tolerance, gap_tolerance > 0.0, "above zero")?;
     require("threshold", threshold, threshold >= 0.0, "zero or more")?;
@@ -118,12 +118,11 @@ impl Lasso {
     /// Penalties in equal ratios, from the one above which nothing is active.
     fn penalties(&self, first: f64) -> Vec<f64> {
         let last = first * self.ratio;
-        if first <= last || self.path == 1 {
+        if first <= last {
             return vec![first];
         }
-        let steps = (self.path - 1) as f64;
-        let part = |step: usize| (last / first).powf(step as f64 / steps);
-        (0..self.path).map(|k| if k + 1 == self.path { last } else { first * part(k) }).collect()
+        let part = |step: usize| (last / first).powf(step as f64 / (PATH - 1) as f64);
+        (0..PATH).map(|k| if k + 1 == PATH { last } else { first * part(k) }).collect()
     }
 }
 

@@ -188,20 +188,6 @@ fn criterion(rows: &planted::Rows) -> Selection {
 }
 
 #[test]
-fn the_planted_terms_are_found_among_correlated_columns() {
-    for seed in 0..20 {
-        let rows = planted::rows(seed, 400, 30, 4, 0.1);
-        let found = criterion(&rows);
-
-        assert_eq!(found.active, rows.support(), "seed {seed}");
-        for (c, truth) in found.coefficients.iter().zip(&rows.truth) {
-            // A standard error is 0.06 / √(400 / 3), so five are below 0.03.
-            assert!((c - truth).abs() < 0.03, "seed {seed}: {c} {truth}");
-        }
-    }
-}
-
-#[test]
 fn more_columns_than_rows_still_give_the_planted_terms() {
     for seed in 0..10 {
         let rows = planted::rows(seed, 60, 150, 3, 0.01);

@@ -79,7 +79,6 @@ fn the_threshold_of_the_paper_drops_small_weights() {
 fn settings_out_of_range_are_refused() {
     let problem = planted::rows(1, 20, 3, 1, 0.0).problem();
     let cases = [
-        ("path", Lasso { path: 0, ..Lasso::default() }),
         ("ratio", Lasso { ratio: 1.0, ..Lasso::default() }),
         ("gap_tolerance", Lasso { gap_tolerance: f64::NAN, ..Lasso::default() }),
         ("threshold", Lasso { threshold: -0.1, ..Lasso::default() }),

@@ -1,9 +1,9 @@
 //! Right angles, what is put there, and what stays free.
 
-use super::{Geometry, Placement, RIGHT_ANGLES, axis, nearest_right_angle};
+use super::{Geometry, RIGHT_ANGLES, axis, nearest_right_angle};
 use crate::error::ChainError;
 use approx::assert_relative_eq;
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::Vector3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 #[test]
@@ -115,40 +115,4 @@ fn numbers_that_make_no_chain_are_refused() {
             matches!(error, ChainError::Shape { what: "geometry", found, .. } if found == count)
         );
     }
-}
-
-#[test]
-fn frames_at_hand_give_the_axes_and_how_frames_lie_in_them() {
-    let turned = |x: f64, y: f64, z: f64| *Rotation3::from_euler_angles(x, y, z).matrix();
-    let given = [
-        Placement { rotation: turned(0.3, -0.2, 1.0), origin: Vector3::new(0.1, 0.2, 0.3) },
-        Placement { rotation: turned(FRAC_PI_2, 0.0, 0.4), origin: Vector3::new(0.0, 0.1, 0.2) },
-        Placement { rotation: turned(0.0, 0.0, -1.0), origin: Vector3::new(0.4, -0.1, 0.7) },
-        Placement { rotation: turned(PI, 0.0, 0.2), origin: Vector3::new(0.2, 0.0, -0.1) },
-        Placement { rotation: turned(1.1, 0.7, -2.0), origin: Vector3::new(-0.3, 0.05, 0.6) },
-    ];
-    let q = [0.3, -1.2, 0.8, 2.0, -0.4];
-
-    let (geometry, frames) = Geometry::of_frames(&given, [0.0, 0.0, -1.0]);
-
-    // Both chains, moved: each frame of the geometry is where `frames` says in the given one.
-    let moved = |placements: &[Placement]| -> Vec<Placement> {
-        let mut at = Placement { rotation: Matrix3::identity(), origin: Vector3::zeros() };
-        let step = |(placement, angle): (&Placement, &f64)| {
-            at.origin += at.rotation * placement.origin;
-            at.rotation *= placement.rotation * turned(0.0, 0.0, *angle);
-            at
-        };
-        placements.iter().zip(&q).map(step).collect()
-    };
-    let based: Vec<Placement> =
-        std::iter::once(Placement { rotation: Matrix3::identity(), origin: Vector3::zeros() })
-            .chain(given[1..].iter().copied())
-            .collect();
-    for ((own, of), frame) in moved(&geometry.placements()).iter().zip(moved(&based)).zip(&frames) {
-        assert_relative_eq!(own.rotation, of.rotation * frame.rotation, epsilon = 1e-12);
-        assert_relative_eq!(own.origin, of.origin + of.rotation * frame.origin, epsilon = 1e-12);
-    }
-    let gravity = given[0].rotation.transpose() * Vector3::new(0.0, 0.0, -9.81);
-    assert_relative_eq!(Vector3::from(geometry.gravity()), gravity, epsilon = 1e-12);
 }

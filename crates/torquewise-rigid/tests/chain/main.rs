@@ -1,10 +1,9 @@
-//! From chains to the arms they stand for: dynamics, energies, recovery, bad input.
+//! From chains to the arms they stand for: dynamics, recovery, bad input.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 mod twins;
 mod dynamics;
-mod expansion;
 mod prismatic;
 mod recursion;
 mod tangent;

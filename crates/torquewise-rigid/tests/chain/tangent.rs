@@ -2,6 +2,7 @@
 
 use crate::twins::{arm, drawn, sines};
 use faer::Mat;
+use torquewise_rigid::search::all_parameters;
 use torquewise_rigid::{Chain, Geometry, Rows};
 
 const JOINTS: usize = 3;
@@ -54,7 +55,7 @@ fn moved(chain: &Chain, parameter: usize, step: f64) -> Chain {
 fn a_residual_is_measured_less_predicted() {
     let (rows, chain) = (rows(), other());
 
-    let tangent = chain.tangent(&rows, &WEIGHTS).unwrap();
+    let tangent = chain.tangent(&rows, &WEIGHTS, &all_parameters(JOINTS)).unwrap();
 
     let m = rows.len();
     let predicted = weighted(&chain, &rows);
@@ -71,7 +72,7 @@ fn a_residual_is_measured_less_predicted() {
 fn columns_are_the_slopes_of_the_torque() {
     let (rows, chain) = (rows(), other());
 
-    let tangent = chain.tangent(&rows, &WEIGHTS).unwrap();
+    let tangent = chain.tangent(&rows, &WEIGHTS, &all_parameters(JOINTS)).unwrap();
 
     assert_eq!(tangent.columns.ncols(), 10 * JOINTS + 2 + 2 + 4 * (JOINTS - 1));
     let step = 1e-5;
@@ -92,6 +93,6 @@ fn columns_are_the_slopes_of_the_torque() {
 fn rows_of_another_arm_are_refused() {
     let chain = Chain { drive: vec![], ..other() };
 
-    assert!(chain.tangent(&rows(), &WEIGHTS).is_err());
-    assert!(other().tangent(&rows(), &WEIGHTS[1..]).is_err());
+    assert!(chain.tangent(&rows(), &WEIGHTS, &[]).is_err());
+    assert!(other().tangent(&rows(), &WEIGHTS[1..], &[]).is_err());
 }
