@@ -1,53 +1,7 @@
 //! Several logs together, wrong torques, and files that are refused before they do harm.
 
-use crate::robots::robot;
 use crate::spoilt::{Table, assert_warns};
 use crate::terminal::Terminal;
-
-#[test]
-fn logs_of_other_payloads_are_told_apart() {
-    let terminal = Terminal::new();
-    terminal.write("bare.urdf", &robot(0.1));
-    terminal.write("laden.urdf", &robot(1.1));
-    for (arm, log, seed) in [("bare", "a", 1), ("laden", "b", 2), ("bare", "c", 3)] {
-        terminal.done(&format!(
-            "simulate {arm}.urdf -o {log}.csv --seconds 40 --rate 50 --seed {seed} \
-             --noise-db 60,50,40"
-        ));
-    }
-
-    let mixed = terminal.run("fit a.csv b.csv -o mixed.json --strict");
-    let alike = terminal.run("fit a.csv c.csv -o alike.json");
-
-    let words = ["a.csv and b.csv disagree about the gravity of", "elbow (", "Fit them apart"];
-    assert_warns(&mixed, &words);
-    assert!(!alike.stderr.contains("disagree"), "{alike:?}");
-}
-
-#[test]
-fn a_torque_of_the_wrong_sign_is_named_on_any_joint() {
-    let all = [
-        ("planar-2", vec![1, 2], ""),
-        ("puma560-3", vec![1, 2, 3], ""),
-        ("puma560-3", vec![1], "--library product"),
-        ("generic-4", vec![1, 2], ""),
-        ("generic-6", vec![6], ""),
-    ];
-    for (arm, joints, how) in all {
-        let log = Table::simulated(&format!("{arm} --seconds 60 --rate 100"));
-        let terminal = Terminal::new();
-        for joint in joints {
-            let turned = log.clone().scaled(&[&format!("tau{joint}")], -1.0);
-            terminal.write("changed.csv", &turned.text());
-            let said = terminal.run(&format!("fit changed.csv -o m.json {how}"));
-            assert_eq!(said.code, 3, "{said:?}");
-            let verdict = format!("unusable: the torque of joint{joint} has the wrong sign");
-            assert!(said.stdout.contains(&verdict), "{said:?}");
-            assert_eq!(said.stdout.matches("has the wrong sign").count(), 1, "{said:?}");
-            assert!(said.stderr.contains("check the sign of its torque"), "{said:?}");
-        }
-    }
-}
 
 #[test]
 fn a_torque_that_was_cut_off_is_named() {

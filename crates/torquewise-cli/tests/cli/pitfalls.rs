@@ -105,38 +105,7 @@ fn the_suggested_profile_takes_what_was_measured() {
     assert_eq!(terminal.run("inspect log.csv --profile p.toml").code, 0);
 }
 
-#[test]
-fn several_logs_of_other_rates_are_read_together() {
-    let terminal = Terminal::new();
-    terminal.write("a.csv", &Table::recorded().text());
-    let slow = "planar-2 --motion sines --seconds 20 --rate 50 --seed 9";
-    terminal.write("b.csv", &Table::simulated(slow).without(&["ddq1", "ddq2"]).text());
-
-    let found = terminal.json("inspect a.csv b.csv");
-
-    assert_eq!(found["trajectories"], 2);
-}
-
 // Clocks.
-
-#[test]
-fn a_log_without_a_clock_asks_for_its_rate() {
-    let terminal = Terminal::new();
-    terminal.write("log.csv", &Table::recorded().without(&["t"]).text());
-    let profile = |rate: &str| {
-        format!("{rate}\n[q]\ncolumns = \"q\"\n[dq]\ncolumns = \"dq\"\n[tau]\ncolumns = \"tau\"\n")
-    };
-    terminal.write("none.toml", &profile(""));
-    terminal.write("right.toml", &profile("rate = 100.0"));
-    terminal.write("wrong.toml", &profile("rate = 200.0"));
-
-    terminal.refused("fit log.csv --profile none.toml -o m.json", &["no clock", "rate = …"]);
-    let right = terminal.run("inspect log.csv --profile right.toml");
-    let wrong = terminal.run("inspect log.csv --profile wrong.toml --strict");
-
-    assert!(!right.stderr.contains("measured velocity"), "{right:?}");
-    assert_warns(&wrong, &["measured velocity of joint1 is 0.50", "and the clock of the log"]);
-}
 
 #[test]
 fn repeated_stamps_and_a_restarted_clock_are_left_out_and_told() {
@@ -266,26 +235,6 @@ fn motor_currents_need_gears_and_constants_and_a_wrong_sign_is_told() {
 // Torques.
 
 #[test]
-fn torque_that_lags_is_advanced() {
-    let table = Table::recorded();
-    let late = |name: &str| -> Vec<f64> {
-        let place = table.place(name);
-        (0..table.rows.len()).map(|row| table.rows[row.saturating_sub(2)][place]).collect()
-    };
-    let (first, second) = (late("tau1"), late("tau2"));
-    let late =
-        table.clone().with("tau1", |row, _, _| first[row]).with("tau2", |row, _, _| second[row]);
-    let terminal = Terminal::new();
-    terminal.write("log.csv", &late.text());
-
-    let fit = terminal.json("fit log.csv -o model.json");
-
-    // Two rows at 100 Hz; half a row beside it is no harm.
-    let seconds = fit["delay_s"].as_f64().unwrap();
-    assert!((seconds - 0.02).abs() <= 0.005, "{seconds}");
-}
-
-#[test]
 fn a_torque_that_never_changes_is_told() {
     let terminal = Terminal::new();
     terminal.write("off.csv", &Table::arm().with("tau2", |_, _, _| 0.0).text());
@@ -319,27 +268,6 @@ fn velocity_that_a_robot_filtered_is_told_and_not_used() {
     // 50 ms less half a row at low frequencies.
     assert!((30.0..60.0).contains(&lag(&late)), "{}", lag(&late));
     assert!(lag(&sound).abs() < 2.0, "{}", lag(&sound));
-}
-
-#[test]
-fn a_log_that_ends_at_rest_is_cut_by_its_profile() {
-    let terminal = Terminal::new();
-    let mut table = Table::recorded();
-    let last = table.rows[1_999].clone();
-    table.rows.extend((0..500).map(|row| {
-        let mut rest = last.clone();
-        rest[0] = 20.0 + 0.01 * f64::from(row);
-        rest
-    }));
-    terminal.write("log.csv", &table.text());
-    terminal.write(
-        "cut.toml",
-        "seconds = [[0.0, 19.995]]\n[t]\ncolumn = \"t\"\n[q]\ncolumns = \"q\"\n\
-         [tau]\ncolumns = \"tau\"\n",
-    );
-
-    let raw = "inspect log.csv --profile cut.toml --filter none";
-    assert_eq!(terminal.json(raw)["rows"], 2_000);
 }
 
 #[test]
