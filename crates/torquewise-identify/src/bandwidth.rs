@@ -183,13 +183,11 @@ impl Grid {
         };
         let cutoffs = self.cutoffs.iter().map(|tried| of(tried, hertz(tried.cutoff))).collect();
         let delays = self.delays.iter().map(|tried| of(tried, milliseconds(tried.delay))).collect();
-        let choices = vec![
+        let mut choices = vec![
             choice("cut-off of the filter", hertz(cutoff), "lowest near the least error", cutoffs),
             choice("delay of the torque", milliseconds(delay), "none but for a clear gain", delays),
         ];
-        let settled = [self.cutoffs.len(), self.delays.len()];
-        let choices = choices.into_iter().zip(settled).filter(|(_, count)| *count > 1);
-        let choices = choices.map(|(choice, _)| choice).collect();
+        choices.retain(|choice| choice.from.len() > 1);
         Ok(Tuned { recording, request, choices })
     }
 }

@@ -71,11 +71,8 @@ pub fn disagreements(
     let mut path = logs.torque.path();
     recording
         .read(&mut |trajectory, block| {
-            match logs.place(log_of(trajectory)) {
-                Some(place) => logs.add(place, &path.follow(trajectory, block))?,
-                None => return Ok(()),
-            }
-            Ok(())
+            let Some(place) = logs.place(log_of(trajectory)) else { return Ok(()) };
+            logs.add(place, &path.follow(trajectory, block))
         })
         .map_err(IdentifyError::Read)?;
     Ok(logs.compared(&model.joints))

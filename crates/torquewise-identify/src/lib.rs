@@ -38,7 +38,6 @@ pub mod residual_shape;
 pub mod rounds;
 pub mod settings;
 pub mod summary;
-mod summary_file;
 pub mod reconstruct;
 pub mod bandwidth;
 pub mod payload;

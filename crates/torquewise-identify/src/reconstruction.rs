@@ -94,17 +94,16 @@ impl Reconstruction {
         let left = training.residual_rms.iter().zip(&training.torque_std).enumerate();
         let missed: Vec<usize> =
             left.filter(|(_, (rms, std))| **rms > MUCH * **std).map(|(joint, _)| joint).collect();
-        for &joint in &missed {
-            if let Some(share) = clipped(&self.survey.sample, joint) {
+        let clipped: Vec<Warning> = (missed.iter())
+            .filter_map(|&joint| {
+                let share = clipped(&self.survey.sample, joint)?;
                 let joint = self.survey.joints[joint].clone();
-                self.warnings.push(Warning::Excitation(Finding::Clipped { joint, share }));
-            }
-        }
-        let is_clipped =
-            |own: &Warning| matches!(own, Warning::Excitation(Finding::Clipped { .. }));
-        if self.warnings.iter().any(is_clipped)
-            || missed.is_empty() && !self.has_negative_inertia()?
-        {
+                Some(Warning::Excitation(Finding::Clipped { joint, share }))
+            })
+            .collect();
+        let is_clipped = !clipped.is_empty();
+        self.warnings.extend(clipped);
+        if is_clipped || missed.is_empty() && !self.has_negative_inertia()? {
             return Ok(());
         }
         // What shows the friction of its own shaft is that joint's torque, and its sign is right.

@@ -1,6 +1,7 @@
 //! Summary of logs: all that a fit needs of them, in sums that add up without rounding.
 
 use crate::estimate::add_up;
+use crate::framed::{damaged, framed, unframed};
 use crate::plan::{Method, Plan};
 use crate::reconstruction::{Progress, Watch};
 use crate::rounds::Request;
@@ -9,13 +10,16 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::model::Choice;
 use torquewise_model::model::Filter;
 use torquewise_motion::Recording;
-use torquewise_regression::normal_sums::NormalSums;
+use torquewise_regression::normal_sums::{FOLDS, NormalSums};
 use torquewise_regression::row_sums::RowSums;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::library::{Basis, LibrarySums, PatternAccumulator, SummedLibrary};
 use torquewise_stepwise::noise::NoiseSum;
 use torquewise_stepwise::patterns::find_patterns;
 use torquewise_stepwise::survey::{Survey, SurveySum};
+
+/// First bytes of the file of a summary.
+const MAGIC: [u8; 8] = *b"twmoment";
 
 /// All that a fit needs of logs: ranges, noise, an even sample, and sums over their rows.
 ///
@@ -217,5 +221,42 @@ impl Summary {
         let library = library.ok_or(IdentifyError::NoLibrary)?;
         let still = self.still.finish_still();
         Ok(LibrarySums { library, patterns, sums: self.sums, still, choices: self.choices })
+    }
+
+    /// The summary as the bytes of a file.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Moments`] if it holds friction.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, IdentifyError> {
+        self.settings.refuse_friction()?;
+        framed(MAGIC, self)
+    }
+
+    /// The summary that [`Self::to_bytes`] wrote.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Moments`] if the bytes are not a summary, are of another version, or were
+    /// damaged or cut short.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, IdentifyError> {
+        let summary: Self = unframed(MAGIC, bytes)?;
+        let Self { settings, survey, still, sums, pass, .. } = &summary;
+        let n = settings.joints.len();
+        let fits = settings.joints == survey.joints()
+            && survey.is_sound()
+            && still.is_sound(n)
+            && sums.len() == settings.parts().len();
+        let is_sound = |pass: &Pass| {
+            let at = pass.request.linearisation();
+            at.is_sound(n) && pass.sums.is_sound(at.n_parameters(), n, FOLDS)
+        };
+        if !fits || !pass.as_ref().is_none_or(is_sound) {
+            return Err(damaged("its parts do not fit each other"));
+        }
+        let basis = settings.basis()?;
+        let prepared = basis.as_ref().map(|basis| &basis.prepared);
+        if !sums.iter().all(|sums| prepared.is_some_and(|own| sums.is_sound(own))) {
+            return Err(damaged("its sums are not those of its library"));
+        }
+        Ok(summary)
     }
 }

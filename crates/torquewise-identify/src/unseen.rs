@@ -229,7 +229,11 @@ impl<'a> Unseen<'a> {
     fn measured(&self, solved: &[Vec<Mat<f64>>], active: &[usize]) -> Vec<Option<Errors>> {
         let (m, n) =
             (self.joints.first().map_or(0, |joint| joint.weights.len()), self.joints.len());
-        // Mean squares of each ridge and target, blocks by joints.
+        let variances = |(_, target): &Target<'_>| -> Vec<f64> {
+            (0..n).map(|joint| variance(target, joint)).collect()
+        };
+        let variances: Vec<Vec<f64>> = self.targets.iter().map(variances).collect();
+        // Mean squares over the variance of each ridge and target, blocks by joints.
         let none = vec![vec![0.0; n]; self.blocks.len()];
         let mut parts = vec![vec![none; self.targets.len()]; solved.len()];
         for (joint, JointRows { columns, rows, weights }) in self.joints.iter().enumerate() {
@@ -245,31 +249,23 @@ impl<'a> Unseen<'a> {
                         let square = |(&row, x): (&usize, &f64)| {
                             (target[(row, joint)] - x / weights[row]).powi(2)
                         };
-                        parts[k][b][joint] =
-                            left.map(square).sum::<f64>() / block.rows.len() as f64;
+                        let mean = left.map(square).sum::<f64>() / block.rows.len() as f64;
+                        parts[k][b][joint] = mean / variances[k][joint];
                     }
                 }
             }
         }
         let shares: Vec<f64> =
             self.blocks.iter().map(|block| block.rows.len() as f64 / m as f64).collect();
-        let of = |(k, (_, target)): (usize, &Target<'_>)| -> Option<Errors> {
-            let variances: Vec<f64> = (0..n).map(|joint| variance(target, joint)).collect();
+        let of = |(k, variances): (usize, &Vec<f64>)| -> Option<Errors> {
             let spread: Vec<f64> = variances.iter().map(|variance| variance.sqrt()).collect();
             let errors = parts.iter().map(|parts| {
-                let relative = |block: &Vec<f64>| {
-                    block
-                        .iter()
-                        .zip(&variances)
-                        .map(|(square, variance)| square / variance)
-                        .collect()
-                };
-                let parts = parts[k].iter().map(relative).collect();
-                Errors { parts, shares: shares.clone(), spread: spread.clone() }
+                let (parts, shares, spread) = (parts[k].clone(), shares.clone(), spread.clone());
+                Errors { parts, shares, spread }
             });
             errors.min_by(|a, b| a.all().total_cmp(&b.all()))
         };
-        self.targets.iter().enumerate().map(of).collect()
+        variances.iter().enumerate().map(of).collect()
     }
 }
 

@@ -114,28 +114,19 @@ impl Warning {
     /// its held-out rows well: a rough look knows neither the other joints nor the noise.
     pub(crate) fn retain_founded(warnings: &mut Vec<Self>, model: &Model) {
         // What is little of a turn, in rad, is not of a slide, in m.
-        let slides = |joint: &str| {
-            let place = model.joints.iter().position(|name| name == joint);
-            place.is_some_and(|joint| model.kinds().slides(joint))
-        };
+        let errors = model.training.held_out_errors().unwrap_or_default();
+        let place = |joint: &str| model.joints.iter().position(|name| name == joint);
+        let slides = |joint: &str| place(joint).is_some_and(|joint| model.kinds().slides(joint));
+        let error_of = |joint: &str| errors.get(place(joint)?).copied();
         warnings.retain(|warning| match warning {
             Self::Excitation(
                 Finding::Range { joint, .. }
                 | Finding::Speed { joint, .. }
                 | Finding::Acceleration { joint, .. },
             ) => !slides(joint),
-            _ => true,
-        });
-        let Some(errors) = model.training.held_out_errors() else { return };
-        let is_predicted = |joint: &str| {
-            model
-                .joints
-                .iter()
-                .zip(&errors)
-                .any(|(name, error)| name == joint && *error < Training::POOR)
-        };
-        warnings.retain(|warning| match warning {
-            Self::Excitation(Finding::Unrelated { joint, .. }) => !is_predicted(joint),
+            Self::Excitation(Finding::Unrelated { joint, .. }) => {
+                error_of(joint).is_none_or(|error| error >= Training::POOR)
+            }
             _ => true,
         });
     }

@@ -266,9 +266,7 @@ impl Geometry {
             })
             .collect()
     }
-}
 
-impl Geometry {
     /// The axis of each joint at q = 0 in a frame with z up, against gravity: its direction, and
     /// the origin of the joint \[m\], n.
     pub fn upright(&self) -> Vec<([f64; 3], [f64; 3])> {

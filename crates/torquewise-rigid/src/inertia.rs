@@ -11,41 +11,16 @@ pub type Inertial = [f64; PER_BODY];
 /// P = \[Σ h; hᵀ m\], Σ = ½ tr(I) 1 − I: positive definite exactly for the bodies there can be.
 pub fn pseudo_inertia(p: &[f64]) -> Matrix4<f64> {
     let [m, hx, hy, hz, xx, yy, zz, xy, xz, yz] = std::array::from_fn(|k| p[k]);
-    Matrix4::new(
-        0.5 * (yy + zz - xx),
-        -xy,
-        -xz,
-        hx,
-        -xy,
-        0.5 * (xx + zz - yy),
-        -yz,
-        hy,
-        -xz,
-        -yz,
-        0.5 * (xx + yy - zz),
-        hz,
-        hx,
-        hy,
-        hz,
-        m,
-    )
+    let [x, y, z] = [yy + zz - xx, xx + zz - yy, xx + yy - zz].map(|sum| 0.5 * sum);
+    Matrix4::new(x, -xy, -xz, hx, -xy, y, -yz, hy, -xz, -yz, z, hz, hx, hy, hz, m)
 }
 
 /// The inertial parameters of a pseudo-inertia.
 pub fn inertial_of(p: &Matrix4<f64>) -> Inertial {
-    let [x, y, z] = [p[(0, 0)], p[(1, 1)], p[(2, 2)]];
-    [
-        p[(3, 3)],
-        p[(0, 3)],
-        p[(1, 3)],
-        p[(2, 3)],
-        y + z,
-        x + z,
-        x + y,
-        -p[(0, 1)],
-        -p[(0, 2)],
-        -p[(1, 2)],
-    ]
+    let [m, hx, hy, hz] = [3, 0, 1, 2].map(|row| p[(row, 3)]);
+    let [x, y, z] = [0, 1, 2].map(|axis| p[(axis, axis)]);
+    let [xy, xz, yz] = [(0, 1), (0, 2), (1, 2)].map(|pair| -p[pair]);
+    [m, hx, hy, hz, y + z, x + z, x + y, xy, xz, yz]
 }
 
 /// The inertial parameters of a body seen from another frame, in which its own lies as `placement`

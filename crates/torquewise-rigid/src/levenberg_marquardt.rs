@@ -40,6 +40,36 @@ const LEAST_GAIN: f64 = 1e-4;
 /// Trials of a round.
 const TRIALS: usize = 6;
 
+/// Change of the weighted torque per unit of each free parameter, the masses held, (m·n)×g.
+///
+/// - `masses`: inertial parameters of the bodies, 10 each, and whatever comes after them
+pub(crate) fn changes(
+    (rows, weights): (&Rows, &[f64]),
+    geometry: &Geometry,
+    masses: &[f64],
+    free: &[usize],
+) -> Mat<f64> {
+    let (m, n) = (rows.len(), rows.n_joints());
+    let inertial = &masses[..PER_BODY * n];
+    let kinematics = rows.kinematics(geometry);
+    let derivatives = geometry.derivatives();
+    let (mut moved, mut torque) = (Moved::default(), [Lanes::splat(0.0); MOST_JOINTS]);
+    let mut changes = Mat::zeros(m * n, free.len());
+    rows.visit_lanes(|state, first, count| {
+        kinematics.inverse_dynamics(state, inertial, &mut moved, &mut torque[..n]);
+        for (column, &parameter) in free.iter().enumerate() {
+            moved.geometry_derivative(&derivatives[parameter], inertial, &mut torque[..n]);
+            for (joint, &change) in torque[..n].iter().enumerate() {
+                put(changes.col_as_slice_mut(column), (joint * m + first, count), change);
+            }
+        }
+    });
+    for column in 0..free.len() {
+        weigh(changes.col_as_slice_mut(column), rows, weights);
+    }
+    changes
+}
+
 impl Target<'_> {
     pub(crate) fn fit(&self, geometry: &Geometry) -> Result<Fitted, ChainError> {
         let masses = InertialFit::fit(geometry, self.rows, self.weights, self.ridge)?;
@@ -48,31 +78,6 @@ impl Target<'_> {
             return Err(ChainError::Singular);
         }
         Ok(Fitted { geometry: geometry.clone(), masses, cost })
-    }
-
-    /// Change of the weighted torque per unit of each free parameter, the masses held, (m·n)×g.
-    ///
-    /// - `masses`: inertial parameters of the bodies, 10 each, and whatever comes after them
-    pub(crate) fn changes(&self, geometry: &Geometry, masses: &[f64], free: &[usize]) -> Mat<f64> {
-        let (m, n) = (self.rows.len(), self.rows.n_joints());
-        let inertial = &masses[..PER_BODY * n];
-        let kinematics = self.rows.kinematics(geometry);
-        let derivatives = geometry.derivatives();
-        let (mut moved, mut torque) = (Moved::default(), [Lanes::splat(0.0); MOST_JOINTS]);
-        let mut changes = Mat::zeros(m * n, free.len());
-        self.rows.visit_lanes(|state, first, count| {
-            kinematics.inverse_dynamics(state, inertial, &mut moved, &mut torque[..n]);
-            for (column, &parameter) in free.iter().enumerate() {
-                moved.geometry_derivative(&derivatives[parameter], inertial, &mut torque[..n]);
-                for (joint, &change) in torque[..n].iter().enumerate() {
-                    put(changes.col_as_slice_mut(column), (joint * m + first, count), change);
-                }
-            }
-        });
-        for column in 0..free.len() {
-            weigh(changes.col_as_slice_mut(column), self.rows, self.weights);
-        }
-        changes
     }
 
     /// Improves the free parameters of a geometry in at most `rounds` rounds.
@@ -93,7 +98,8 @@ impl Target<'_> {
         let mut damping = 1e-2;
         for _ in 0..rounds {
             tell(watch, Stage::Round)?;
-            let changes = self.changes(&best.geometry, &best.masses.coefficients, free);
+            let changes =
+                changes((self.rows, self.weights), &best.geometry, &best.masses.coefficients, free);
             let mut curvature = best.masses.projected(&changes);
             let mut slope = vec![0.0; free.len()];
             for (j, &parameter) in free.iter().enumerate() {

@@ -330,22 +330,9 @@ impl<T: Scalar> Body<T> {
 
 impl<T: Scalar> Inertia<T> {
     fn of(p: &[f64]) -> Self {
-        let at = |k: usize| T::splat(p[k]);
-        Self {
-            mass: at(0),
-            first: Vector3::new(at(1), at(2), at(3)),
-            about_origin: Matrix3::new(
-                at(4),
-                at(7),
-                at(8),
-                at(7),
-                at(5),
-                at(9),
-                at(8),
-                at(9),
-                at(6),
-            ),
-        }
+        let [mass, hx, hy, hz, xx, yy, zz, xy, xz, yz] = std::array::from_fn(|k| T::splat(p[k]));
+        let about_origin = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        Self { mass, first: Vector3::new(hx, hy, hz), about_origin }
     }
 }
 

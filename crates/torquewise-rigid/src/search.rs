@@ -135,7 +135,7 @@ const LEAST_RESIDUAL: f64 = 1e-6;
 const FIRST_NOISE: f64 = 0.1;
 
 /// One over the noise guessed of each joint, n.
-pub(crate) fn first_weights(rows: &Rows) -> Vec<f64> {
+fn first_weights(rows: &Rows) -> Vec<f64> {
     let weight = |joint| {
         let deviation = rows.deviation_of(joint);
         1.0 / (FIRST_NOISE * if deviation > 0.0 { deviation } else { 1.0 })
@@ -310,7 +310,7 @@ pub fn refine(
 }
 
 /// One over the noise of each joint; the first guess where there is no residual.
-pub(crate) fn weights_of(residual_rms: &[f64], first: &[f64]) -> Vec<f64> {
+fn weights_of(residual_rms: &[f64], first: &[f64]) -> Vec<f64> {
     let weight = |(joint, first): (usize, &f64)| {
         residual_rms.get(joint).map_or(*first, |rms| 1.0 / rms.max(LEAST_RESIDUAL / first))
     };

@@ -2,10 +2,9 @@
 
 use crate::error::ChainError;
 use crate::inertial_fit::weighted_columns;
-use crate::levenberg_marquardt::Target;
+use crate::levenberg_marquardt::changes;
 use crate::rows::Rows;
-use crate::search::{Chain, first_weights, weights_of};
-use crate::usual_arm::UsualArm;
+use crate::search::Chain;
 use faer::Mat;
 
 /// The torque of rows, linearised at a chain.
@@ -24,14 +23,9 @@ pub struct Tangent {
 }
 
 impl Chain {
-    /// One over the noise of each joint \[1/(N·m)\], n: what is left of it, or a guess before that.
-    pub fn weights(&self, rows: &Rows) -> Vec<f64> {
-        weights_of(&self.residual_rms, &first_weights(rows))
-    }
-
     /// What the chain leaves of some rows, linearised in its masses and these parameters of its geometry.
     ///
-    /// - `weights`: one over the noise of each joint, n, see [`Chain::weights`]
+    /// - `weights`: one over the noise of each joint \[1/(N·m)\], n
     ///
     /// # Errors
     /// [`ChainError::Shape`] if the rows are of another arm, or have other columns beside the
@@ -54,9 +48,7 @@ impl Chain {
         }
         let masses: Vec<f64> = self.inertial.iter().chain(&self.drive).copied().collect();
         let linear = weighted_columns(&self.geometry, rows, weights);
-        let usual = UsualArm::near(&self.geometry);
-        let target = Target { rows, weights, ridge: 0.0, usual, strength: 0.0 };
-        let moves = target.changes(&self.geometry, &masses, free);
+        let moves = changes((rows, weights), &self.geometry, &masses, free);
         let weights: Vec<f64> =
             rows.shares.iter().enumerate().map(|(k, share)| share * weights[k / m]).collect();
         let fitted = &linear * faer::ColRef::from_slice(&masses);

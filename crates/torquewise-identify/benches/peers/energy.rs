@@ -1,10 +1,10 @@
 //! The energy library, whose coefficients all joints share: three joints, then six.
 
-use crate::trial::{N, errors, grams, moves, test, timed, write, write_motion};
+use crate::trial::{N, errors, fitted, grams, moves, test, timed, write, write_motion};
 use serde_json::{Value, json};
 use std::path::Path;
 use torquewise_identify::plan::{ChainOptions, FrictionKind, LibraryOptions, Regression};
-use torquewise_identify::{LibraryKind, Plan, reconstruct};
+use torquewise_identify::{LibraryKind, Plan};
 use torquewise_model::library::energy_library;
 use torquewise_model::{Form, Model, Weighted, to_json};
 use torquewise_motion::Motion;
@@ -32,9 +32,7 @@ pub(crate) fn three_joints(folder: &Path) -> Value {
         timed("lasso", || lasso_path(&all, &lasso).expect("settings within range"));
     write(&folder.join("energy3_lambdas.f64"), path.iter().map(|point| point.lambda));
     let plan = Plan::from(LibraryOptions { bags: 0, ..LibraryOptions::default() });
-    let (found, fit) = timed("fit", || {
-        reconstruct(&motion, &plan, torquewise_identify::UNWATCHED).expect("a log")
-    });
+    let (found, fit) = fitted(&motion, &plan);
     json!({
         "rows": ROWS,
         "candidates": candidates.len(),
@@ -52,9 +50,7 @@ pub(crate) fn six_joints(folder: &Path) -> Value {
     let (motion, test) = (moves("generic-6", FEW_ROWS, 2), test("generic-6"));
     write_files(folder, "energy6", &motion, &test);
     let plan = Plan::from(ChainOptions { friction: FrictionKind::None, ..ChainOptions::default() });
-    let (found, fit) = timed("fit", || {
-        reconstruct(&motion, &plan, torquewise_identify::UNWATCHED).expect("a log")
-    });
+    let (found, fit) = fitted(&motion, &plan);
     json!({
         "rows": FEW_ROWS,
         "candidates": energy_library(motion.n_joints(), None).len(),

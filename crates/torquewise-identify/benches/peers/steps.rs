@@ -1,10 +1,9 @@
 //! The paper's method, three joints: three regressions in turn, each on the rows of its pattern.
 
-use crate::trial::{N, errors, moves, test, timed, write, write_motion, write_terms};
+use crate::trial::{N, errors, fitted, moves, test, write, write_motion, write_terms};
 use serde_json::{Value, json};
 use std::path::Path;
 use torquewise_identify::plan::LibraryOptions;
-use torquewise_identify::reconstruct;
 use torquewise_motion::Pattern;
 use torquewise_stepwise::candidates::Candidates;
 
@@ -16,11 +15,7 @@ pub(crate) fn run(folder: &Path) -> Value {
     let options = LibraryOptions { bags: 0, ..LibraryOptions::product() };
     let candidates =
         Candidates::new(N, options.library, options.regression, Vec::new()).expect("a library");
-    let plan = options.into();
-    let (found, seconds) = timed("fit", || {
-        reconstruct(&motion, &plan, torquewise_identify::UNWATCHED)
-            .expect("a log of three patterns")
-    });
+    let (found, seconds) = fitted(&motion, &options.into());
 
     write_motion(&folder.join("steps.f64"), &motion);
     write_motion(&folder.join("steps_test.f64"), &test);

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
-use torquewise_identify::score;
+use torquewise_identify::{Plan, Reconstruction, UNWATCHED, reconstruct, score};
 use torquewise_model::Model;
 use torquewise_motion::{BLOCK_ROWS, Motion};
 use torquewise_regression::normal_equations::{NormalEquations, Selection};
@@ -104,6 +104,11 @@ pub(crate) fn timed<T>(name: &str, work: impl Fn() -> T) -> (T, Value) {
     let [wall, cpu] = runs[runs.len() / 2];
     eprintln!("  {name}: {wall:.3} s, {cpu:.3} s of processor time");
     (done, json!([wall, cpu]))
+}
+
+/// A fit, and its seconds.
+pub(crate) fn fitted(motion: &Motion, plan: &Plan) -> (Reconstruction, Value) {
+    timed("fit", || reconstruct(motion, plan, UNWATCHED).expect("a log"))
 }
 
 /// NRMSE of each joint on a motion, in percent.

@@ -263,9 +263,7 @@ impl Linearisation {
         let cell = |k: usize, j: usize| if j < p { out[(k, j)] } else { left[k] };
         Ok((Mat::from_fn(out.nrows(), p + 1, cell), tangent.weights))
     }
-}
 
-impl Linearisation {
     /// The rows of a block, those of joints at rest with little weight.
     fn weighed(&self, block: &Motion, seen: &Motion) -> Result<Rows, IdentifyError> {
         let drive = &self.structure.drive;

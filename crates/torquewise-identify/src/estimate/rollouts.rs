@@ -51,7 +51,7 @@ pub(crate) fn refined_by_rollouts(
     watch: Watch<'_>,
 ) -> Result<Fitted, IdentifyError> {
     let start = fitted.solved.at.clone();
-    let Rotors { places, shafts } = Rotors::of(&start);
+    let (places, shafts) = rotors_of(&start);
     let before = drifts_of(recording, &start)?;
     let weights = weights(&before);
     let windows_at = |at: &Linearisation| -> Result<Windows, IdentifyError> {
@@ -112,25 +112,15 @@ pub(crate) fn refined_by_rollouts(
     Ok(Fitted { solved, residual_rms: left, choices, ..fitted })
 }
 
-/// The rotors of a chain.
-struct Rotors {
-    /// Their places among the parameters.
-    places: Vec<usize>,
-    /// n each.
-    shafts: Vec<Vec<f64>>,
-}
-
-impl Rotors {
-    fn of(at: &Linearisation) -> Self {
-        let first = PER_BODY * at.n_joints();
-        let drive = at.structure.drive.iter().enumerate();
-        let rotors = drive.filter_map(|(k, term)| match term {
-            DriveTerm::Rotor(shaft) => Some((first + k, shaft.clone())),
-            DriveTerm::Friction(_) | DriveTerm::Energy(_) => None,
-        });
-        let (places, shafts) = rotors.unzip();
-        Self { places, shafts }
-    }
+/// The rotors of a chain: their places among the parameters, and their shafts, n each.
+fn rotors_of(at: &Linearisation) -> (Vec<usize>, Vec<Vec<f64>>) {
+    let first = PER_BODY * at.n_joints();
+    let drive = at.structure.drive.iter().enumerate();
+    let rotors = drive.filter_map(|(k, term)| match term {
+        DriveTerm::Rotor(shaft) => Some((first + k, shaft.clone())),
+        DriveTerm::Friction(_) | DriveTerm::Energy(_) => None,
+    });
+    rotors.unzip()
 }
 
 /// Normal equations of simulated windows in the rotors, at those they were simulated with.

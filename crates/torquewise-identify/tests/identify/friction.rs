@@ -129,13 +129,8 @@ fn the_product_library_finds_friction_of_its_own_joint_only() {
     let states = sines(&arm, 10.0, 5);
     let percent = percent(&found.model, &rubbing(&arm, &states, 0.0));
     assert!(percent.iter().all(|&percent| percent < 2.0), "{percent:?}");
-    assert!(
-        found
-            .model
-            .friction
-            .iter()
-            .all(|w| { w.term.shaft.iter().filter(|share| **share != 0.0).count() == 1 })
-    );
+    let is_alone = |shaft: &[f64]| shaft.iter().filter(|share| **share != 0.0).count() == 1;
+    assert!(found.model.friction.iter().all(|w| is_alone(&w.term.shaft)));
 }
 
 #[test]

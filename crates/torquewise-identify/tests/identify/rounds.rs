@@ -48,23 +48,16 @@ fn plan() -> Plan {
 
 /// The harmonics of sums of angles up to twice each, of all joints.
 fn harmonics() -> Vec<Term> {
-    let range = [-2_i8, -1, 0, 1, 2];
-    let mut all = Vec::new();
-    for a in range {
-        for b in range {
-            for c in range {
-                let multiples = [a, b, c];
-                // cos(−x) and sin(−x) are no others.
-                if multiples.iter().find(|k| **k != 0).is_some_and(|k| *k > 0) {
-                    for function in [Trig::Cos, Trig::Sin] {
-                        let factor = Factor { multiples: multiples.to_vec(), function, power: 1 };
-                        all.push(Term { factors: vec![factor], ..Term::one(3) });
-                    }
-                }
-            }
-        }
-    }
-    all
+    let all = (0_i8..125).map(|k| [k / 25, k / 5 % 5, k % 5].map(|digit| digit - 2));
+    // cos(−x) and sin(−x) are no others.
+    let once = all.filter(|all| all.iter().find(|k| **k != 0).is_some_and(|k| *k > 0));
+    let both = |multiples: [i8; 3]| {
+        [Trig::Cos, Trig::Sin].map(|function| {
+            let factor = Factor { multiples: multiples.to_vec(), function, power: 1 };
+            Term { factors: vec![factor], ..Term::one(3) }
+        })
+    };
+    once.flat_map(both).collect()
 }
 
 /// Products of 1, cos kq and sin kq of each joint.

@@ -12,11 +12,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use std::fmt::Write;
-use torquewise_identify::Plan;
 use torquewise_identify::bandwidth::{Tuned, tune, tune_from};
 use torquewise_identify::plan::ChainOptions;
 use torquewise_identify::reconstruct::reconstruct_from;
 use torquewise_identify::rounds::Request;
+use torquewise_identify::{Plan, UNWATCHED};
 use torquewise_logs::Logs;
 use torquewise_logs::conditioned::RawLogs;
 use torquewise_model::Model;
@@ -167,13 +167,11 @@ fn fit(fine: &Motion, rows: &Rows, searched: Option<Request>) -> (Model, Request
     let raw = RawLogs::new(logs, &Conditioning::default(), true).unwrap();
     let plan: Plan = ChainOptions::default().into();
     let tuned = match searched {
-        Some(request) => tune_from(&raw, request, torquewise_identify::UNWATCHED),
-        None => tune(&raw, &plan, torquewise_identify::UNWATCHED),
+        Some(request) => tune_from(&raw, request, UNWATCHED),
+        None => tune(&raw, &plan, UNWATCHED),
     };
     let Tuned { recording, request, .. } = tuned.unwrap();
-    let found =
-        reconstruct_from(&recording, request.clone(), &plan, torquewise_identify::UNWATCHED)
-            .unwrap();
+    let found = reconstruct_from(&recording, request.clone(), &plan, UNWATCHED).unwrap();
     (found.model, request)
 }
 

@@ -56,17 +56,6 @@ fn a_point_mass_on_a_turning_slide_obeys_its_closed_form() {
 }
 
 #[test]
-fn a_lift_holds_its_weight() {
-    let geometry = Geometry::straight(1).of_kinds(JointKinds::read("p").unwrap());
-    let mut inertial = vec![0.0; 10];
-    inertial[0] = 4.0;
-
-    let force = torque_of(&geometry, &inertial, &[vec![0.3], vec![0.8], vec![0.5]]);
-
-    assert_relative_eq!(force[0], 4.0 * (GRAVITY + 0.5), max_relative = 1e-12);
-}
-
-#[test]
 fn torque_follows_from_the_energies_by_lagrange() {
     let mut random = ChaCha8Rng::seed_from_u64(11);
     for kinds in ARMS.into_iter().chain(["rrrr"]) {
