@@ -1,6 +1,5 @@
 //! A model in the loop: files, words, numbers, and what is refused.
 
-use crate::spoilt::Table;
 use crate::terminal::{Terminal, numbers};
 
 /// Friction of the two joints of the small arm.
@@ -100,21 +99,4 @@ fn what_cannot_be_controlled_is_refused() {
     refused("--arm planar-2 --delay 0.05 --bandwidth 200", &["runs away", "lower its bandwidth"]);
     refused("--arm planar-2 -o model.json", &["read by this command"]);
     refused("--arm planar-2 --plot plot.png", &["expected .svg"]);
-}
-
-#[test]
-fn a_log_can_be_simulated_with_friction() {
-    let terminal = Terminal::new();
-    terminal.write("friction.toml", FRICTION);
-
-    let line = "simulate planar-2 --seconds 4 --rate 50 --motion sines -o";
-    terminal.done(&format!("{line} bare.csv"));
-    terminal.done(&format!("{line} rubbing.csv --friction friction.toml"));
-
-    let tau = |file: &str| Table::of(&terminal, file).column("tau2");
-    let more = tau("rubbing.csv").into_iter().zip(tau("bare.csv")).map(|(a, b)| (a - b).abs());
-    let most = more.fold(0.0, f64::max);
-    // 0.5 N·m and 0.2 N·m·s/rad at no more than 2 rad/s.
-    assert!((0.5..0.91).contains(&most), "{most}");
-    terminal.refused(&format!("{line} new.csv --friction no.toml"), &["no.toml cannot be read"]);
 }

@@ -173,26 +173,6 @@ fn what_was_repaired_in_a_log_is_a_note_and_stays_with_the_model() {
 // Units, gears, signs.
 
 #[test]
-fn degrees_are_suspected_and_read_with_a_profile() {
-    let terminal = Terminal::new();
-    let names = ["q1", "q2", "dq1", "dq2"];
-    let table = Table::arm().scaled(&names, 180.0 / std::f64::consts::PI);
-    terminal.write("log.csv", &table.text());
-    terminal.write(
-        "degrees.toml",
-        "[t]\ncolumn = \"t\"\n[q]\ncolumns = \"q\"\nunit = \"deg\"\n\
-         [dq]\ncolumns = \"dq\"\nunit = \"deg/s\"\n[tau]\ncolumns = \"tau\"\n",
-    );
-
-    assert_warns(
-        &terminal.run("inspect log.csv --strict"),
-        &["joint1 reaches", "are these degrees?"],
-    );
-    let said = terminal.run("inspect log.csv --profile degrees.toml");
-    assert!(!said.stderr.contains("degrees"), "{said:?}");
-}
-
-#[test]
 fn motor_currents_need_gears_and_constants_and_a_wrong_sign_is_told() {
     let terminal = Terminal::new();
     // Motors that turn 50 times as fast as their joints, the second one backward; N·m/A.
