@@ -28,23 +28,14 @@ def mean(ratios):
 
 def in_mujoco(model, trajectories):
     import mujoco
-    from forward import STEP, drift
+    from arm_mujoco import simulated
+    from forward import drift
 
     arm = mujoco.MjModel.from_xml_string(model.to_mjcf())
-    arm.opt.timestep, arm.opt.integrator = STEP, mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    arm.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     arm.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     arm.actuator_ctrllimited[:] = 0
-    data = mujoco.MjData(arm)
-
-    def end(window):
-        mujoco.mj_resetData(arm, data)
-        data.qpos[:], data.qvel[:] = window.q, window.dq
-        for tau in window.tau:
-            data.ctrl[:] = tau
-            mujoco.mj_step(arm, data)
-        return data.qpos.copy()
-
-    return mean(drift(trajectories, end))
+    return mean(drift(trajectories, simulated(arm)))
 
 
 def row(shared, profile, arm):
