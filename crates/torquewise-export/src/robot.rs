@@ -246,10 +246,7 @@ fn losses(
         if offset.is_some() && shaft.joint().is_none() {
             left_out.push(format!("the offset torque of {name}"));
         }
-        let bends = |law: FrictionLaw| {
-            matches!(law, FrictionLaw::Stribeck { .. } | FrictionLaw::Dahl { .. })
-        };
-        if laws().any(|term| bends(term.law) || !term.direction.is_both()) {
+        if laws().any(|term| !term.is_straight()) {
             left_out.push(format!(
                 "the curve of the friction of {name}: dry and viscous friction are nearest to it"
             ));

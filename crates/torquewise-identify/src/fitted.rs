@@ -8,7 +8,7 @@ use crate::prune::prune;
 use crate::reconstruction::{Progress, Reconstruction, Watch};
 use crate::samples::eigen;
 use crate::torque_kind::torque_kind;
-use crate::unseen::{HeldOut, HeldTo, Unseen, geometric_mean, regions, whole_logs};
+use crate::unseen::{HeldOut, HeldTo, Unseen, both_ways, geometric_mean};
 use crate::warning::Warning;
 use faer::{ColRef, Mat};
 use rand::SeedableRng;
@@ -63,8 +63,9 @@ impl Fitted {
     ) -> Result<Reconstruction, IdentifyError> {
         let Self { solved, sizes, residual_rms, mut choices, found, warning } = self;
         let mut training = survey.training(residual_rms);
+        let narrowed = solved.at.narrowed();
         (training.held_out_rms, training.held_out_by_region_rms) =
-            held_out_rms((&solved, &sizes), &survey)?;
+            held_out_rms((&narrowed, solved.strengths, &sizes), &survey)?;
         training.geometry_found = found;
         let residual_rms = &training.residual_rms;
         let covariance = faer::Scale(discrepancy(&training).powi(2)) * &solved.covariance;
@@ -85,7 +86,7 @@ impl Fitted {
         };
         let noise = &solved.at.noise;
         Progress::Working.tell(watch)?;
-        let kind = torque_kind(&solved.at.narrowed(), &survey.sample)?;
+        let kind = torque_kind(&narrowed, &survey.sample)?;
         warnings.extend(kind.map(Warning::Excitation));
         Progress::Working.tell(watch)?;
         warnings.extend(drifts(&model, &survey.sample)?.into_iter().map(Warning::Drift));
@@ -190,22 +191,20 @@ fn unexplained(
 /// single one, that were held out; and on regions of configuration (E20). Nothing where there are
 /// too few rows.
 fn held_out_rms(
-    (solved, sizes): (&Solved, &Sizes),
+    (at, strengths, sizes): (&Linearisation, [f64; 2], &Sizes),
     survey: &Survey,
 ) -> Result<(Vec<f64>, Vec<f64>), IdentifyError> {
-    let sample = &survey.sample;
-    let few = thinned(sample, HELD_OUT_ROWS);
-    let every = sample.n_rows().div_ceil(few.n_rows().max(1)).max(1);
+    let few = thinned(&survey.sample, HELD_OUT_ROWS);
+    let share = few.n_rows() as f64 / survey.rows.max(1) as f64;
+    let held_to = HeldTo::of(at, sizes, strengths.map(|strength| share * strength));
     let tau = few.require_tau()?.to_owned();
-    let target = [(&tau, &tau)];
-    let (at, share) = (solved.at.narrowed(), few.n_rows() as f64 / survey.rows.max(1) as f64);
-    let held_to = HeldTo::of(solved, sizes, share);
-    let rms = |blocks: &[HeldOut]| -> Result<Vec<f64>, IdentifyError> {
-        let Some(unseen) = Unseen::new(&at, &few, &target, blocks)? else { return Ok(Vec::new()) };
-        let errors = unseen.physical_errors(&held_to);
-        Ok(errors.map(|errors| errors.rms_by_joint()).unwrap_or_default())
+    let (target, columns) = ([(&tau, &tau)], at.columns_of(&few)?);
+    let rms = |blocks: Vec<HeldOut>| {
+        let unseen = Unseen::of_columns(columns.clone(), few.n_rows(), &target, &blocks)?;
+        Some(unseen.physical_errors(&held_to)?.rms_by_joint())
     };
-    Ok((rms(&whole_logs(&few))?, rms(&regions(&few, every))?))
+    let [by_time, by_region] = both_ways(&few, &survey.sample);
+    Ok((rms(by_time).unwrap_or_default(), rms(by_region).unwrap_or_default()))
 }
 
 /// Equal energy terms joined.

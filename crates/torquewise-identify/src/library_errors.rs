@@ -1,7 +1,7 @@
 //! Held-out error of the terms of a library.
 
 use crate::states::States;
-use crate::unseen::{HeldOut, Unseen, regions, whole_logs};
+use crate::unseen::{HeldOut, Unseen, both_ways};
 use faer::Mat;
 use torquewise_model::{Form, Model, Term, Weighted};
 use torquewise_motion::Motion;
@@ -19,10 +19,9 @@ const ROWS: usize = 2_000;
 /// [`IdentifyError`] if the sample has no torque.
 pub(crate) fn held_out_rms(model: &Model, sample: &Motion) -> Result<[Vec<f64>; 2], IdentifyError> {
     let few = thinned(sample, ROWS);
-    let every = sample.n_rows().div_ceil(few.n_rows().max(1)).max(1);
     let tau = few.require_tau()?.to_owned();
     let columns = columns(model, &few);
-    let rms = |blocks: &[HeldOut]| -> Vec<f64> {
+    let rms = |blocks: Vec<HeldOut>| -> Vec<f64> {
         let of = |(joints, columns): &(std::ops::Range<usize>, Mat<f64>)| {
             let own = tau.subcols(joints.start, joints.len()).to_owned();
             let target = [(&own, &own)];
@@ -34,13 +33,13 @@ pub(crate) fn held_out_rms(model: &Model, sample: &Motion) -> Result<[Vec<f64>; 
             let weighed = Mat::from_fn(columns.nrows(), columns.ncols(), |row, k| {
                 weights[row] * columns[(row, k)]
             });
-            let unseen = Unseen::of_columns((weighed, weights), few.n_rows(), &target, blocks)?;
+            let unseen = Unseen::of_columns((weighed, weights), few.n_rows(), &target, &blocks)?;
             Some(unseen.errors_of_all()?.first()?.rms_by_joint())
         };
         let all: Option<Vec<Vec<f64>>> = columns.iter().map(of).collect();
         all.unwrap_or_default().concat()
     };
-    Ok([rms(&whole_logs(&few)), rms(&regions(&few, every))])
+    Ok(both_ways(&few, sample).map(rms))
 }
 
 /// Columns of the terms of a model that are fitted together, and to which joints, each once;

@@ -2,7 +2,7 @@
 
 use crate::estimate::Linearisation;
 use crate::excitation::Finding;
-use crate::unseen::{HeldOut, Unseen, geometric_mean, regions, whole_logs};
+use crate::unseen::{HeldOut, Unseen, both_ways, geometric_mean};
 use faer::Mat;
 use torquewise_motion::Motion;
 use torquewise_rigid::feasible::Factored;
@@ -47,11 +47,10 @@ pub(crate) fn torque_kind(
     sample: &Motion,
 ) -> Result<Option<Finding>, IdentifyError> {
     let motion = thinned(sample, ROWS);
-    let every = sample.n_rows().div_ceil(motion.n_rows().max(1)).max(1);
     let (columns, weights) = at.columns_of(&motion)?;
     let tau = motion.require_tau()?.to_owned();
     let targets = [(&tau, &tau)];
-    let held_out = [whole_logs(&motion), regions(&motion, every)];
+    let held_out = both_ways(&motion, sample);
     let left = |columns: &Mat<f64>| -> Option<Vec<f64>> {
         let of = |blocks: &Vec<HeldOut>| {
             let columns = (columns.clone(), weights.clone());

@@ -101,6 +101,13 @@ pub(crate) fn regions(motion: &Motion, every: usize) -> Vec<HeldOut> {
     (0..REGIONS).map(of).filter(|block| !block.rows.is_empty()).collect()
 }
 
+/// What is held out of a motion that was thinned from a sample: whole logs or blocks of time, and
+/// regions of configuration.
+pub(crate) fn both_ways(few: &Motion, sample: &Motion) -> [Vec<HeldOut>; 2] {
+    let every = sample.n_rows().div_ceil(few.n_rows().max(1));
+    [whole_logs(few), regions(few, every)]
+}
+
 /// Blocks of time of a motion with their neighbours: the filter carries torque there.
 pub(crate) fn even_blocks(motion: &Motion) -> Vec<HeldOut> {
     let edge = |block: usize| block * motion.n_rows() / BLOCKS;
@@ -111,7 +118,7 @@ pub(crate) fn even_blocks(motion: &Motion) -> Vec<HeldOut> {
 }
 
 /// Whole logs where there are four or more, of very many some together; blocks of time of fewer.
-pub(crate) fn whole_logs(motion: &Motion) -> Vec<HeldOut> {
+fn whole_logs(motion: &Motion) -> Vec<HeldOut> {
     let logs = logs(motion.t());
     if logs.len() < LEAST_LOGS {
         return even_blocks(motion);

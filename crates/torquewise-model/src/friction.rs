@@ -241,6 +241,13 @@ impl FrictionTerm {
         }
     }
 
+    /// Whether it is dry or viscous friction or an offset, alike in both directions: what a robot file can
+    /// hold, but for a load.
+    pub fn is_straight(&self) -> bool {
+        let is_bent = matches!(self.law, FrictionLaw::Stribeck { .. } | FrictionLaw::Dahl { .. });
+        !is_bent && self.direction.is_both()
+    }
+
     /// Whether it knows the direction of the shaft at most, neither its speed nor a load.
     pub fn is_speedless(&self) -> bool {
         let has_speed = matches!(self.law, FrictionLaw::Viscous | FrictionLaw::Stribeck { .. });

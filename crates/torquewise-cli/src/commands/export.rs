@@ -12,7 +12,6 @@ use std::path::{Path, PathBuf};
 use torquewise::export::{Precision, Program, Quantity, test_vectors};
 use torquewise::exported::{self, ExportOptions, Exported, Target, function_name};
 use torquewise::model::Model;
-use torquewise::model::friction::FrictionLaw;
 
 /// Write a model as code for a controller, or as a robot for a simulator
 ///
@@ -114,12 +113,8 @@ fn robot(arguments: &Arguments, model: &Model, exported: &Exported) -> Outcome {
     let Exported { version, left_out, files, .. } = exported;
     let mut notes: Vec<String> =
         left_out.iter().map(|part| format!("not in the file: {part}")).collect();
-    let is_curved = |law: &FrictionLaw| {
-        !matches!(law, FrictionLaw::Offset | FrictionLaw::Viscous | FrictionLaw::Coulomb { .. })
-    };
-    if arguments.to != Target::Json
-        && model.friction.iter().any(|own| own.term.load || is_curved(&own.term.law))
-    {
+    let mut laws = model.friction.iter().map(|own| &own.term);
+    if arguments.to != Target::Json && laws.any(|law| law.load || !law.is_straight()) {
         notes
             .push("`fit --friction linear` fits the friction that such a file can hold".to_owned());
     }

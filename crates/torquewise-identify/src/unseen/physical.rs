@@ -2,7 +2,7 @@
 //! fit were held to (E14).
 
 use super::{Errors, HeldOut, Sums, Unseen, all_of};
-use crate::estimate::{Sizes, Solved, prior};
+use crate::estimate::{Linearisation, Sizes, prior};
 use faer::Mat;
 use rayon::prelude::*;
 use torquewise_rigid::UsualArm;
@@ -19,12 +19,13 @@ pub(crate) struct HeldTo {
 }
 
 impl HeldTo {
-    /// What a fit to all rows was held to, as it counts beside a share of them.
-    pub(crate) fn of(solved: &Solved, sizes: &Sizes, share: f64) -> Self {
-        let at = solved.at.narrowed();
-        let (prior, mut start) = prior(&at, sizes);
+    /// The priors of an arm, linearised there.
+    ///
+    /// - `strengths`: that of the prior, and that of its geometry
+    pub(crate) fn of(at: &Linearisation, sizes: &Sizes, strengths: [f64; 2]) -> Self {
+        let (prior, mut start) = prior(at, sizes);
         start.truncate(at.linear.len());
-        let [strength, stiffness] = solved.strengths.map(|strength| share * strength);
+        let [strength, stiffness] = strengths;
         let (usual, own) = (UsualArm::near(&at.geometry), at.geometry.parameters());
         let pull = |&k: &usize| (stiffness * usual.precision[k], usual.parameters[k] - own[k]);
         let pulls: Vec<(f64, f64)> = at.structure.free.iter().map(pull).collect();
