@@ -21,10 +21,12 @@ const ROWS: usize = 400;
 /// of all joints.
 const QUARTER: f64 = 0.25;
 /// Torques that are changed over must leave this part of what all leave as they are, geometric mean
-/// of the joints, by so many starts each on so many rows.
+/// of the joints, by so many starts each on so many rows; of all pairs, so many that do best by fewer
+/// starts on fewer rows.
 const HALF: f64 = 0.5;
-const FEW: usize = 200;
-const STARTS: usize = 6;
+const FEW: (usize, usize) = (6, 200);
+const FEWER: (usize, usize) = (2, 100);
+const LIKELIEST: usize = 4;
 /// What signs leave is alike within this factor.
 const ALIKE: f64 = 2.0;
 /// Mean squares below this part of the variance are rounding and the ridge.
@@ -214,7 +216,7 @@ pub(crate) fn swapped(
     seed: u64,
     watch: Watch<'_>,
 ) -> Result<Option<[usize; 2]>, IdentifyError> {
-    let (motion, n) = (thinned(sample, FEW), sample.n_joints());
+    let (motion, n) = (thinned(sample, FEW.1), sample.n_joints());
     let pairs = (0..n).flat_map(|a| (a + 1..n).map(move |b| [a, b]));
     let is_likely = |pair: &[usize; 2]| {
         pair.iter().any(|joint| missed.contains(joint))
@@ -227,13 +229,19 @@ pub(crate) fn swapped(
     let peaks = (0..n).map(|joint| motion.dq().col(joint).norm_max()).collect();
     let drive = DriveTerm::usual(&FrictionLibrary::new(peaks));
     let rows = rows(&motion, &columns(&drive, &motion, None))?;
-    let look = Search { seed, starts: STARTS, ..Search::default() };
     let watch = searching(watch);
-    let left =
-        pairs.into_iter().map(|pair| (pair, glance(&rows.clone().swapped(pair), &look, &watch)));
-    let best = left.min_by(|a, b| a.1.total_cmp(&b.1));
-    let as_it_is = glance(&rows, &look, &watch);
-    Ok(best.filter(|(_, left)| *left <= HALF * as_it_is).map(|(pair, _)| pair))
+    let left = |rows: &Rows, (starts, count): (usize, usize)| {
+        glance(&rows.thinned(count), &Search { seed, starts, ..Search::default() }, &watch)
+    };
+    let best_first = |pairs: Vec<[usize; 2]>, look: (usize, usize)| {
+        let left = |pair| (left(&rows.clone().swapped(pair), look), pair);
+        let mut pairs: Vec<(f64, [usize; 2])> = pairs.into_iter().map(left).collect();
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        pairs
+    };
+    let likeliest = best_first(pairs, FEWER).into_iter().take(LIKELIEST).map(|(_, pair)| pair);
+    let best = best_first(likeliest.collect(), FEW).first().copied();
+    Ok(best.filter(|(least, _)| *least <= HALF * left(&rows, FEW)).map(|(_, pair)| pair))
 }
 
 /// A chain with the torque of some joints turned round.

@@ -341,13 +341,17 @@ fn right_angles(
     }
     let mut best = target.fit(&geometry).ok()?;
     let mut least = logarithm(&best, &target);
+    // How many axes had changed when an axis was tried last: none has since, its turn is over.
+    let (mut changes, mut tried_at) = (0, vec![None; n]);
     for _ in 0..SWEEPS {
-        let mut changed = false;
         let mut order: Vec<usize> = (0..n).collect();
         for k in (1..order.len()).rev() {
             order.swap(k, random.random_range(0..=k));
         }
         for joint in order {
+            if tried_at[joint] == Some(changes) {
+                continue;
+            }
             tell(watch, Stage::Round).ok()?;
             for direction in RIGHT_ANGLES {
                 let mut other = best.geometry.clone();
@@ -356,14 +360,17 @@ fn right_angles(
                 } else {
                     other.set_direction(joint, direction);
                 }
-                if let Ok(found) = target.fit(&other)
+                if other != best.geometry
+                    && let Ok(found) = target.fit(&other)
                     && logarithm(&found, &target) < least
                 {
-                    (least, best, changed) = (logarithm(&found, &target), found, true);
+                    (least, best) = (logarithm(&found, &target), found);
+                    changes += 1;
                 }
             }
+            tried_at[joint] = Some(changes);
         }
-        if !changed {
+        if tried_at.iter().all(|at| *at == Some(changes)) {
             break;
         }
     }
