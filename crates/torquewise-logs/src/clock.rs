@@ -4,8 +4,8 @@ use torquewise_motion::Repairs;
 use torquewise_motion::signals::{Raw, Signal, lagrange};
 use torquewise_motion::stats::median;
 
-/// Repeats of position and torque that a logger faster than its device makes; a longer run is an
-/// arm at rest.
+/// Repeats of position and torque that a logger faster than its device makes, or twice as many as it
+/// makes at the median; a longer run is an arm at rest.
 const MOST_HELD: usize = 3;
 /// Held rows that a log has at least if its logger is faster than its device.
 const LEAST_HELD: f64 = 0.02;
@@ -22,25 +22,29 @@ const BETTER: f64 = 0.9;
 /// How the time stamps of logs are corrected, decided once for all of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ClockRepair {
-    /// Rows that repeat position and torque of the one before are left out: the device was slower
-    /// than the logger.
-    pub(crate) held: bool,
+    /// Rows that repeat position and torque of the one before are left out, so many of a run: the
+    /// device was slower than the logger.
+    pub(crate) held: usize,
     /// Stamps are those of late receipt: the device sampled evenly.
     pub(crate) late: bool,
 }
 
 impl ClockRepair {
     pub(crate) fn of(pieces: &[Raw]) -> Self {
-        let (mut rows, mut repeats) = (0, 0);
+        let mut repeats = Vec::new();
         for piece in pieces {
-            rows += piece.t.len();
-            repeats += held(piece, &mut Held::default()).iter().filter(|held| **held).count();
+            let repeat = repeated(piece, &mut Held::default());
+            let is_last = |row: usize| repeat.get(row + 1).is_none_or(|next| *next == 0);
+            repeats.extend((0..repeat.len()).filter(|&row| is_last(row)).map(|row| repeat[row]));
         }
-        let held = repeats as f64 > LEAST_HELD * rows as f64;
+        let rows: usize = repeats.iter().map(|repeats| repeats + 1).sum();
+        repeats.sort_unstable();
+        let most = MOST_HELD.max(2 * repeats.get(repeats.len() / 2).unwrap_or(&0));
+        let dropped: usize = repeats.iter().map(|repeats| (*repeats).min(most)).sum();
+        let held = if dropped as f64 > LEAST_HELD * rows as f64 { most } else { 0 };
         let mut off = [0.0, 0.0];
         for piece in pieces {
-            let kept = held.then(|| without_held(piece, &mut Held::default()));
-            let piece = kept.as_ref().unwrap_or(piece);
+            let piece = &without_held(piece, held, &mut Held::default());
             let mended = mended(&piece.t);
             off[0] += roughness(&piece.t, piece.of(Signal::Q));
             off[1] += roughness(&mended, piece.of(Signal::Q));
@@ -56,7 +60,8 @@ pub(crate) struct Held {
     run: usize,
 }
 
-fn held(block: &Raw, state: &mut Held) -> Vec<bool> {
+/// How often each row repeats what one before began.
+fn repeated(block: &Raw, state: &mut Held) -> Vec<usize> {
     // Velocities may have been derived after the device, so that they never repeat.
     let columns = || block.of(Signal::Q).iter().chain(block.of(Signal::Tau));
     let mut found = Vec::with_capacity(block.t.len());
@@ -64,14 +69,15 @@ fn held(block: &Raw, state: &mut Held) -> Vec<bool> {
         let values: Vec<f64> = columns().map(|x| x[row]).collect();
         state.run = if values == state.last { state.run + 1 } else { 0 };
         state.last = values;
-        found.push((1..=MOST_HELD).contains(&state.run));
+        found.push(state.run);
     }
     found
 }
 
-fn without_held(block: &Raw, state: &mut Held) -> Raw {
-    let held = held(block, state);
-    block.select(&(0..block.t.len()).filter(|row| !held[*row]).collect::<Vec<_>>())
+fn without_held(block: &Raw, most: usize, state: &mut Held) -> Raw {
+    let repeated = repeated(block, state);
+    let is_held = |row: &usize| (1..=most).contains(&repeated[*row]);
+    block.select(&(0..block.t.len()).filter(|row| !is_held(row)).collect::<Vec<_>>())
 }
 
 /// Stamps on the line of least squares through those around them, between gaps.
@@ -149,9 +155,9 @@ impl ClockLane {
     }
 
     pub(crate) fn push(&mut self, mut block: Raw) -> Option<Raw> {
-        if self.repair.held {
+        if self.repair.held > 0 {
             let rows = block.t.len();
-            block = without_held(&block, &mut self.held);
+            block = without_held(&block, self.repair.held, &mut self.held);
             self.repairs.held_rows += (rows - block.t.len()) as u64;
         }
         if !self.repair.late {

@@ -2,6 +2,7 @@
 
 use crate::error::{MotionError, Result};
 use crate::signals::noise::white_noise;
+use crate::stats::median;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
@@ -14,7 +15,8 @@ pub(crate) const HIGHEST: f64 = 0.4;
 /// The first cut-off is so many times the band of the motion.
 const MARGIN: f64 = 8.0;
 const MOTION_SHARE: f64 = 0.95;
-/// Power of the speed counts where it is so many times that of white noise in the position.
+/// Power of the speed counts where it is so many times that of white noise in the position, and of
+/// what lies at the high half of all frequencies: what stamps are off is white in the speed.
 const CLEAR: f64 = 16.0;
 const LEAST_ROWS: usize = 64;
 
@@ -57,12 +59,16 @@ fn band(x: &[f64], rate: f64) -> Option<f64> {
     // White noise of the position has this mean square in each bin of its differences.
     let noise = white_noise(x, &vec![false; x.len()]);
     let window: f64 = (0..n).map(|k| hann(k).powi(2)).sum();
-    let noise = |bin: usize| {
+    let of_position = |bin: usize| {
         let gain = 2.0 * (PI * bin as f64 / n as f64).sin();
         window * (noise * gain).powi(2)
     };
-    let clear = |(bin, value): (usize, f64)| if value > CLEAR * noise(bin) { value } else { 0.0 };
-    let power: Vec<f64> = bins.iter().map(Complex::norm_sqr).enumerate().map(clear).collect();
+    let squares: Vec<f64> = bins.iter().map(Complex::norm_sqr).collect();
+    let of_speed = median(&mut squares[squares.len() / 2..].to_vec());
+    let clear = |(bin, &value): (usize, &f64)| {
+        if value > CLEAR * of_position(bin).max(of_speed) { value } else { 0.0 }
+    };
+    let power: Vec<f64> = squares.iter().enumerate().map(clear).collect();
     let total: f64 = power.iter().sum();
     let mut below = 0.0;
     let last = power.iter().position(|power| {
