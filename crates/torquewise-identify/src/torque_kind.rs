@@ -26,6 +26,9 @@ const ROUNDS: (usize, f64) = (30, 1e-4);
 const HOLD: f64 = 0.01;
 /// A round changes a gain by this factor at most.
 const MOST_CHANGE: f64 = 1.5;
+/// A gain within this factor of that of the joint which links load most is taken for the same:
+/// torque sensors differ by as much, and what the links lack passes for it.
+const SAME: f64 = 1.2;
 /// Gains that are further apart are no gains.
 const MOST_APART: f64 = 20.0;
 /// What is left of held-out torque, in units of the least residual that weights are made of, below
@@ -80,7 +83,8 @@ pub(crate) fn torque_kind(
     }
     let drive = [PER_BODY * motion.n_joints(), at.linear.len()];
     let rows = JointRows::new(&columns, &weights, &tau, drive);
-    let Some((per, loads)) = rows.gains(&at.linear) else { return Ok(None) };
+    let Some((mut per, loads)) = rows.gains(&at.linear) else { return Ok(None) };
+    per.iter_mut().filter(|per| per.ln().abs() < SAME.ln()).for_each(|per| *per = 1.0);
     let mean = geometric_mean(&per);
     let gains = per.iter().map(|per| mean / per).collect();
     let joints = sample.joints().to_vec();
@@ -162,13 +166,15 @@ impl JointRows {
         (apart < MOST_APART).then_some((per, links))
     }
 
-    /// Columns of joints with gains of their own, and those by which the gains move.
+    /// Columns of joints with gains of their own, and those by which these move.
     fn widened(&self, columns: &Mat<f64>, per: &[f64], links: &Mat<f64>) -> Mat<f64> {
         let (p, m) = (columns.ncols(), columns.nrows() / per.len());
         let loads = columns * links;
         Mat::from_fn(columns.nrows(), p + per.len(), |row, k| match k.checked_sub(p) {
             None => self.factor(per[row / m], k) * columns[(row, k)],
-            Some(joint) if joint == row / m => loads[(row, 0)],
+            Some(joint) if joint == row / m && per[joint].to_bits() != 1.0_f64.to_bits() => {
+                loads[(row, 0)]
+            }
             Some(_) => 0.0,
         })
     }
