@@ -98,16 +98,15 @@ impl ChainLearner<'_> {
             ((turning, chain, own), JointKinds::default(), self.motion.n_joints());
         let look = self.first_look(at)?;
         if !look.kinds.all_turn() {
-            // Where no joint tells, slides that fit are simpler: a mass each, without a place.
-            let is_simpler = look.untold.len() == n;
-            let rule = (WORTH_OF_SLIDES, is_simpler);
-            if let Some(slid) = self.slid(at, &look.kinds, (&best, rule), choices)? {
+            // Where no joint tells, slides are simpler: a mass each, without a place.
+            let worth = if look.untold.len() == n { 0.0 } else { WORTH_OF_SLIDES };
+            if let Some(slid) = self.slid(at, &look.kinds, (&best, worth), choices)? {
                 (best, kinds) = (slid, look.kinds.clone());
             }
         }
         for &joint in &look.may_slide {
             let other = kinds.with(joint, JointKind::Prismatic, n);
-            if let Some(slid) = self.slid(at, &other, (&best, (0.0, false)), choices)? {
+            if let Some(slid) = self.slid(at, &other, (&best, 0.0), choices)? {
                 (best, kinds) = (slid, other);
             }
         }
@@ -117,12 +116,12 @@ impl ChainLearner<'_> {
 
     /// The geometry of joints of other kinds, where held-out rows are for it.
     ///
-    /// - `rule`: the part by which the error must fall, and whether the other kinds are simpler
+    /// - `worth`: the part by which the error must fall
     fn slid(
         &mut self,
         at: &(impl Fn(JointKinds) -> ChainSpec + Sync),
         kinds: &JointKinds,
-        (known, rule): (&Searched, (f64, bool)),
+        (known, worth): (&Searched, f64),
         choices: &mut Vec<Choice>,
     ) -> Result<Option<Searched>, IdentifyError> {
         let (found, n) = (self.found.clone(), self.motion.n_joints());
@@ -135,10 +134,8 @@ impl ChainLearner<'_> {
             let label = if kinds.all_turn() { "all turn".to_owned() } else { of_kinds() };
             trial(label, spec, &self.rows(spec, TRIAL_ROWS)?, chain, &watch)
         };
-        let (worth, is_simpler) = rule;
-        let (known, other) = (judged(&known.0, &known.1)?, judged(&spec, &chain)?);
-        let (trials, place) = if is_simpler { ([other, known], 0) } else { ([known, other], 1) };
-        let is_other = record_worth(KINDS, &trials, worth, choices) == place;
+        let trials = [judged(&known.0, &known.1)?, judged(&spec, &chain)?];
+        let is_other = record_worth(KINDS, &trials, worth, choices) == 1;
         if !is_other {
             self.found = found;
         }
