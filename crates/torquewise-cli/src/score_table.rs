@@ -15,15 +15,24 @@ pub(crate) fn text(evaluation: &Evaluation, kinds: &JointKinds) -> String {
     if is_filtered {
         names.extend(["of raw torque [%]", "its noise [%]"]);
     }
+    let covered = evaluation.interval_coverage_percent.as_ref();
+    names.extend(covered.map(|_| "in 95 % interval [%]"));
     let mut table = Table::new(names);
-    for JointEvaluation { name, rmse, nrmse_percent, r2, raw_nrmse_percent, noise_floor_percent } in
-        joints
-    {
+    for (place, joint) in joints.iter().enumerate() {
+        let JointEvaluation {
+            name,
+            rmse,
+            nrmse_percent,
+            r2,
+            raw_nrmse_percent,
+            noise_floor_percent,
+        } = joint;
         let mut cells = vec![number(*rmse), number(*nrmse_percent), format!("{r2:.6}")];
         if is_filtered {
             let raw = [raw_nrmse_percent, noise_floor_percent];
             cells.extend(raw.map(|percent| percent.map_or_else(String::new, number)));
         }
+        cells.extend(covered.map(|covered| format!("{:.1}", covered[place])));
         table.row(name, cells);
     }
     table.text()

@@ -1,9 +1,9 @@
 //! How well a model predicts the torque of a log.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::log::{Log, Rows, Source};
 use crate::observe::{NOBODY, Observer, Watched};
-use crate::predict::MotionRange;
+use crate::predict::{Interval, MotionRange};
 use crate::prepared::Prepared;
 use serde::Serialize;
 use torquewise_identify::score::{JointScore, score, score_along};
@@ -18,6 +18,11 @@ pub struct Evaluation {
     pub joints: Vec<JointEvaluation>,
     /// Rows.
     pub rows: usize,
+    /// Part of the torques of each joint, as they were measured, that lies within their interval of
+    /// 95 % \[%\], n, on a sample of the rows. None of a model without a covariance, and where the
+    /// measured torque is not at hand.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval_coverage_percent: Option<Vec<f64>>,
     /// How far simulated windows of the log drift, where that was asked for.
     #[serde(skip_serializing_if = "Vec::is_empty", rename = "rollout")]
     pub rollouts: Vec<Drift>,
@@ -120,9 +125,9 @@ pub fn evaluate_prepared(
 ) -> Result<Evaluation> {
     let watched = Watched::new(log.rows(), observer, "predicting", log.rows_hint());
     let mut evaluation = scored(model, &watched)?;
-    let raw = log.raw_torque()?;
-    let raw = raw.map(|(motion, noise)| score(model, &motion).map(|scores| (scores, noise)));
-    if let Some((scores, noise)) = raw.transpose()? {
+    if let Some((motion, noise)) = log.raw_torque()? {
+        evaluation.interval_coverage_percent = coverage(model, &watched, (&motion, 1))?;
+        let scores = score(model, &motion)?;
         let joints = evaluation.joints.iter_mut().zip(scores.joints).zip(noise);
         for ((joint, JointScore { nrmse_percent, std, .. }), noise) in joints {
             joint.raw_nrmse_percent = Some(nrmse_percent);
@@ -152,6 +157,22 @@ pub fn rollouts(
     Ok(rollout::drifts(model, &drawn.transpose()?.unwrap_or_default(), log.rows(), horizons)?)
 }
 
+/// Bounds that so many percent of torques should lie between, and rows that are looked at, about.
+const INTERVAL: (f64, usize) = (95.0, 4_000);
+
+/// Part of measured torques within their interval, n; `None` of a model without a covariance.
+fn coverage(
+    model: &Model,
+    log: &dyn Recording,
+    (measured, every): (&dyn Recording, usize),
+) -> Result<Option<Vec<f64>>> {
+    match Interval::new(model, log, INTERVAL.0) {
+        Ok(interval) => interval.coverage(measured, every).map(Some),
+        Err(Error::NoCovariance) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
 /// What is said where a model is judged by its own log.
 const TRAINED: &str = "the model was fitted to these rows: what is left of them says nothing of \
                        others, judge it by another log";
@@ -177,5 +198,9 @@ fn scored(model: &Model, recording: &impl Recording) -> Result<Evaluation> {
     if range.is_trained(model) {
         notes.push(TRAINED.to_owned());
     }
-    Ok(Evaluation { joints, rows: scores.rows, rollouts: Vec::new(), notes, warnings })
+    let every = scores.rows.div_ceil(INTERVAL.1).max(1);
+    let covered = is_raw.then(|| coverage(model, recording, (recording, every))).transpose()?;
+    let interval_coverage_percent = covered.flatten();
+    let (rows, rollouts) = (scores.rows, Vec::new());
+    Ok(Evaluation { joints, rows, interval_coverage_percent, rollouts, notes, warnings })
 }

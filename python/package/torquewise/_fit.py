@@ -35,6 +35,9 @@ class Evaluation:
     r2: NDArray[np.float64]
     raw_nrmse_percent: NDArray[np.float64]
     """The same against torque as it was measured."""
+    interval_coverage_percent: NDArray[np.float64]
+    """Torques of each joint, as they were measured, within their interval of 95 % [%]; NaN where the
+    model has no covariance."""
     notes: list[str] = field(default_factory=list)
 
     @classmethod
@@ -44,19 +47,22 @@ class Evaluation:
         def of(key: str) -> NDArray[np.float64]:
             return np.array([joint.get(key) for joint in found["joints"]], dtype=float)
 
+        names = [joint["name"] for joint in found["joints"]]
+        covered = found.get("interval_coverage_percent", [None] * len(names))
         return cls(
-            [joint["name"] for joint in found["joints"]],
+            names,
             found["rows"],
             of("rmse"),
             of("nrmse_percent"),
             of("r2"),
             of("raw_nrmse_percent"),
+            np.array(covered, dtype=float),
             notes,
         )
 
     def to_frame(self) -> Any:
         """A frame of pandas with a row for each joint."""
-        names = "rmse", "nrmse_percent", "r2", "raw_nrmse_percent"
+        names = "rmse", "nrmse_percent", "r2", "raw_nrmse_percent", "interval_coverage_percent"
         errors = {name: getattr(self, name) for name in names}
         return frame({"joint": self.joints, **errors}, "joint")
 

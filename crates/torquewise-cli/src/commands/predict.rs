@@ -25,7 +25,8 @@ use torquewise::summary::AllRepairs;
 /// Predict the torque of a log, with or without measured torque, or at one pose
 ///
 /// Columns are t and tau_hat of each joint; where the log has torque, tau_measured, filtered as the
-/// motion, and residual = tau_measured − tau_hat too. Ends where a filter has not settled are left out.
+/// motion, and residual = tau_measured − tau_hat too; outside_range is 1 where a joint leaves the range
+/// the model was fitted on, else 0. Ends where a filter has not settled are left out.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
     /// Model file
@@ -125,9 +126,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let interval = interval.transpose()?;
     let measured = logs.logs().has_tau();
     let written =
-        Written { torque: Torque::new(&model), parts: arguments.parts, interval, measured };
+        Written { model: &model, torque: Torque::new(&model), parts: arguments.parts, interval, measured };
     let names = written.column_names(model.n_joints());
-    let mut writer = TableWriter::create(&staged(output)?, &Column::numbers(&names))?;
+    let mut columns = Column::numbers(&names);
+    columns.push(Column::new("outside_range", Values::Counts(&[])));
+    let mut writer = TableWriter::create(&staged(output)?, &columns)?;
     let mut range = MotionRange::new(model.n_joints());
     let mut largest = vec![0.0_f64; model.n_joints()];
     let mut rows = 0;
@@ -158,7 +161,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let json = json!({
         "joints": model.joints,
         "rows": rows,
-        "columns": names,
+        "columns": columns.iter().map(|column| &column.name).collect::<Vec<_>>(),
         "largest_torque": largest,
         "file": file.to_string(),
         "conditioning": AllRepairs::of(&repairs),
@@ -177,6 +180,7 @@ fn left_out(logs: &Prepared, rows: usize) -> Option<String> {
 }
 
 struct Written<'a> {
+    model: &'a Model,
     torque: Torque,
     /// Whether parts of the torque are.
     parts: bool,
@@ -222,8 +226,12 @@ impl Written<'_> {
         let columns = signals.iter().flat_map(|signal| {
             joints.clone().map(|joint| Values::Numbers(signal.col_as_slice(joint)))
         });
-        let values: Vec<Values<'_>> =
-            std::iter::once(Values::Numbers(block.t())).chain(columns).collect();
+        let outside = MotionRange::outside(self.model, block);
+        let outside: Vec<u64> = outside.into_iter().map(u64::from).collect();
+        let values: Vec<Values<'_>> = std::iter::once(Values::Numbers(block.t()))
+            .chain(columns)
+            .chain([Values::Counts(&outside)])
+            .collect();
         writer.append(&values)?;
         Ok(total)
     }

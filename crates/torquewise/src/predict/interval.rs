@@ -5,6 +5,7 @@ use faer::Mat;
 use torquewise_model::{Model, RigidChain, Torque};
 use torquewise_motion::{Motion, ReadError, Recording};
 use torquewise_stepwise::NoiseFloor;
+use torquewise_stepwise::error::IdentifyError;
 
 /// What a measured torque is expected within: the parameters are uncertain, noise of the log
 /// reaches the prediction, and what the model leaves of the torque is not predicted.
@@ -70,6 +71,38 @@ impl<'a> Interval<'a> {
             }
         }
         Ok([total - &half, total + &half])
+    }
+
+    /// Part of measured torques that lies within the bounds of each joint \[%\], n.
+    ///
+    /// - `measured`: rows with torque, of which one of `every` is looked at
+    ///
+    /// # Errors
+    /// Those of reading, and as [`Self::bounds`].
+    pub fn coverage(&self, measured: &dyn Recording, every: usize) -> Result<Vec<f64>> {
+        let (mut rows, mut seen) = (0, 0);
+        let mut within = vec![0_usize; self.model.n_joints()];
+        let mut path = self.torque.path();
+        let mut see = |trajectory: usize, block: &Motion| -> Result<(), ReadError> {
+            let first = rows;
+            rows += block.n_rows();
+            let few: Vec<usize> =
+                (0..block.n_rows()).filter(|row| (first + row).is_multiple_of(every)).collect();
+            let block = path.follow(trajectory, block).select(&few);
+            let [low, high] = self.bounds(&block, &self.torque.over(&block)?)?;
+            let tau = block.require_tau()?;
+            seen += few.len();
+            for (joint, within) in within.iter_mut().enumerate() {
+                let holds = |row: &usize| {
+                    let at = (*row, joint);
+                    (low[at]..=high[at]).contains(&tau[at])
+                };
+                *within += (0..few.len()).filter(holds).count();
+            }
+            Ok(())
+        };
+        measured.read(&mut see).map_err(IdentifyError::Read)?;
+        Ok(within.iter().map(|within| 100.0 * *within as f64 / seen.max(1) as f64).collect())
     }
 }
 

@@ -49,37 +49,62 @@ impl MotionRange {
         !training.dq_peak.is_empty() && of_q.chain(of_dq).all(|(a, b)| same(*a, *b))
     }
 
+    /// Which rows of a block leave the range a model was fitted on, with any joint.
+    pub fn outside(model: &Model, block: &Motion) -> Vec<bool> {
+        let mut range = Self::new(model.n_joints());
+        let is_outside = |row: usize| {
+            for joint in 0..model.n_joints() {
+                range.q[joint] = [block.q()[(row, joint)]; 2];
+                range.dq[joint] = block.dq()[(row, joint)].abs();
+                range.ddq[joint] = block.ddq()[(row, joint)].abs();
+            }
+            (0..model.n_joints()).any(|joint| range.beyond(model, joint).contains(&true))
+        };
+        (0..block.n_rows()).map(is_outside).collect()
+    }
+
+    /// Whether position, speed and acceleration of a joint are beyond what a model was fitted on.
+    fn beyond(&self, model: &Model, joint: usize) -> [bool; 3] {
+        let (training, [low, high]) = (&model.training, self.q[joint]);
+        let is_faster = |reached: &[f64], trained: &[f64]| {
+            trained.get(joint).is_some_and(|trained| reached[joint] > RATE_FACTOR * trained)
+        };
+        let is_off = training.q_range.get(joint).is_some_and(|[from, to]| {
+            let margin = Q_MARGIN * (to - from);
+            low < from - margin || high > to + margin
+        });
+        [
+            is_off,
+            is_faster(&self.dq, &training.dq_peak),
+            is_faster(&self.ddq, &training.ddq_peak),
+        ]
+    }
+
     /// One warning for each joint that left the range a model was fitted on.
     pub fn warnings(&self, model: &Model) -> Vec<String> {
         let training = &model.training;
         let mut warnings = Vec::new();
         for (joint, name) in model.joints.iter().enumerate() {
-            let (mut beyond, kind) = (Vec::new(), model.kinds().of(joint));
-            if let (Some([low, high]), Some([from, to])) =
-                (self.q.get(joint), training.q_range.get(joint))
-            {
-                let margin = Q_MARGIN * (to - from);
-                if *low < from - margin || *high > to + margin {
-                    let reached = match (short(*low), short(*high)) {
-                        (low, high) if low == high => format!("at {low}"),
-                        (low, high) => format!("from {low} to {high}"),
-                    };
-                    let unit = kind.unit();
-                    beyond.push(format!("q {reached} {unit}, not {from:.2} to {to:.2}"));
-                }
+            let kind = model.kinds().of(joint);
+            let [is_off, rates @ ..] = self.beyond(model, joint);
+            let mut beyond = Vec::new();
+            if is_off {
+                let ([low, high], [from, to]) = (self.q[joint], training.q_range[joint]);
+                let reached = match (short(low), short(high)) {
+                    (low, high) if low == high => format!("at {low}"),
+                    (low, high) => format!("from {low} to {high}"),
+                };
+                beyond.push(format!("q {reached} {}, not {from:.2} to {to:.2}", kind.unit()));
             }
-            let rates = [
+            let signals = [
                 ("dq", "rad/s", &self.dq, &training.dq_peak),
                 ("ddq", "rad/s²", &self.ddq, &training.ddq_peak),
             ];
-            for (signal, unit, reached, trained) in rates {
-                if let (Some(reached), Some(trained)) = (reached.get(joint), trained.get(joint))
-                    && *reached > RATE_FACTOR * trained
-                {
-                    let unit = units::unit(kind, unit);
-                    beyond
-                        .push(format!("{signal} to {} {unit}, not {trained:.2}", short(*reached)));
-                }
+            for (_, (signal, unit, reached, trained)) in
+                rates.into_iter().zip(signals).filter(|(is_faster, _)| *is_faster)
+            {
+                let (unit, reached) = (units::unit(kind, unit), short(reached[joint]));
+                beyond.push(format!("{signal} to {reached} {unit}, not {:.2}", trained[joint]));
             }
             if !beyond.is_empty() {
                 warnings.push(format!(
