@@ -2,6 +2,7 @@
 
 use crate::clustered::Stretches;
 use std::fmt;
+use std::ops::RangeInclusive;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::{Motion, Recording};
 use torquewise_stepwise::error::IdentifyError;
@@ -32,8 +33,8 @@ const MOST_LOGS: usize = 1_000;
 const MOST_BATCHES: usize = 16;
 /// Fewer batches give no standard error.
 const LEAST_BATCHES: usize = 6;
-/// A difference of excess below this is no payload worth a word.
-const LEAST_DIFFERENCE: f64 = 0.03;
+/// A difference of excess outside these is no payload worth a word, or what hardly weighs.
+const DIFFERENCE: RangeInclusive<f64> = 0.03..=30.0;
 /// A difference below this many standard errors is chance.
 const LEAST_ERRORS: f64 = 6.0;
 /// Gravity must explain this part of the residual that the other columns leave in one log.
@@ -153,7 +154,7 @@ fn most_apart(slopes: &[(usize, Slope)]) -> Option<[(usize, Slope); 2]> {
     pairs
         .filter(|pair| {
             let [(_, a), (_, b)] = pair;
-            (a.value - b.value).abs() > LEAST_DIFFERENCE
+            DIFFERENCE.contains(&(a.value - b.value).abs())
                 && a.share.max(b.share) > LEAST_SHARE
                 && errors(pair) > LEAST_ERRORS
         })

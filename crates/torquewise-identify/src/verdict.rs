@@ -131,7 +131,9 @@ pub(crate) fn grave(warnings: &[Warning]) -> Vec<String> {
         }
         _ => None,
     };
-    warnings.iter().filter_map(of).collect()
+    let mut reasons: Vec<String> = warnings.iter().filter_map(of).collect();
+    reasons.dedup();
+    reasons
 }
 
 /// What keeps a model from being good, whatever its error on held-out rows.

@@ -82,9 +82,12 @@ pub enum LogError {
         "joints are numbered 1…n and a signal has all of them; add {missing} or drop {present}"
     ))]
     MissingColumn { file: PathBuf, missing: String, present: String },
-    #[error("{}: column {column} counts joints from 0", file.display())]
-    #[diagnostic(help("count them from 1"))]
-    ZeroBased { file: PathBuf, column: String },
+    #[error("{} has no header: its first line holds {columns} numbers", file.display())]
+    #[diagnostic(help(
+        "name the columns in a first line, such as t,q1,q2,dq1,dq2,tau1,tau2, in the order that they \
+         stand in"
+    ))]
+    NoHeader { file: PathBuf, columns: usize },
     #[error("{} has two columns {column}", file.display())]
     #[diagnostic(help("drop or rename one"))]
     DuplicateColumn { file: PathBuf, column: String },

@@ -1,4 +1,5 @@
-//! The mapping of a plain log: t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in SI units.
+//! The mapping of a plain log: t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in SI units; joints may be
+//! counted from 0.
 
 use crate::error::{LogError, Result, shown};
 use crate::mapping::{Mapping, Slot};
@@ -60,9 +61,6 @@ impl Found {
             self.ignored.push(name.to_owned());
             return Ok(());
         };
-        if joint == 0 {
-            return Err(LogError::ZeroBased { file: file.into(), column: name.into() });
-        }
         let joints = &mut self.signals[signal as usize];
         match joints.binary_search_by_key(&joint, |found| found.0) {
             Ok(_) => Err(twice()),
@@ -73,24 +71,26 @@ impl Found {
         }
     }
 
-    /// n, if every signal that occurs has joints 1…n.
+    /// n, if every signal that occurs has joints 1…n, or all 0…n − 1.
     fn count_joints(&self, file: &Path) -> Result<usize> {
+        let is_zero = |found: &Vec<(usize, usize)>| found.first().is_some_and(|c| c.0 == 0);
+        let first = usize::from(!self.signals.iter().any(is_zero));
         let last = |signal: Signal| self.signals[signal as usize].last().map_or(0, |c| c.0);
         let widest = Signal::ALL.into_iter().max_by_key(|s| (last(*s), *s == Signal::Q));
-        let (widest, n) = widest.map_or((Signal::Q, 0), |signal| (signal, last(signal)));
+        let (widest, end) = widest.map_or((Signal::Q, 0), |signal| (signal, last(signal)));
         for signal in Signal::ALL {
             let joints = &self.signals[signal as usize];
-            let gap = joints.iter().zip(1..).find(|(c, number)| c.0 != *number);
-            let missing = gap.map_or(joints.len() + 1, |(_, number)| number);
-            if !joints.is_empty() && missing <= n {
+            let gap = joints.iter().zip(first..).find(|(c, number)| c.0 != *number);
+            let missing = gap.map_or(joints.len() + first, |(_, number)| number);
+            if !joints.is_empty() && missing <= end {
                 return Err(LogError::MissingColumn {
                     file: file.into(),
                     missing: format!("{}{missing}", signal.name()),
-                    present: format!("{}{n}", widest.name()),
+                    present: format!("{}{end}", widest.name()),
                 });
             }
         }
-        Ok(n)
+        Ok(end + 1 - first)
     }
 }
 

@@ -125,8 +125,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         arguments.interval.map(|percent| Interval::new(&model, logs.rows(), percent.into()));
     let interval = interval.transpose()?;
     let measured = logs.logs().has_tau();
-    let written =
-        Written { model: &model, torque: Torque::new(&model), parts: arguments.parts, interval, measured };
+    let written = Written {
+        model: &model,
+        torque: Torque::new(&model),
+        parts: arguments.parts,
+        interval,
+        measured,
+    };
     let names = written.column_names(model.n_joints());
     let mut columns = Column::numbers(&names);
     columns.push(Column::new("outside_range", Values::Counts(&[])));

@@ -1,7 +1,7 @@
 //! Models that no arm can be: said first by `fit`, shown by `show --check`, refused by `export`.
 
 use crate::spoilt::Table;
-use crate::terminal::Terminal;
+use crate::terminal::{Terminal, numbers};
 use serde_json::{Value, json};
 
 /// A fitted model with what a change makes of its file.
@@ -113,6 +113,7 @@ fn bounds_hold_the_torque_of_another_motion() {
 
     terminal.done("predict model.json test.csv -o bounds.csv --interval 95");
 
+    let said = numbers(&terminal.json("evaluate model.json test.csv")["interval_coverage_percent"]);
     let [log, bounds] = ["test.csv", "bounds.csv"].map(|file| Table::of(&terminal, file));
     for joint in 1..=3 {
         let of = |table: &Table, name: &str| table.column(&format!("{name}{joint}"));
@@ -120,5 +121,6 @@ fn bounds_hold_the_torque_of_another_motion() {
         let within = (0..tau.len()).filter(|&k| low[k] <= tau[k] && tau[k] <= high[k]).count();
         let share = within as f64 / tau.len() as f64;
         assert!((0.90..=0.98).contains(&share), "joint {joint}: {share}");
+        assert!((said[joint - 1] - 100.0 * share).abs() < 1e-9, "joint {joint}: {share} {said:?}");
     }
 }

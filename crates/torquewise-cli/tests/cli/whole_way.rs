@@ -12,9 +12,9 @@ fn nrmse_percent(tau: &[f64], tau_hat: &[f64]) -> f64 {
 }
 
 #[test]
-fn evaluate_notes_where_a_log_leaves_the_range_of_the_fit() {
+fn evaluate_notes_and_predict_marks_where_a_log_leaves_the_range_of_the_fit() {
     let terminal = Terminal::with_model();
-    let turned = Table::of(&terminal, "log.csv").with("q1", |_, q1, _| q1 + 3.0);
+    let turned = Table::of(&terminal, "log.csv").with("q1", |_, q1, _| q1 + 30.0);
     terminal.write("turned.csv", &turned.text());
 
     let [inside, outside] =
@@ -22,6 +22,11 @@ fn evaluate_notes_where_a_log_leaves_the_range_of_the_fit() {
 
     assert!(!inside.stderr.contains("leaves the range"), "{inside:?}");
     assert!(outside.stderr.contains("note: joint1 leaves the range"), "{outside:?}");
+    for (log, beyond) in [("log", 0.0), ("turned", 1.0)] {
+        terminal.run(&format!("predict model.json {log}.csv -o torque.csv"));
+        let marked = Table::of(&terminal, "torque.csv").column("outside_range");
+        assert!(marked.len() > 1_000 && marked.iter().all(|own| *own == beyond), "{log}");
+    }
 }
 
 #[test]

@@ -17,6 +17,8 @@ use torquewise_stepwise::friction::FrictionKind;
 /// Travel \[m\] of a slide at most: a joint that goes farther is taken to turn. Arms with longer ones
 /// are told of them.
 const LONGEST_SLIDE: f64 = 2.0;
+/// Slides of an arm at most: more would only repeat a direction.
+const MOST_SLIDES: usize = 3;
 /// Starts of a first look, and its rows.
 const GLANCE: (usize, usize) = (3, 120);
 /// Slides must lower the error by this part: a joint that turned by little fits either way, and most
@@ -98,15 +100,16 @@ impl ChainLearner<'_> {
             ((turning, chain, own), JointKinds::default(), self.motion.n_joints());
         let look = self.first_look(at)?;
         if !look.kinds.all_turn() {
-            // Where no joint tells, slides are simpler: a mass each, without a place.
-            let worth = if look.untold.len() == n { 0.0 } else { WORTH_OF_SLIDES };
-            if let Some(slid) = self.slid(at, &look.kinds, (&best, worth), choices)? {
+            // Where no joint tells, slides that fit are simpler: a mass each, without a place.
+            let is_simpler = look.untold.len() == n;
+            let rule = (WORTH_OF_SLIDES, is_simpler);
+            if let Some(slid) = self.slid(at, &look.kinds, (&best, rule), choices)? {
                 (best, kinds) = (slid, look.kinds.clone());
             }
         }
         for &joint in &look.may_slide {
             let other = kinds.with(joint, JointKind::Prismatic, n);
-            if let Some(slid) = self.slid(at, &other, (&best, 0.0), choices)? {
+            if let Some(slid) = self.slid(at, &other, (&best, (0.0, false)), choices)? {
                 (best, kinds) = (slid, other);
             }
         }
@@ -116,12 +119,12 @@ impl ChainLearner<'_> {
 
     /// The geometry of joints of other kinds, where held-out rows are for it.
     ///
-    /// - `worth`: the part by which the error must fall
+    /// - `rule`: the part by which the error must fall, and whether the other kinds are simpler
     fn slid(
         &mut self,
         at: &(impl Fn(JointKinds) -> ChainSpec + Sync),
         kinds: &JointKinds,
-        (known, worth): (&Searched, f64),
+        (known, rule): (&Searched, (f64, bool)),
         choices: &mut Vec<Choice>,
     ) -> Result<Option<Searched>, IdentifyError> {
         let (found, n) = (self.found.clone(), self.motion.n_joints());
@@ -134,8 +137,10 @@ impl ChainLearner<'_> {
             let label = if kinds.all_turn() { "all turn".to_owned() } else { of_kinds() };
             trial(label, spec, &self.rows(spec, TRIAL_ROWS)?, chain, &watch)
         };
-        let trials = [judged(&known.0, &known.1)?, judged(&spec, &chain)?];
-        let is_other = record_worth(KINDS, &trials, worth, choices) == 1;
+        let (worth, is_simpler) = rule;
+        let (known, other) = (judged(&known.0, &known.1)?, judged(&spec, &chain)?);
+        let (trials, place) = if is_simpler { ([other, known], 0) } else { ([known, other], 1) };
+        let is_other = record_worth(KINDS, &trials, worth, choices) == place;
         if !is_other {
             self.found = found;
         }
@@ -212,6 +217,9 @@ impl ChainLearner<'_> {
         let alike = like_the_others(&kinds, &untold, n);
         if alike != kinds && is_near(left(&alike)?) {
             kinds = alike;
+        }
+        if (0..n).filter(|&joint| kinds.slides(joint)).count() > MOST_SLIDES {
+            kinds = JointKinds::default();
         }
         let may_slide = |joint: &usize| {
             !kinds.slides(*joint) && 0.0 < travel(*joint) && travel(*joint) <= LEAST_RANGE

@@ -39,6 +39,7 @@ fn the_message_says_which_column_is_missing() {
         ("t,q1,q2,tau1,tau2,tau3", "q3", "tau3"),
         ("t,q1,q2,dq2", "dq1", "q2"),
         ("t,q1,q2,ddq1", "ddq2", "q2"),
+        ("t,q1,q2,tau0,tau1,tau2", "q0", "q2"),
     ] {
         match mapping(header) {
             Err(LogError::MissingColumn { missing: m, present: p, .. }) => {
@@ -50,10 +51,16 @@ fn the_message_says_which_column_is_missing() {
 }
 
 #[test]
+fn joints_may_be_counted_from_zero() {
+    let found = mapping("tau0,t,q1,q0,tau1").unwrap();
+
+    assert_eq!((found.n_joints, &found.chosen[..]), (2, &[1, 3, 2, 0, 4][..]));
+}
+
+#[test]
 fn headers_without_meaning_are_refused() {
     assert!(matches!(mapping("q1"), Err(LogError::NoColumn { missing: "t", .. })));
     assert!(matches!(mapping("t,dq1"), Err(LogError::NoColumn { missing: "q1", .. })));
-    assert!(matches!(mapping("t,q0,q1"), Err(LogError::ZeroBased { .. })));
     assert!(matches!(mapping("t,t,q1"), Err(LogError::DuplicateColumn { .. })));
     assert!(matches!(mapping("t,q1,q1"), Err(LogError::DuplicateColumn { .. })));
     let wide = "x,".repeat(MAX_COLUMNS) + "t";

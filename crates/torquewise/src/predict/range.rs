@@ -73,11 +73,7 @@ impl MotionRange {
             let margin = Q_MARGIN * (to - from);
             low < from - margin || high > to + margin
         });
-        [
-            is_off,
-            is_faster(&self.dq, &training.dq_peak),
-            is_faster(&self.ddq, &training.ddq_peak),
-        ]
+        [is_off, is_faster(&self.dq, &training.dq_peak), is_faster(&self.ddq, &training.ddq_peak)]
     }
 
     /// One warning for each joint that left the range a model was fitted on.
