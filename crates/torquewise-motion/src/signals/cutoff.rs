@@ -18,6 +18,8 @@ const MOTION_SHARE: f64 = 0.95;
 /// Power of the speed counts where it is so many times that of white noise in the position, and of
 /// what lies at the high half of all frequencies: what stamps are off is white in the speed.
 const CLEAR: f64 = 16.0;
+/// A joint whose speed has less than this part of the power of the fastest does not move.
+const MOVING: f64 = 1e-3;
 const LEAST_ROWS: usize = 64;
 
 /// A cut-off eight times above the band of the motion \[Hz\], at the middle one of the joints that
@@ -37,16 +39,19 @@ pub(crate) fn above_motion(q: &[Vec<f64>], rate: f64) -> Result<f64> {
         let expected = "above 1 Hz to choose a cut-off, or set one";
         return Err(MotionError::Setting { what: "rate of the log", value: rate, expected });
     }
-    let mut bands: Vec<f64> = q.iter().filter_map(|x| band(x, rate)).collect();
+    let bands: Vec<(f64, f64)> = q.iter().filter_map(|x| band(x, rate)).collect();
+    let most = bands.iter().fold(0.0, |most: f64, (_, power)| most.max(*power));
+    let moving = bands.into_iter().filter(|(_, power)| *power >= MOVING * most);
+    let mut bands: Vec<f64> = moving.map(|(band, _)| band).collect();
     bands.sort_by(f64::total_cmp);
     let highest = (HIGHEST * rate).max(LOWEST);
     let middle = bands.get(bands.len() / 2);
     Ok(middle.map_or(highest, |band| (MARGIN * band).clamp(LOWEST, highest)))
 }
 
-/// Frequency below which 95 % of the power of the speed lies that is clear of white noise in the
-/// position \[Hz\]; `None` of a joint that does not move.
-fn band(x: &[f64], rate: f64) -> Option<f64> {
+/// Frequency below which 95 % of the power of the speed lies that is clear of noise \[Hz\], and that
+/// power; `None` of a joint that does not move.
+fn band(x: &[f64], rate: f64) -> Option<(f64, f64)> {
     let speed: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let n = speed.len();
     let mean = speed.iter().sum::<f64>() / n as f64;
@@ -75,7 +80,7 @@ fn band(x: &[f64], rate: f64) -> Option<f64> {
         below += power;
         total > 0.0 && below >= MOTION_SHARE * total
     })?;
-    Some(last.max(1) as f64 * rate / n as f64)
+    Some((last.max(1) as f64 * rate / n as f64, total))
 }
 
 #[cfg(test)]
@@ -101,10 +106,28 @@ mod tests {
         let logs =
             [(100.0, 3_000, 0.0), (100.0, 3_000, 1e-3), (1e3, 30_000, 1e-4), (1e3, 30_000, 1e-3)];
         for (rate, rows, noise) in logs {
-            let found = band(&tones(rate, rows, noise), rate).unwrap();
+            let (found, _) = band(&tones(rate, rows, noise), rate).unwrap();
 
             assert!((found - 0.7).abs() < 0.1, "{rate} Hz, {noise}: {found}");
         }
+    }
+
+    #[test]
+    fn jitter_of_stamps_and_joints_that_stand_still_are_no_motion() {
+        let mut random = ChaCha8Rng::seed_from_u64(5);
+        let mut unit = || -> f64 { StandardNormal.sample(&mut random) };
+        // The device drops single samples: at even stamps the arm seems to jump ahead.
+        let mut t = 0.0;
+        let late = (0..30_000).map(|_| {
+            t += 1e-3 * (1.0 + 0.3 * unit());
+            (2.0 * PI * 0.2 * t).sin() + 0.3 * (2.0 * PI * 0.7 * t).sin()
+        });
+        let late: Vec<f64> = late.collect();
+        let still: Vec<f64> = (0..30_000).map(|_| 1e-6 * unit().round()).collect();
+
+        let found = above_motion(&[still.clone(), late, still], 1e3).unwrap();
+
+        assert!((found / MARGIN - 0.7).abs() < 0.1, "{found}");
     }
 
     #[test]
@@ -112,7 +135,7 @@ mod tests {
         let slow: Vec<f64> =
             (0..3000).map(|k| (2.0 * PI * 0.02 * f64::from(k) / 100.0).sin()).collect();
 
-        assert!(band(&slow, 100.0).unwrap() < 0.15);
+        assert!(band(&slow, 100.0).unwrap().0 < 0.15);
     }
 
     #[test]
