@@ -30,7 +30,7 @@ pub(crate) fn unexplained_part(motion: &Motion, joint: usize) -> Option<f64> {
 }
 
 /// Joints whose torque does not show the friction of their own shaft, more than that of any other and
-/// against the motion: it may be another joint's, or of the wrong sign.
+/// against the motion: it may be another joint's, or of the wrong sign. Not one that never changes.
 pub(crate) fn doubtful(motion: &Motion) -> Vec<usize> {
     let motion = thinned(motion, ROWS);
     let n = motion.n_joints();
@@ -48,7 +48,12 @@ pub(crate) fn doubtful(motion: &Motion) -> Vec<usize> {
         let least = with_others.map(|(left, _)| left).fold((1.0 - SEEN) * without, f64::min);
         Some(left < least && power > 0.0)
     };
-    (0..n).filter(|&joint| !is_seen(joint).unwrap_or(false)).collect()
+    let changes = |joint: usize| {
+        let tau = motion.tau()?;
+        Some(tau.col(joint).iter().any(|own| *own != tau[(0, joint)]))
+    };
+    let is_told = |joint: usize| !changes(joint).unwrap_or(false) || is_seen(joint).unwrap_or(false);
+    (0..n).filter(|&joint| !is_told(joint)).collect()
 }
 
 /// Speed of a joint and the sign of it, m each; `None` for a joint at rest.
