@@ -88,22 +88,6 @@ pub fn tune<L: RawRecording>(
     }
 }
 
-/// Chooses cut-off and delay alone, for a chain that was searched on other logs of the arm (E12).
-///
-/// # Errors
-/// [`IdentifyError`]: the reader's message, or an arm of other joints.
-pub fn tune_from<L: RawRecording>(
-    logs: &L,
-    request: Request,
-    watch: Watch<'_>,
-) -> Result<Tuned<L::Filtered>, IdentifyError> {
-    if let Some(grid) = Grid::of(logs, &request, watch)? {
-        return grid.tuned(logs, request);
-    }
-    let recording = logs.filtered(logs.first_cutoff(), no_delay(logs));
-    Ok(Tuned { recording: recording.map_err(IdentifyError::Read)?, request, choices: Vec::new() })
-}
-
 /// The delay that is set, or none.
 fn no_delay(logs: &impl RawRecording) -> f64 {
     match logs.delays()[..] {

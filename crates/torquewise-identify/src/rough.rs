@@ -50,9 +50,10 @@ pub(crate) fn doubtful(motion: &Motion) -> Vec<usize> {
     };
     let changes = |joint: usize| {
         let tau = motion.tau()?;
-        Some(tau.col(joint).iter().any(|own| *own != tau[(0, joint)]))
+        Some(tau.col(joint).iter().any(|own| (own - tau[(0, joint)]).abs() > 0.0))
     };
-    let is_told = |joint: usize| !changes(joint).unwrap_or(false) || is_seen(joint).unwrap_or(false);
+    let is_told =
+        |joint: usize| !changes(joint).unwrap_or(false) || is_seen(joint).unwrap_or(false);
     (0..n).filter(|&joint| !is_told(joint)).collect()
 }
 

@@ -132,9 +132,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         interval,
         measured,
     };
-    let names = written.column_names(model.n_joints());
-    let mut columns = Column::numbers(&names);
-    columns.push(Column::new("outside_range", Values::Counts(&[])));
+    let columns = written.columns(model.n_joints());
     let mut writer = TableWriter::create(&staged(output)?, &columns)?;
     let mut range = MotionRange::new(model.n_joints());
     let mut largest = vec![0.0_f64; model.n_joints()];
@@ -145,10 +143,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             rows += block.n_rows();
             range.add(block);
             let tau_hat = written.append(&mut writer, &path.follow(trajectory, block))?;
-            let is_finite = |row: &usize| tau_hat.row(*row).iter().all(|tau| tau.is_finite());
-            if let Some(row) = (0..tau_hat.nrows()).find(|row| !is_finite(row)) {
-                return Err(torquewise::Error::NotFinite { t: block.t()[row] }.into());
-            }
             for (joint, largest) in largest.iter_mut().enumerate() {
                 *largest = tau_hat.col(joint).iter().fold(*largest, |l, tau| l.max(tau.abs()));
             }
@@ -196,7 +190,7 @@ struct Written<'a> {
 }
 
 impl Written<'_> {
-    fn column_names(&self, n_joints: usize) -> Vec<String> {
+    fn columns(&self, n_joints: usize) -> Vec<Column> {
         let mut signals = vec!["tau_hat"];
         if self.parts {
             signals.extend(["inertia", "coriolis", "gravity", "friction"]);
@@ -211,12 +205,20 @@ impl Written<'_> {
             let signal = (*signal).to_owned();
             (1..=n_joints).map(move |joint| format!("{signal}{joint}"))
         };
-        std::iter::once("t".to_owned()).chain(signals.iter().flat_map(numbered)).collect()
+        let names: Vec<String> =
+            std::iter::once("t".to_owned()).chain(signals.iter().flat_map(numbered)).collect();
+        let mut columns = Column::numbers(&names);
+        columns.push(Column::new("outside_range", Values::Counts(&[])));
+        columns
     }
 
     fn append(&self, writer: &mut TableWriter, block: &Motion) -> Result<Mat<f64>, ReadError> {
         let parts = self.torque.parts(block)?;
         let total = parts.total();
+        let is_finite = |row: &usize| total.row(*row).iter().all(|tau| tau.is_finite());
+        if let Some(row) = (0..total.nrows()).find(|row| !is_finite(row)) {
+            return Err(torquewise::Error::NotFinite { t: block.t()[row] }.into());
+        }
         let mut signals = vec![&total];
         if self.parts {
             signals.extend([&parts.inertia, &parts.coriolis, &parts.gravity, &parts.friction]);

@@ -4,7 +4,7 @@
 //! list.
 
 use crate::spoilt::{Table, assert_tells, assert_warns, noise};
-use crate::terminal::{Said, Terminal};
+use crate::terminal::Terminal;
 
 const TORQUE_WORDS: [&str; 5] =
     ["does not follow", "falls as it", "gravity compensation", "few levels", "measured velocity"];
@@ -225,30 +225,6 @@ fn a_torque_that_never_changes_is_told() {
 }
 
 // Motion.
-
-#[test]
-fn velocity_that_a_robot_filtered_is_told_and_not_used() {
-    let mut table = Table::recorded();
-    for name in ["dq1", "dq2"] {
-        let place = table.place(name);
-        // First order, a time constant of 50 ms.
-        let mut slow = table.rows[0][place];
-        for row in &mut table.rows {
-            slow += 0.2 * (row[place] - slow);
-            row[place] = slow;
-        }
-    }
-
-    let (late, sound) = (table.inspected(), Table::recorded().inspected());
-
-    let lag = |said: &Said| -> f64 {
-        let (_, lag) = said.stdout.split_once("measured dq lags d(q)/dt by ").unwrap();
-        lag.split_once(" ms").unwrap().0.parse().unwrap()
-    };
-    // 50 ms less half a row at low frequencies.
-    assert!((30.0..60.0).contains(&lag(&late)), "{}", lag(&late));
-    assert!(lag(&sound).abs() < 2.0, "{}", lag(&sound));
-}
 
 #[test]
 fn a_counterbalance_that_is_known_of_is_a_term() {

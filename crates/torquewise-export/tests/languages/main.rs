@@ -174,28 +174,6 @@ fn a_chain_costs_its_recursion_and_not_its_terms() {
 }
 
 #[test]
-fn memory_and_load_leave_the_torque_cheap() {
-    let arm = chain(6, false, 5);
-    let seconds = |model: &Model| Program::of(model).unwrap().cost(Quantity::Torque).seconds();
-
-    let more = seconds(&remembers_all(loaded(arm.clone()))) / seconds(&arm);
-
-    println!("{more:.3}");
-    assert!(more < 1.3, "{more:.3}");
-}
-
-#[test]
-fn steps_cost_what_their_own_programs_do() {
-    let model = energies(3, 25, 1);
-
-    let costs = torque_costs(&model).unwrap();
-
-    let own = |model: &Model| Program::of(model).unwrap().cost(Quantity::Torque);
-    assert_eq!(costs, [own(&model.after_step(1).unwrap()), own(&model)]);
-    assert!(costs[0].operations < costs[1].operations && costs[0].seconds() < costs[1].seconds());
-}
-
-#[test]
 fn a_unit_is_an_archive_of_its_files_and_the_same_each_time() {
     let program = Program::of(&energies(3, 25, 1)).unwrap();
     let sources = fmu_sources(&program, "arm").unwrap();

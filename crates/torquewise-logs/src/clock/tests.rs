@@ -70,14 +70,17 @@ fn stamps_of_late_receipt_are_put_on_the_clock_of_the_device() {
 
 #[test]
 fn rows_that_a_fast_logger_repeats_are_left_out() {
-    // The device samples every second time that the logger writes.
-    let held: Vec<f64> = (0..3_000).map(|row: u32| STEP * f64::from(row - row % 2)).collect();
-    let log = block(even(3_000), &held);
+    // The device samples every second, or every tenth, time that the logger writes.
+    for run in [2, 10] {
+        let held: Vec<f64> = (0..3_000).map(|row: u32| STEP * f64::from(row - row % run)).collect();
+        let log = block(even(3_000), &held);
 
-    let (mended, repairs) = mended(&log, &[]);
+        let (mended, repairs) = mended(&log, &[]);
 
-    assert_eq!((mended.t.len(), repairs.held_rows), (1_500, 1_500));
-    assert!((mended.t[1] - mended.t[0] - 2.0 * STEP).abs() < 1e-12);
+        let kept = 3_000 / u64::from(run);
+        assert_eq!((mended.t.len() as u64, repairs.held_rows), (kept, 3_000 - kept));
+        assert!((mended.t[1] - mended.t[0] - f64::from(run) * STEP).abs() < 1e-12);
+    }
 }
 
 #[test]

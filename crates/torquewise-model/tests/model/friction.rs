@@ -140,32 +140,6 @@ fn friction_is_a_part_of_its_own() {
 }
 
 #[test]
-fn terms_read_as_their_formulas() {
-    let wrist =
-        |law| FrictionTerm { shaft: vec![1.0, 1.0], law, direction: Direction::Both, load: false };
-    let stribeck = FrictionLaw::Stribeck { speed: 0.05, width: 0.0 };
-    let names = [
-        (directed(EXACT, Direction::Both), "sign(dq2)"),
-        (directed(EXACT, Direction::Backward), "sign(dq2) [dq2 < 0]"),
-        (directed(stribeck, Direction::Both), "exp(-(dq2/0.05)^2)*sign(dq2)"),
-        (directed(FrictionLaw::Offset, Direction::Both), "1 [joint2]"),
-        (directed(FrictionLaw::Coulomb { width: 0.01 }, Direction::Both), "tanh(dq2/0.01)"),
-        (wrist(EXACT), "sign(dq1 + dq2)"),
-        (wrist(FrictionLaw::Viscous), "(dq1 + dq2)"),
-        (FrictionTerm { shaft: vec![-1.0, -0.5], ..wrist(EXACT) }, "sign(-dq1 - 0.5*dq2)"),
-    ];
-
-    for (term, name) in names {
-        assert_eq!(term.name(), name);
-    }
-    let tex = directed(stribeck, Direction::Backward).latex();
-    assert_eq!(
-        tex,
-        r"e^{-(\dot q_{2}/0.05)^{2}}\,\operatorname{sign}(\dot q_{2})\,[\dot q_{2} < 0]"
-    );
-}
-
-#[test]
 fn a_saved_model_keeps_friction_steps_and_choices() {
     let mut whole = model(all_laws());
     whole.friction[1].coefficient = 0.1 + 0.2;
@@ -281,17 +255,6 @@ fn a_tampered_file_is_refused_with_the_place() {
         let error = from_json(&broken).unwrap_err().to_string();
         assert!(error.contains(message), "{error}");
     }
-}
-
-#[test]
-fn a_choice_without_a_number_is_refused() {
-    let mut whole = model(vec![]);
-    let label = "none".to_owned();
-    let from = vec![Candidate { label, error: f64::NAN, std_error: 0.0, complexity: 1 }];
-    let [what, chosen, rule] = ["friction", "none", "least error"].map(String::from);
-    whole.choices = vec![Choice { what, chosen, rule, from }];
-
-    assert!(matches!(to_json(&whole), Err(ModelError::NotFinite { .. })));
 }
 
 #[test]

@@ -7,7 +7,6 @@ use torquewise_model::{
     EnergyTerm, Form, Kind, Model, ModelError, Place, Stage, Term, Torque, Trig, check, from_json,
     to_json,
 };
-use torquewise_motion::Repairs;
 use torquewise_sim::Arm;
 
 /// `planar-2` as its energies: M₁₁ = a + 2b cos q₂, M₁₂ = c + b cos q₂, M₂₂ = c and
@@ -104,22 +103,6 @@ fn the_model_is_physics_and_a_tampered_one_is_not() {
 }
 
 #[test]
-fn repairs_of_logs_are_kept_and_a_file_without_them_is_read() {
-    let (_, sound) = two_link();
-    let mut repairs = Repairs { held_rows: 3, longest_gap: 0.1 + 0.2, ..Repairs::default() };
-    repairs.add_spikes("tau", 2);
-    let mut repaired = sound.clone();
-    repaired.training.conditioning.insert("log".into(), repairs.clone());
-    let mut broken = repaired.clone();
-    broken.training.conditioning.insert("log".into(), Repairs { longest_gap: f64::NAN, ..repairs });
-
-    assert!(!to_json(&sound).unwrap().contains("conditioning"));
-    assert_eq!(from_json(&to_json(&sound).unwrap()).unwrap(), sound);
-    assert_eq!(from_json(&to_json(&repaired).unwrap()).unwrap(), repaired);
-    assert!(matches!(to_json(&broken), Err(ModelError::NotFinite { .. })));
-}
-
-#[test]
 fn parts_that_do_not_fit_are_refused() {
     let (_, model) = two_link();
     let whole = to_json(&model).unwrap();
@@ -137,15 +120,6 @@ fn parts_that_do_not_fit_are_refused() {
         terms[0].coefficient = f64::INFINITY;
     }
     assert!(matches!(to_json(&infinite), Err(ModelError::NotFinite { .. })));
-}
-
-#[test]
-fn a_step_that_was_not_taken_is_an_error() {
-    let (_, model) = two_link();
-
-    assert_eq!(model.after_step(1).unwrap().form.n_coefficients(), 3);
-    assert!(matches!(model.after_step(0), Err(ModelError::Step { found: 0, known: 1 })));
-    assert!(matches!(model.after_step(2), Err(ModelError::Step { .. })));
 }
 
 #[test]

@@ -167,17 +167,6 @@ fn an_overcorrected_gram_matrix_selects_finite_weights() {
 }
 
 #[test]
-fn fewer_rows_than_columns_select_finite_weights() {
-    let rows = planted::rows(9, 12, 30, 2, 0.01);
-    for Selector { name, select, .. } in SELECTORS {
-        let selection = select(&rows.problem()).unwrap();
-
-        assert_whole(&selection, 30, name);
-        assert!(selection.active.len() <= 12, "{name}: {} of rank 12", selection.active.len());
-    }
-}
-
-#[test]
 fn linear_algebra_is_not_cut_by_the_number_of_threads() {
     // A dependency that turns on the feature rayon of faer would change last digits.
     assert!(matches!(faer::get_global_parallelism(), faer::Par::Seq));

@@ -90,22 +90,6 @@ fn moves_hold_all_three_patterns_in_the_shares_promised() {
 }
 
 #[test]
-fn cruising_joints_are_clearly_not_at_rest() {
-    let Simulation { motion, truth } = &PUMA[0];
-    let cruise = |row: &usize| truth[*row] == Pattern::UniformVelocity;
-
-    for i in 0..3 {
-        let dq = motion.dq().col(i);
-        let mut speeds: Vec<f64> =
-            (0..truth.len()).filter(cruise).map(|row| dq[row].abs()).collect();
-        speeds.sort_by(f64::total_cmp);
-
-        assert!(speeds[speeds.len() / 20] > 0.15, "joint {i}: {}", speeds[speeds.len() / 20]);
-        assert!(*speeds.last().unwrap() > 1.2, "joint {i}");
-    }
-}
-
-#[test]
 fn every_joint_crosses_most_of_its_range_both_ways_within_the_limits() {
     for kind in KINDS {
         let arm = Arm::builtin("generic-7").unwrap();
@@ -122,23 +106,6 @@ fn every_joint_crosses_most_of_its_range_both_ways_within_the_limits() {
             assert!(back > -2.0 - 1e-9 && forth < 2.0 + 1e-9, "{kind:?}: joint {i}");
             assert!(brake < -2.0 && gain > 2.0, "{kind:?}: joint {i}: {brake} {gain}");
             assert!(brake > -6.0 - 1e-9 && gain < 6.0 + 1e-9, "{kind:?}: joint {i}");
-        }
-    }
-}
-
-#[test]
-fn a_narrow_range_is_never_left() {
-    let text = "name = 'narrow'\n[[joints]]\nname = 'joint1'\na = 0.1\nalpha = 0.0\nd = 0.0\n\
-                mass = 1.0\ncom = [0.0, 0.0, 0.0]\ninertia = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]\n\
-                range = [0.2, 0.3]\n";
-    let arm = Arm::from_dh_toml(text).unwrap();
-
-    for kind in KINDS {
-        let motion = simulate(&arm, &plan(kind)).unwrap().motion;
-
-        for row in 0..motion.n_rows() {
-            let q = motion.q()[(row, 0)];
-            assert!((0.2 - 1e-12..=0.3 + 1e-12).contains(&q), "{kind:?}: row {row}: {q}");
         }
     }
 }
