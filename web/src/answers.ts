@@ -61,6 +61,7 @@ export interface Fitted {
 export interface Scores {
   scores: {
     rows: number;
+    interval_coverage_percent?: number[];
     joints: { name: string; rmse: number; nrmse_percent: number; r2: number | null; raw_nrmse_percent?: number }[];
   };
   warnings: string[];

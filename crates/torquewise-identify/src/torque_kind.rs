@@ -172,9 +172,7 @@ impl JointRows {
         let loads = columns * links;
         Mat::from_fn(columns.nrows(), p + per.len(), |row, k| match k.checked_sub(p) {
             None => self.factor(per[row / m], k) * columns[(row, k)],
-            Some(joint) if joint == row / m && per[joint].to_bits() != 1.0_f64.to_bits() => {
-                loads[(row, 0)]
-            }
+            Some(joint) if joint == row / m && (per[joint] - 1.0).abs() > 0.0 => loads[(row, 0)],
             Some(_) => 0.0,
         })
     }

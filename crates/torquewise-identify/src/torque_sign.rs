@@ -235,7 +235,7 @@ pub(crate) fn swapped(
     };
     let best_first = |pairs: Vec<[usize; 2]>, look: (usize, usize)| {
         let left = |pair| (left(&rows.clone().swapped(pair), look), pair);
-        let mut pairs: Vec<(f64, [usize; 2])> = pairs.into_iter().map(left).collect();
+        let mut pairs: Vec<(f64, [usize; 2])> = pairs.into_par_iter().map(left).collect();
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
         pairs
     };

@@ -132,6 +132,7 @@ pub(crate) fn grave(warnings: &[Warning]) -> Vec<String> {
         _ => None,
     };
     let mut reasons: Vec<String> = warnings.iter().filter_map(of).collect();
+    // Those of one kind stand beside each other.
     reasons.dedup();
     reasons
 }

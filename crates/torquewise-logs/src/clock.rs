@@ -4,9 +4,13 @@ use torquewise_motion::Repairs;
 use torquewise_motion::signals::{Raw, Signal, lagrange};
 use torquewise_motion::stats::median;
 
-/// Repeats of position and torque that a logger faster than its device makes, or twice as many as it
-/// makes at the median; a longer run is an arm at rest.
-const MOST_HELD: usize = 3;
+/// Repeats of position and torque that a logger faster than its device may make; a longer run is an
+/// arm at rest.
+const FEW_HELD: usize = 3;
+/// Where at least so many runs are about as long as each other, they may hold so many repeats: the
+/// device is much slower.
+const LIKE_RUNS: usize = 32;
+const MOST_HELD: usize = 30;
 /// Held rows that a log has at least if its logger is faster than its device.
 const LEAST_HELD: f64 = 0.02;
 /// Rows to each side that the clock of a device is found from.
@@ -39,7 +43,9 @@ impl ClockRepair {
         }
         let rows: usize = repeats.iter().map(|repeats| repeats + 1).sum();
         repeats.sort_unstable();
-        let most = MOST_HELD.max(2 * repeats.get(repeats.len() / 2).unwrap_or(&0));
+        let at = |part: usize| repeats.get(part * repeats.len() / 10).copied().unwrap_or_default();
+        let is_even = repeats.len() >= LIKE_RUNS && at(9) <= 2 * at(1);
+        let most = if is_even { FEW_HELD.max(2 * at(5)).min(MOST_HELD) } else { FEW_HELD };
         let dropped: usize = repeats.iter().map(|repeats| (*repeats).min(most)).sum();
         let held = if dropped as f64 > LEAST_HELD * rows as f64 { most } else { 0 };
         let mut off = [0.0, 0.0];

@@ -74,12 +74,7 @@ impl<R: BufRead> CsvRows<R> {
         if let (1, Some(found)) = (self.fields.len(), found) {
             return Err(LogError::Delimiter { file: self.file.clone(), found });
         }
-        let names: Vec<String> =
-            self.fields.iter().map(|field| header[field.clone()].trim().to_owned()).collect();
-        if names.iter().all(|name| name.parse::<f64>().is_ok()) {
-            return Err(LogError::NoHeader { file: self.file.clone(), columns: names.len() });
-        }
-        Ok(names)
+        Ok(self.fields.iter().map(|field| header[field.clone()].trim().to_owned()).collect())
     }
 
     fn text<'t>(&self, bytes: &'t [u8]) -> Result<&'t str> {

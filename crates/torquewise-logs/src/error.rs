@@ -79,15 +79,16 @@ pub enum LogError {
     NoColumn { file: PathBuf, missing: &'static str, found: String },
     #[error("{} has column {present} but no {missing}", file.display())]
     #[diagnostic(help(
-        "joints are numbered 1…n and a signal has all of them; add {missing} or drop {present}"
+        "joints are numbered 1…n, or all from 0, and a signal has all of them; add {missing} or drop \
+         {present}"
     ))]
     MissingColumn { file: PathBuf, missing: String, present: String },
-    #[error("{} has no header: its first line holds {columns} numbers", file.display())]
+    #[error("{} has no header: its first line holds numbers alone", file.display())]
     #[diagnostic(help(
         "name the columns in a first line, such as t,q1,q2,dq1,dq2,tau1,tau2, in the order that they \
          stand in"
     ))]
-    NoHeader { file: PathBuf, columns: usize },
+    NoHeader { file: PathBuf },
     #[error("{} has two columns {column}", file.display())]
     #[diagnostic(help("drop or rename one"))]
     DuplicateColumn { file: PathBuf, column: String },

@@ -21,6 +21,9 @@ pub(crate) fn plain(file: &Path, names: &[String]) -> Result<Mapping> {
         let found = shown(names.join(", ").as_bytes());
         LogError::NoColumn { file: file.into(), missing, found }
     };
+    if names.iter().all(|name| name.parse::<f64>().is_ok()) {
+        return Err(LogError::NoHeader { file: file.into() });
+    }
     let t = found.t.ok_or_else(|| lacks("t"))?;
     if found.signals[Signal::Q as usize].is_empty() {
         return Err(lacks("q1"));
@@ -39,7 +42,7 @@ fn meaning(name: &str) -> Option<(Signal, usize)> {
     let (signal, number) = name.split_at(digits);
     let signal = Signal::ALL.into_iter().find(|known| known.name() == signal)?;
     let plain = number.bytes().all(|c| c.is_ascii_digit());
-    let number = number.parse().ok().filter(|n| *n == 0 || !number.starts_with('0'));
+    let number = number.parse().ok().filter(|_| number.len() == 1 || !number.starts_with('0'));
     number.filter(|_| plain).map(|number| (signal, number))
 }
 

@@ -157,8 +157,9 @@ pub fn rollouts(
     Ok(rollout::drifts(model, &drawn.transpose()?.unwrap_or_default(), log.rows(), horizons)?)
 }
 
-/// Bounds that so many percent of torques should lie between, and rows that are looked at, about.
-const INTERVAL: (f64, usize) = (95.0, 4_000);
+/// Percentage of torques that bounds are for, and rows of which it is counted, about.
+const PERCENT: f64 = 95.0;
+const ROWS: usize = 4_000;
 
 /// Part of measured torques within their interval, n; `None` of a model without a covariance.
 fn coverage(
@@ -166,7 +167,7 @@ fn coverage(
     log: &dyn Recording,
     (measured, every): (&dyn Recording, usize),
 ) -> Result<Option<Vec<f64>>> {
-    match Interval::new(model, log, INTERVAL.0) {
+    match Interval::new(model, log, PERCENT) {
         Ok(interval) => interval.coverage(measured, every).map(Some),
         Err(Error::NoCovariance) => Ok(None),
         Err(error) => Err(error),
@@ -198,7 +199,7 @@ fn scored(model: &Model, recording: &impl Recording) -> Result<Evaluation> {
     if range.is_trained(model) {
         notes.push(TRAINED.to_owned());
     }
-    let every = scores.rows.div_ceil(INTERVAL.1).max(1);
+    let every = scores.rows.div_ceil(ROWS).max(1);
     let covered = is_raw.then(|| coverage(model, recording, (recording, every))).transpose()?;
     let interval_coverage_percent = covered.flatten();
     let (rows, rollouts) = (scores.rows, Vec::new());

@@ -37,7 +37,7 @@ class Evaluation:
     """The same against torque as it was measured."""
     interval_coverage_percent: NDArray[np.float64]
     """Torques of each joint, as they were measured, within their interval of 95 % [%]; NaN where the
-    model has no covariance."""
+    model has no covariance, or torque as it was measured is not at hand."""
     notes: list[str] = field(default_factory=list)
 
     @classmethod

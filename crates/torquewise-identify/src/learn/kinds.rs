@@ -199,6 +199,7 @@ impl ChainLearner<'_> {
         }
         let mut kinds = JointKinds::default();
         let mut least = left(&kinds)?;
+        let count = |kinds: &JointKinds| (0..n).filter(|&joint| kinds.slides(joint)).count();
         let tried = loop {
             let other = |joint: usize| {
                 let kind = JointKind::ALL.into_iter().find(|kind| *kind != kinds.of(joint));
@@ -208,6 +209,7 @@ impl ChainLearner<'_> {
             let tried = tried.collect::<Result<Vec<(f64, usize)>, IdentifyError>>()?;
             let best = tried.iter().min_by(|a, b| a.0.total_cmp(&b.0));
             let worthy = best.filter(|(best, _)| *best < (1.0 - WORTH_OF_SLIDES) * least);
+            let worthy = worthy.filter(|(_, joint)| count(&other(*joint)) <= MOST_SLIDES);
             let Some(&(best, joint)) = worthy else { break tried };
             (least, kinds) = (best, other(joint));
         };
@@ -215,16 +217,14 @@ impl ChainLearner<'_> {
         let near = tried.into_iter().filter(|(left, _)| is_near(*left));
         let untold: Vec<usize> = near.map(|(_, joint)| joint).collect();
         let alike = like_the_others(&kinds, &untold, n);
-        if alike != kinds && is_near(left(&alike)?) {
+        if alike != kinds && count(&alike) <= MOST_SLIDES && is_near(left(&alike)?) {
             kinds = alike;
-        }
-        if (0..n).filter(|&joint| kinds.slides(joint)).count() > MOST_SLIDES {
-            kinds = JointKinds::default();
         }
         let may_slide = |joint: &usize| {
             !kinds.slides(*joint) && 0.0 < travel(*joint) && travel(*joint) <= LEAST_RANGE
         };
-        let may_slide = untold.iter().copied().filter(may_slide).collect();
+        let may_slide = untold.iter().copied().filter(may_slide);
+        let may_slide = may_slide.take(MOST_SLIDES.saturating_sub(count(&kinds))).collect();
         Ok(FirstLook { kinds, may_slide, untold })
     }
 

@@ -52,6 +52,7 @@ fn the_message_says_which_column_is_missing() {
 
 #[test]
 fn joints_may_be_counted_from_zero() {
+    assert!(matches!(mapping("t,q00,q01"), Err(LogError::NoColumn { missing: "q1", .. })));
     let found = mapping("tau0,t,q1,q0,tau1").unwrap();
 
     assert_eq!((found.n_joints, &found.chosen[..]), (2, &[1, 3, 2, 0, 4][..]));

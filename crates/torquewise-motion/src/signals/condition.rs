@@ -15,10 +15,8 @@ use faer::Mat;
 /// Longest lag of the measured velocity that is looked for \[s\].
 const LONGEST_LAG: f64 = 0.25;
 const LAG_ROWS: usize = 4096;
-/// A joint of less than this RMS speed \[rad/s, m/s\] stands still, and square of the correlation with
-/// the slope of position that a measured velocity has at least.
+/// A joint of less than this RMS speed \[rad/s, m/s\] stands still.
 const STILL: f64 = 1e-3;
-const ALIKE: f64 = 0.25;
 
 /// A clean trajectory, and how it came about.
 #[derive(Clone, Debug)]
@@ -102,11 +100,8 @@ fn gains(dq: &Mat<f64>, filtered: &Raw, plan: &Plan) -> Vec<Option<f64>> {
         let measured = measured.get(rows.clone())?;
         let square: f64 = derived.iter().map(|x| x * x).sum();
         let product: f64 = derived.iter().zip(measured).map(|(d, m)| d * m).sum();
-        let measured: f64 = measured.iter().map(|x| x * x).sum();
-        // Of a joint that stands still there is noise, here or there.
         let moves = square > STILL * STILL * derived.len() as f64;
-        let is_alike = product * product >= ALIKE * square * measured;
-        (moves && is_alike).then(|| product / square).filter(|gain| gain.is_finite())
+        moves.then(|| product / square).filter(|gain| gain.is_finite())
     };
     filtered.of(Signal::Dq).iter().enumerate().map(of).collect()
 }

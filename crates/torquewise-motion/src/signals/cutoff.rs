@@ -116,7 +116,7 @@ mod tests {
     fn jitter_of_stamps_and_joints_that_stand_still_are_no_motion() {
         let mut random = ChaCha8Rng::seed_from_u64(5);
         let mut unit = || -> f64 { StandardNormal.sample(&mut random) };
-        // The device drops single samples: at even stamps the arm seems to jump ahead.
+        // Stamps are off by steps of their own, the rows are even.
         let mut t = 0.0;
         let late = (0..30_000).map(|_| {
             t += 1e-3 * (1.0 + 0.3 * unit());

@@ -84,8 +84,7 @@ pub struct ConditionReport {
     /// if no velocity was measured, `None` for a joint that does not move.
     pub dq_lag: Vec<Option<Shift>>,
     /// Measured velocity of each joint over the derivative of its position, by least squares, n;
-    /// empty if no velocity was measured, `None` for a joint that does not move, or of which the two
-    /// have nothing to do with each other.
+    /// empty if no velocity was measured, `None` for a joint that does not move.
     pub dq_gain: Vec<Option<f64>>,
     /// Seconds by which the torque was advanced.
     pub delay: f64,

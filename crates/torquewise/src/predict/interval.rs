@@ -75,17 +75,17 @@ impl<'a> Interval<'a> {
 
     /// Part of measured torques that lies within the bounds of each joint \[%\], n.
     ///
-    /// - `measured`: rows with torque, of which one of `every` is looked at
+    /// - `measured`: rows with torque, of which one of `every` of each trajectory is looked at
     ///
     /// # Errors
     /// Those of reading, and as [`Self::bounds`].
     pub fn coverage(&self, measured: &dyn Recording, every: usize) -> Result<Vec<f64>> {
-        let (mut rows, mut seen) = (0, 0);
+        let (mut next, mut seen) = ((0, 0), 0);
         let mut within = vec![0_usize; self.model.n_joints()];
         let mut path = self.torque.path();
         let mut see = |trajectory: usize, block: &Motion| -> Result<(), ReadError> {
-            let first = rows;
-            rows += block.n_rows();
+            let first = if next.0 == trajectory { next.1 } else { 0 };
+            next = (trajectory, first + block.n_rows());
             let few: Vec<usize> =
                 (0..block.n_rows()).filter(|row| (first + row).is_multiple_of(every)).collect();
             let block = path.follow(trajectory, block).select(&few);
