@@ -153,7 +153,8 @@ def test_results_are_pickled(fit, test, train):
     inspection = torquewise.inspect(train)
     assert pickle.loads(pickle.dumps(inspection)) == copy.copy(inspection) == inspection
     found = pickle.loads(pickle.dumps(fit.evaluate(test)))
-    for errors in (found.rmse, found.nrmse_percent, found.r2, found.raw_nrmse_percent):
+    covered = found.interval_coverage_percent
+    for errors in (found.rmse, found.nrmse_percent, found.r2, found.raw_nrmse_percent, covered):
         assert errors.shape == (2,) and errors.dtype == np.float64
 
 

@@ -75,7 +75,7 @@ fn a_log_without_torque_can_be_predicted() {
     terminal.done("predict model.json log.csv -o with.csv");
     terminal.done("predict model.json bare.csv -o without.csv");
 
-    assert!(terminal.read("without.csv").starts_with("t,tau_hat1,tau_hat2\n"));
+    assert!(terminal.read("without.csv").starts_with("t,tau_hat1,tau_hat2,outside_range\n"));
     let [with, without] = ["with.csv", "without.csv"].map(|file| Table::of(&terminal, file));
     for name in ["t", "tau_hat1", "tau_hat2"] {
         assert_eq!(with.column(name), without.column(name));
