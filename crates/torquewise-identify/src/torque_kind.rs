@@ -83,12 +83,13 @@ pub(crate) fn torque_kind(
     }
     let drive = [PER_BODY * motion.n_joints(), at.linear.len()];
     let rows = JointRows::new(&columns, &weights, &tau, drive);
-    let Some((mut per, loads)) = rows.gains(&at.linear) else { return Ok(None) };
-    per.iter_mut().filter(|per| per.ln().abs() < SAME.ln()).for_each(|per| *per = 1.0);
+    let Some((per, loads)) = rows.gains(&at.linear) else { return Ok(None) };
+    let apart = per.iter().map(|&per| if per.ln().abs() < SAME.ln() { 1.0 } else { per });
+    let apart: Vec<f64> = apart.collect();
     let mean = geometric_mean(&per);
     let gains = per.iter().map(|per| mean / per).collect();
     let joints = sample.joints().to_vec();
-    Ok(leaves(&rows.widened(&columns, &per, &loads), WORTH)
+    Ok(leaves(&rows.widened(&columns, &apart, &loads), WORTH)
         .then_some(Finding::Gains { joints, gains }))
 }
 

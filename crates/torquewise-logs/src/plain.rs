@@ -21,7 +21,7 @@ pub(crate) fn plain(file: &Path, names: &[String]) -> Result<Mapping> {
         let found = shown(names.join(", ").as_bytes());
         LogError::NoColumn { file: file.into(), missing, found }
     };
-    if names.iter().all(|name| name.parse::<f64>().is_ok()) {
+    if !names.is_empty() && names.iter().all(|name| name.parse::<f64>().is_ok()) {
         return Err(LogError::NoHeader { file: file.into() });
     }
     let t = found.t.ok_or_else(|| lacks("t"))?;
