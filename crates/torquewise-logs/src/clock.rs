@@ -50,7 +50,8 @@ impl ClockRepair {
         let held = if dropped as f64 > LEAST_HELD * rows as f64 { most } else { 0 };
         let mut off = [0.0, 0.0];
         for piece in pieces {
-            let piece = &without_held(piece, held, &mut Held::default());
+            let kept = (held > 0).then(|| without_held(piece, held, &mut Held::default()));
+            let piece = kept.as_ref().unwrap_or(piece);
             let mended = mended(&piece.t);
             off[0] += roughness(&piece.t, piece.of(Signal::Q));
             off[1] += roughness(&mended, piece.of(Signal::Q));

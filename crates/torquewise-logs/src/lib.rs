@@ -1,9 +1,9 @@
 //! Motion logs of robot arms: read in bounded memory and checked, whatever program wrote them.
 //!
 //! Columns are `t`, `q1…qn`, `dq1…dqn`, `ddq1…ddqn`, `tau1…taun` in SI units and in any order;
-//! dq, ddq and tau may be missing, and all joints counted from 0. Any other layout is described by a [`Profile`], which
-//! [`suggest`](suggest()) drafts. Read are CSV, Parquet, bags of ROS 2 (`.db3` and `.mcap` with
-//! joint states), NumPy archives (`.npz`) and MATLAB files (`.mat`).
+//! dq, ddq and tau may be missing, and all joints counted from 0. Any other layout is described by a
+//! [`Profile`], which [`suggest`](suggest()) drafts. Read are CSV, Parquet, bags of ROS 2 (`.db3`
+//! and `.mcap` with joint states), NumPy archives (`.npz`) and MATLAB files (`.mat`).
 //!
 //! [`Logs`] reads several files as one [`Recording`](torquewise_motion::Recording), or as recorded
 //! with [`Logs::read_raw`]; a [`Frame`] is a table in memory that is read as a file is; [`LogWriter`] and [`TableWriter`] write CSV and Parquet.

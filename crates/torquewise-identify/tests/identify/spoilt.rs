@@ -157,7 +157,9 @@ fn a_spoilt_log_teaches_as_much_as_a_clean_one() {
     let one = |(name, rows): (&str, Rows)| {
         let found = error(&fit(&fine, &rows), &test);
         println!("{name}: {found:.3} % ({:.2} of {clean:.3} %)", found / clean);
-        (found > 1.5 * clean).then(|| format!("{name}: {found:.2} of {clean:.2} %"))
+        // The chain is searched without the delay first.
+        let most = if name == "a delay" { 1.5 } else { 1.3 };
+        (found > most * clean).then(|| format!("{name}: {found:.2} of {clean:.2} %"))
     };
     let failed: Vec<String> = spoilt().into_par_iter().filter_map(one).collect();
     assert!(failed.is_empty(), "{failed:?}");
