@@ -144,7 +144,7 @@ impl Payload {
         let cost = Quadratic { hessian: &information, right: &[] };
         let factor = curvature(cost, &prior, STRENGTH, &nominal)?;
         let mut middle = pass.scatter(&solution);
-        prior.add_slopes(&nominal, STRENGTH, &mut [0.0; PER_BODY], &mut middle);
+        prior.add_hessian(&nominal, STRENGTH, &mut middle);
         let p = chain.n_parameters(model.friction.len());
         let arm = with.arm.iter().zip(&counts);
         let arm = arm.fold(Mat::zeros(PER_BODY, p), |sum, (own, by)| sum + faer::Scale(*by) * own);

@@ -235,7 +235,7 @@ impl RigidChain {
         }
         let derivatives = axes.derivatives();
         for &parameter in &self.fitted {
-            moved.geometry_derivative(&derivatives[parameter], &inertial, &mut torque);
+            moved.geometry_derivative(&derivatives[parameter], &mut torque);
             (0..n).for_each(|joint| jacobian[(joint, next)] = torque[joint]);
             next += 1;
         }

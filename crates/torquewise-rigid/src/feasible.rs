@@ -75,14 +75,15 @@ impl Prior {
         sum.is_finite().then_some(sum)
     }
 
-    /// Adds `strength` times the gradient and the Hessian of Ψ at x.
-    pub fn add_slopes(
-        &self,
-        x: &[f64],
-        strength: f64,
-        gradient: &mut [f64],
-        hessian: &mut Mat<f64>,
-    ) {
+    /// Adds `strength` times the Hessian of Ψ at x.
+    pub fn add_hessian(&self, x: &[f64], strength: f64, hessian: &mut Mat<f64>) {
+        let mut own = Mat::zeros(x.len(), x.len());
+        self.add_slopes(x, strength, &mut vec![0.0; x.len()], &mut own);
+        *hessian += Mat::from_fn(x.len(), x.len(), |i, j| own[(i.max(j), i.min(j))]);
+    }
+
+    /// Adds `strength` times the gradient of Ψ at x and the lower triangle of its Hessian.
+    fn add_slopes(&self, x: &[f64], strength: f64, gradient: &mut [f64], hessian: &mut Mat<f64>) {
         for (body, nominal) in self.bodies.iter().enumerate() {
             let first = PER_BODY * body;
             let Some((slope, curvature)) = divergence_slopes(&x[first..first + PER_BODY], nominal)
@@ -91,7 +92,7 @@ impl Prior {
             };
             for i in 0..PER_BODY {
                 gradient[first + i] += strength * slope[i];
-                for j in 0..PER_BODY {
+                for j in 0..=i {
                     hessian[(first + i, first + j)] += strength * curvature[i][j];
                 }
             }
@@ -103,7 +104,8 @@ impl Prior {
             for &(j, b) in &positive.terms {
                 gradient[j] += slope * b;
                 let column = hessian.col_as_slice_mut(j);
-                positive.terms.iter().for_each(|&(i, a)| column[i] += curvature * a * b);
+                let below = positive.terms.iter().filter(|(i, _)| *i >= j);
+                below.for_each(|&(i, a)| column[i] += curvature * a * b);
             }
         }
         for &(k, sigma) in &self.small {
@@ -216,7 +218,8 @@ fn newton_step(
     Ok((step, decrement))
 }
 
-/// A positive definite matrix, scaled to a unit diagonal and factored.
+/// A positive definite matrix, of which the lower triangle is read, scaled to a unit diagonal and
+/// factored.
 #[derive(Clone, Debug)]
 pub struct Factored {
     scales: Vec<f64>,
@@ -235,9 +238,8 @@ impl Factored {
             .map(|j| if matrix[(j, j)] > 0.0 { 1.0 / matrix[(j, j)].sqrt() } else { 1.0 })
             .collect();
         for j in 0..p {
-            for i in 0..p {
-                matrix[(i, j)] *= scales[i] * scales[j];
-            }
+            let below = matrix.col_as_slice_mut(j).iter_mut().zip(&scales).skip(j);
+            below.for_each(|(x, own)| *x *= own * scales[j]);
         }
         for jitter in JITTERS {
             let mut shifted = matrix.clone();

@@ -58,7 +58,7 @@ pub(crate) fn changes(
     rows.visit_lanes(|state, first, count| {
         kinematics.inverse_dynamics(state, inertial, &mut moved, &mut torque[..n]);
         for (column, &parameter) in free.iter().enumerate() {
-            moved.geometry_derivative(&derivatives[parameter], inertial, &mut torque[..n]);
+            moved.geometry_derivative(&derivatives[parameter], &mut torque[..n]);
             for (joint, &change) in torque[..n].iter().enumerate() {
                 put(changes.col_as_slice_mut(column), (joint * m + first, count), change);
             }

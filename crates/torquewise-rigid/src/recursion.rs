@@ -11,6 +11,7 @@ mod torque;
 use crate::coupling::Coupling;
 use crate::geometry::{Geometry, Placement};
 use crate::joint::JointKinds;
+use derivative::Tangent;
 use nalgebra::{Matrix3, SimdRealField, Vector3};
 use simba::simd::WideF64x4;
 
@@ -87,7 +88,11 @@ struct Inertia<T> {
 pub struct Moved<T> {
     bodies: Vec<Body<T>>,
     base: Body<T>,
+    /// What [`Self::torque`] came by, for the derivatives.
+    inertias: Vec<Inertia<T>>,
     wrenches: Vec<Wrench<T>>,
+    /// Room for [`Self::geometry_derivative`].
+    tangents: Vec<Tangent<T>>,
     coupling: Coupling,
     kinds: JointKinds,
     /// q, q̇ and q̈ of each joint; empty where all turn.
@@ -104,6 +109,12 @@ fn splat3<T: Scalar>(m: &Matrix3<f64>) -> Matrix3<T> {
 
 fn along_z<T: Scalar>(z: T) -> Vector3<T> {
     Vector3::new(T::zero(), T::zero(), z)
+}
+
+/// M v, column by column: on four states at once the general product is several times slower.
+#[inline]
+fn times<T: Scalar>(m: &Matrix3<T>, v: &Vector3<T>) -> Vector3<T> {
+    m.column(0) * v.x + m.column(1) * v.y + m.column(2) * v.z
 }
 
 impl Kinematics {
@@ -210,7 +221,9 @@ impl<T: Scalar> Default for Moved<T> {
         Self {
             bodies: Vec::new(),
             base: Body::at_rest(),
+            inertias: Vec::new(),
             wrenches: Vec::new(),
+            tangents: Vec::new(),
             coupling: Coupling::default(),
             kinds: JointKinds::default(),
             slides: Vec::new(),
@@ -223,11 +236,13 @@ impl<T: Scalar> Moved<T> {
     ///
     /// - `inertial`: inertial parameters of all bodies, 10 each
     pub fn torque(&mut self, inertial: &[f64], torque: &mut [T]) {
+        self.inertias.clear();
+        self.inertias.extend(inertial.chunks_exact(PER_BODY).map(Inertia::of));
         self.wrenches.clear();
         self.wrenches.reserve(self.bodies.len());
         let mut wrench = Wrench::none();
         for (joint, body) in self.bodies.iter().enumerate().rev() {
-            wrench = wrench.plus(&body.wrench(&Inertia::of(&inertial[PER_BODY * joint..])));
+            wrench = wrench.plus(&body.wrench(&self.inertias[joint]));
             self.wrenches.push(wrench);
             torque[joint] = wrench.effort(self.kinds.slides(joint));
             wrench = wrench.before(body);
@@ -266,8 +281,8 @@ impl<T: Scalar> Moved<T> {
                     axis = body.rotation.tr_mul(&axis);
                     arm = body.rotation.tr_mul(&(arm + body.origin));
                 }
-                for (parameter, value) in body.loads(&axis, &arm).into_iter().enumerate() {
-                    put(joint, PER_BODY * k + parameter, value);
+                for (parameter, value) in body.loads(&axis, &arm).iter().enumerate() {
+                    put(joint, PER_BODY * k + parameter, *value);
                 }
             }
         }
@@ -323,7 +338,7 @@ impl<T: Scalar> Body<T> {
         let (w, dw, a) = (&self.omega, &self.alpha, &self.acceleration);
         Wrench {
             force: a * *mass + dw.cross(first) + w.cross(&w.cross(first)),
-            moment: about_origin * dw + w.cross(&(about_origin * w)) + first.cross(a),
+            moment: times(about_origin, dw) + w.cross(&times(about_origin, w)) + first.cross(a),
         }
     }
 }
@@ -353,7 +368,7 @@ impl<T: Scalar> Wrench<T> {
 
     /// The same in the frame before that of a body.
     fn before(&self, body: &Body<T>) -> Self {
-        let force = body.rotation * self.force;
-        Self { force, moment: body.rotation * self.moment + body.origin.cross(&force) }
+        let force = times(&body.rotation, &self.force);
+        Self { force, moment: times(&body.rotation, &self.moment) + body.origin.cross(&force) }
     }
 }

@@ -132,7 +132,7 @@ impl Step<'_> {
         let factor = curvature(equations.quadratic(), &self.prior, strength, &solution)?;
         // The prior is as uncertain as it is weak.
         let spread = |mut middle: Mat<f64>| -> Mat<f64> {
-            self.prior.add_slopes(&solution, strength, &mut vec![0.0; active.len()], &mut middle);
+            self.prior.add_hessian(&solution, strength, &mut middle);
             factor.sandwiched(&middle)
         };
         let own = spread(self.scores(active));

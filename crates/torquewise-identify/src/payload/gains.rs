@@ -103,7 +103,7 @@ impl AtLoad {
         let p = PER_BODY + self.per.len();
         let x = ColRef::from_slice(&self.load).as_mat();
         let mut of_load = Mat::zeros(PER_BODY, PER_BODY);
-        prior.add_slopes(&self.load, STRENGTH, &mut [0.0; PER_BODY], &mut of_load);
+        prior.add_hessian(&self.load, STRENGTH, &mut of_load);
         for (own, per) in sums.iter().zip(&self.per) {
             of_load += faer::Scale(per * per) * &own.gram;
         }

@@ -1,25 +1,21 @@
 //! Derivative of the torque by the geometry: the recursion differentiated (E8).
 
-use super::{Body, Inertia, MOST_JOINTS, Moved, PER_BODY, Scalar, Wrench, along_z, splat};
+use super::{Body, Inertia, Moved, Scalar, Wrench, along_z, splat, times};
 use crate::geometry::GeometryDerivative;
 use nalgebra::Vector3;
 
 impl<T: Scalar> Moved<T> {
     /// The change of all torques per unit of one parameter of the geometry, exactly: the recursion
-    /// differentiated. [`Self::torque`] must have been called with the same inertial parameters.
+    /// differentiated. [`Self::torque`] must have been called: its inertial parameters count.
     ///
     /// - `change`: \[N·m\] per rad or m, n
-    pub fn geometry_derivative(
-        &self,
-        derivative: &GeometryDerivative,
-        inertial: &[f64],
-        change: &mut [T],
-    ) {
+    pub fn geometry_derivative(&mut self, derivative: &GeometryDerivative, change: &mut [T]) {
         let moved = derivative.joint;
-        let mut tangent = [Tangent::none(); MOST_JOINTS];
+        let mut tangents = std::mem::take(&mut self.tangents);
+        tangents.clear();
+        let mut known = Tangent::none();
         for (joint, body) in self.bodies.iter().enumerate().skip(moved) {
             let before = if joint == 0 { &self.base } else { &self.bodies[joint - 1] };
-            let known = if joint == moved { Tangent::none() } else { tangent[joint - 1] };
             let (rotation, origin, gravity) = if joint == moved {
                 let GeometryDerivative { rotation, origin, gravity, .. } = derivative;
                 let slid = self.shift_of(joint, (rotation, origin));
@@ -27,18 +23,18 @@ impl<T: Scalar> Moved<T> {
             } else {
                 (Vector3::zeros(), Vector3::zeros(), Vector3::zeros())
             };
-            let known = Tangent { acceleration: known.acceleration - gravity, ..known };
-            tangent[joint] = if self.kinds.slides(joint) {
-                known.slid(before, body, (&rotation, &origin), self.sliding(joint))
+            let from = Tangent { acceleration: known.acceleration - gravity, ..known };
+            known = if self.kinds.slides(joint) {
+                from.slid(before, body, (&rotation, &origin), self.sliding(joint))
             } else {
-                known.next(before, body, &rotation, &origin)
+                from.next(before, body, &rotation, &origin)
             };
+            tangents.push(known);
         }
         let mut wrench = Wrench::none();
         for (joint, body) in self.bodies.iter().enumerate().rev() {
             if joint >= moved {
-                let inertia = Inertia::of(&inertial[PER_BODY * joint..]);
-                wrench = wrench.plus(&tangent[joint].wrench(body, &inertia));
+                wrench = wrench.plus(&tangents[joint - moved].wrench(body, &self.inertias[joint]));
             }
             change[joint] = wrench.effort(self.kinds.slides(joint));
             wrench = wrench.before(body);
@@ -55,13 +51,14 @@ impl<T: Scalar> Moved<T> {
                     + body.origin.cross(&force);
             }
         }
+        self.tangents = tangents;
         self.coupling.load(&mut change[..self.bodies.len()]);
     }
 }
 
 /// How the motion of a body changes with one parameter of the geometry, in its own frame.
 #[derive(Clone, Copy, Debug)]
-struct Tangent<T> {
+pub(super) struct Tangent<T> {
     omega: Vector3<T>,
     alpha: Vector3<T>,
     acceleration: Vector3<T>,
@@ -89,7 +86,7 @@ impl<T: Scalar> Tangent<T> {
         let omega = back(self.omega - rotation.cross(w));
         let spin = along_z(body.omega.z - body.rotation.column(2).dot(w));
         let alpha = back(self.alpha - rotation.cross(&before.alpha)) + omega.cross(&spin);
-        let whole = body.rotation * body.acceleration;
+        let whole = times(&body.rotation, &body.acceleration);
         let acceleration = self.acceleration
             + self.alpha.cross(o)
             + self.omega.cross(&w.cross(o))
@@ -122,9 +119,9 @@ impl<T: Scalar> Tangent<T> {
                 + self.alpha.cross(first)
                 + dw.cross(&w.cross(first))
                 + w.cross(&dw.cross(first)),
-            moment: about_origin * self.alpha
-                + dw.cross(&(about_origin * w))
-                + w.cross(&(about_origin * dw))
+            moment: times(about_origin, &self.alpha)
+                + dw.cross(&times(about_origin, w))
+                + w.cross(&times(about_origin, dw))
                 + first.cross(&self.acceleration),
         }
     }

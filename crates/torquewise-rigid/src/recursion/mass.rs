@@ -1,6 +1,6 @@
 //! M(q) by composite rigid bodies, from the tip inward.
 
-use super::{Body, Inertia, Kinematics, Moved, PER_BODY, Scalar, Wrench, along_z};
+use super::{Body, Inertia, Kinematics, Moved, PER_BODY, Scalar, Wrench, along_z, times};
 use nalgebra::{Matrix3, Vector3};
 
 impl Kinematics {
@@ -96,7 +96,7 @@ impl<T: Scalar> Inertia<T> {
     /// The same in the frame before that of a body: turned, then moved (Huygens–Steiner).
     fn before(&self, body: &Body<T>) -> Self {
         let Body { rotation, origin, .. } = body;
-        let turned = rotation * self.first;
+        let turned = times(rotation, &self.first);
         let first = turned + origin * self.mass;
         // The sum over its points of |p + r|² − (p + r)(p + r)ᵀ less that of |r|² − r rᵀ.
         let trace = origin.dot(&(turned + first));

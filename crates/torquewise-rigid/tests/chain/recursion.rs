@@ -82,7 +82,7 @@ fn derivatives_by_the_geometry_are_those_of_central_differences() {
         kinematics.inverse_dynamics(State { q, dq, ddq }, &inertial, &mut moved, &mut change);
 
         for (parameter, derivative) in geometry.derivatives().iter().enumerate() {
-            moved.geometry_derivative(derivative, &inertial, &mut change);
+            moved.geometry_derivative(derivative, &mut change);
 
             let at = |step: f64| {
                 let mut parameters = geometry.parameters().to_vec();
@@ -112,7 +112,7 @@ fn derivatives_hold_where_an_axis_is_parallel_to_the_one_before() {
     let kinematics = Kinematics::new(&geometry);
     kinematics.inverse_dynamics(State { q, dq, ddq }, &inertial, &mut moved, &mut change);
     let derivatives = geometry.derivatives();
-    moved.geometry_derivative(&derivatives[2], &inertial, &mut change);
+    moved.geometry_derivative(&derivatives[2], &mut change);
 
     let at = |w: f64| {
         torque_of(&Geometry::new(&[0.0, 0.0, w, 0.0, 0.0, 0.0]).unwrap(), &inertial, &state)
