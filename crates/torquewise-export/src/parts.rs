@@ -185,7 +185,8 @@ pub(crate) fn friction(
     }
     let mut torques = vec![Vec::new(); gravity.len()];
     for (term, curves) in shafts {
-        let torque = weighted_sum(graph, curves);
+        let part = |(node, weight)| graph.mul(graph.constant(weight), node);
+        let torque = graph.sum(&curves.into_iter().map(part).collect::<Vec<Id>>());
         let torque = match term.joint().and_then(|joint| gravity.get(joint)) {
             Some(&load) if term.load => graph.mul(graph.abs(load), torque),
             _ => torque,
@@ -195,11 +196,6 @@ pub(crate) fn friction(
         }
     }
     torques.iter().map(|parts| graph.sum(parts)).collect()
-}
-
-fn weighted_sum(graph: &Graph, weights: BTreeMap<Id, f64>) -> Id {
-    let part = |(node, weight)| graph.mul(graph.constant(weight), node);
-    graph.sum(&weights.into_iter().map(part).collect::<Vec<Id>>())
 }
 
 /// Joint, from 0, and travel \[rad\] of the Dahl elements that terms follow, once each.

@@ -6,6 +6,8 @@ use torquewise_motion::Motion;
 const END: f64 = 0.005;
 /// Part of the moving rows at the ends: a sine spends a tenth there.
 const MANY: f64 = 0.15;
+/// So many rows at least: a few are where any torque turns.
+const LEAST_ROWS: usize = 20;
 /// A joint moves above this part of its peak speed.
 const MOVING: f64 = 0.05;
 
@@ -24,5 +26,5 @@ pub fn clipped(sample: &Motion, joint: usize) -> Option<f64> {
     let moving = || tau.iter().zip(dq.iter()).filter(|(_, dq)| dq.abs() > MOVING * peak);
     let at_end = moving().filter(|(tau, _)| **tau > high - margin || **tau < low + margin).count();
     let share = at_end as f64 / moving().count().max(1) as f64;
-    (share > MANY).then_some(share)
+    (at_end >= LEAST_ROWS && share > MANY).then_some(share)
 }

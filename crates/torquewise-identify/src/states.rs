@@ -152,7 +152,8 @@ impl States {
         let product = |slope_of: Option<usize>| {
             let mut out = vec![coefficient; self.len()];
             for (place, part) in parts.iter().enumerate() {
-                multiply(&mut out, &part[usize::from(slope_of == Some(place))]);
+                let by = &part[usize::from(slope_of == Some(place))];
+                out.iter_mut().zip(by).for_each(|(out, x)| *out *= x);
             }
             out
         };
@@ -227,10 +228,6 @@ impl States {
         }
         sum.unwrap_or_else(|| (vec![0.0; self.len()], vec![1.0; self.len()]))
     }
-}
-
-fn multiply(out: &mut [f64], by: &[f64]) {
-    out.iter_mut().zip(by).for_each(|(out, x)| *out *= x);
 }
 
 fn add_product(out: &mut [f64], left: &[f64], right: &[f64]) {

@@ -1,6 +1,7 @@
 //! Rows with a value that no motion leads to: a flipped bit, a sensor that dropped out.
 
 use torquewise_motion::signals::Signal;
+use torquewise_motion::stats;
 
 /// Rows in a row that may be absurd; more are taken for what happened.
 pub(crate) const LONGEST: usize = 3;
@@ -21,8 +22,12 @@ fn least(signal: Signal) -> f64 {
     }
 }
 
+/// Rows on each side that a position is compared with.
+const NEAR: usize = 4;
+
 /// Rows of a column, ascending, that stand out alone: farther from the median than 20 times all but
-/// the largest few, at most three beside each other.
+/// the largest few, or a position farther than a turn from those next to it; at most three beside
+/// each other.
 pub(crate) fn absurd(x: &[f64], signal: Signal) -> Vec<usize> {
     let (few, part) = LARGER;
     if x.len() < LEAST_ROWS {
@@ -37,7 +42,14 @@ pub(crate) fn absurd(x: &[f64], signal: Signal) -> Vec<usize> {
     }
     let (_, usual, _) = sorted.select_nth_unstable_by(kept, f64::total_cmp);
     let most = (TIMES * *usual).max(least(signal));
-    let off: Vec<usize> = (0..x.len()).filter(|&row| (x[row] - median).abs() > most).collect();
+    let least = least(signal);
+    let jumps = signal == Signal::Q && x.windows(2).any(|pair| (pair[1] - pair[0]).abs() > least);
+    let stands_off = |row: usize| {
+        let mut near = x[row.saturating_sub(NEAR)..(row + NEAR + 1).min(x.len())].to_vec();
+        (x[row] - stats::median(&mut near)).abs() > least
+    };
+    let is_off = |row: &usize| (x[*row] - median).abs() > most || jumps && stands_off(*row);
+    let off: Vec<usize> = (0..x.len()).filter(is_off).collect();
     let runs = off.chunk_by(|a, b| a + 1 == *b).filter(|run| run.len() <= LONGEST);
     runs.flatten().copied().collect()
 }
@@ -57,6 +69,17 @@ mod tests {
 
         assert_eq!(absurd(&x, Signal::Dq), [100, 101, 400]);
         assert_eq!(absurd(&sine(), Signal::Dq), []);
+    }
+
+    #[test]
+    fn no_position_leaves_by_a_turn_and_comes_back() {
+        let mut turned: Vec<f64> = sine().iter().map(|x| 3.0 * x).collect();
+        (turned[300], turned[301], turned[302]) = (40.0, -9.0, 40.0);
+        // An encoder that wraps.
+        let wrapped: Vec<f64> = (0..600).map(|row| (0.1 * f64::from(row)) % 7.0).collect();
+
+        assert_eq!(absurd(&turned, Signal::Q), [300, 301, 302]);
+        assert_eq!(absurd(&wrapped, Signal::Q), []);
     }
 
     #[test]

@@ -52,8 +52,12 @@ pub struct JointGeometry {
     pub angle_to_previous_deg: Option<Estimated>,
     /// Distance of both as lines \[m\]; none of the first, nor where one of them slides.
     pub distance_to_previous_m: Option<Estimated>,
+    /// Distance \[m\], along the axis before, of the places where this one and the one before that
+    /// come nearest to it: the length of a link whose axes meet. None of the first two, nor where one
+    /// of the three slides or is parallel to the middle one.
+    pub along_previous_m: Option<Estimated>,
     /// Whether the log tells where it lies: the search found it often enough, its torque on held-out
-    /// rows is followed, no other right angle does nearly as well, and its distance is certain.
+    /// rows is followed, no other right angle does nearly as well, and its distances are certain.
     pub resolved: bool,
 }
 
@@ -70,20 +74,36 @@ pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
     let found = model.training.geometry_found.as_ref();
     let errors = model.training.held_out_errors().unwrap_or_default();
     let of = |(joint, axis): (usize, &Axis)| -> Result<JointGeometry, ModelError> {
-        let relative = |of: fn(&Axis, &Axis) -> f64| -> Result<Option<Estimated>, ModelError> {
-            let Some(before) = joint.checked_sub(1) else { return Ok(None) };
-            let value = of(&lines[before], axis).abs();
-            let std_error = geometry_error(chain, |axes| of(&axes[before], &axes[joint]))?;
-            Ok(Some(Estimated { value, std_error }))
+        let measured = |of: &dyn Fn(&[Axis]) -> f64| -> Result<Option<Estimated>, ModelError> {
+            let std_error = geometry_error(chain, of)?;
+            Ok(Some(Estimated { value: of(&lines).abs(), std_error }))
+        };
+        let relative = |of: fn(&Axis, &Axis) -> f64| match joint.checked_sub(1) {
+            None => Ok(None),
+            Some(before) => measured(&|axes| of(&axes[before], &axes[joint])),
         };
         // A slide has a direction alone, and no place.
-        let has_distance = chain.kinds.of(joint).turns()
-            && joint.checked_sub(1).is_none_or(|before| chain.kinds.of(before).turns());
+        let turns = |joint: usize| chain.kinds.of(joint).turns();
+        let has_distance = turns(joint) && joint.checked_sub(1).is_none_or(turns);
         let distance_to_previous_m = if has_distance { relative(distance)? } else { None };
+        let has_length = |first: usize| {
+            let is_across =
+                |k: usize| norm(cross(lines[k].direction, lines[first + 1].direction)) > PARALLEL;
+            (first..=joint).all(turns) && is_across(first) && is_across(joint)
+        };
+        let along_previous_m = match joint.checked_sub(2).filter(|&first| has_length(first)) {
+            None => None,
+            Some(first) => measured(&|axes| {
+                foot(&axes[joint], &axes[first + 1]) - foot(&axes[first], &axes[first + 1])
+            })?,
+        };
         let is_found = found.is_none_or(GeometryFound::is_certain);
         let is_named = found.is_some_and(|found| found.unresolved.contains(&joint));
         let is_followed = errors.get(joint).is_none_or(|error| *error < Training::POOR);
-        let is_near = distance_to_previous_m.is_none_or(|found| found.std_error < RESOLVED);
+        let is_near = [distance_to_previous_m, along_previous_m]
+            .into_iter()
+            .flatten()
+            .all(|found| found.std_error < RESOLVED);
         Ok(JointGeometry {
             joint: model.joints[joint].clone(),
             kind: chain.kinds.of(joint).name(),
@@ -91,6 +111,7 @@ pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
             point: axis.point,
             angle_to_previous_deg: relative(angle)?,
             distance_to_previous_m,
+            along_previous_m,
             resolved: is_found && !is_named && is_followed && is_near,
         })
     };
@@ -108,6 +129,7 @@ pub fn geometry(model: &Model, selection: &Selection) -> Result<Table, ModelErro
         "through (x y z) [m]",
         "angle to axis before [°]",
         "distance from it [m]",
+        "length along it [m]",
         "",
     ];
     let mut table = vec![headings.map(str::to_owned).to_vec()];
@@ -136,6 +158,7 @@ pub fn geometry(model: &Model, selection: &Selection) -> Result<Table, ModelErro
             point,
             relative(found.angle_to_previous_deg),
             relative(found.distance_to_previous_m),
+            relative(found.along_previous_m),
             note.join(", "),
         ]);
     }
@@ -159,6 +182,14 @@ fn distance(a: &Axis, b: &Axis) -> f64 {
     }
 }
 
+/// Where along `axis`, from the point that it is given by, another that is not parallel comes nearest
+/// to it \[m\].
+fn foot(other: &Axis, axis: &Axis) -> f64 {
+    let between = [0, 1, 2].map(|k| other.point[k] - axis.point[k]);
+    let cos = dot(other.direction, axis.direction);
+    (dot(between, axis.direction) - cos * dot(between, other.direction)) / (1.0 - cos * cos)
+}
+
 /// Sine of the angle below which two axes are parallel.
 const PARALLEL: f64 = 1e-6;
 
@@ -178,7 +209,7 @@ fn cross([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
 const STEP: f64 = 1e-6;
 
 /// Standard error of a function of the axes; zero where they are exact.
-fn geometry_error(chain: &RigidChain, of: impl Fn(&[Axis]) -> f64) -> Result<f64, ModelError> {
+fn geometry_error(chain: &RigidChain, of: &dyn Fn(&[Axis]) -> f64) -> Result<f64, ModelError> {
     let before = chain.covariance.len().saturating_sub(chain.fitted.len());
     let mut weights = vec![0.0; chain.covariance.len()];
     for (&parameter, weight) in chain.fitted.iter().zip(weights.iter_mut().skip(before)) {
@@ -267,92 +298,23 @@ fn std_error(chain: &RigidChain, parameter: usize) -> f64 {
     variance.map_or(0.0, |variance| variance.max(0.0).sqrt())
 }
 
-/// Letters across and lines down a drawing.
-const DRAWING: [usize; 2] = [36, 14];
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
 
-/// The axes at q = 0 seen from the front (x to the right, z up) and from the side (y to the right):
-/// numbers are the joints, dots the links between them, and strokes lie along the axes.
-///
-/// # Errors
-/// As [`axes`].
-pub fn drawing(chain: &RigidChain) -> Result<String, ModelError> {
-    let axes = axes(chain)?;
-    let [x, y, z] = [0, 1, 2].map(|k| {
-        let [low, high] = range(&axes, k);
-        (high - low).max(1e-3)
-    });
-    let scale = ((DRAWING[1] as f64 - 5.0) / z).min((0.5 * DRAWING[0] as f64 - 3.0) / x.max(y));
-    let views = [[0, 2], [1, 2]].map(|view| view_of(&axes, view, scale));
-    let [front, side] = &views;
-    let width = DRAWING[0];
-    let mut text = format!("{:<width$}    {}\n", "front: x right, z up", "side: y right, z up");
-    for (left, right) in front.iter().zip(side) {
-        let [left, right]: [String; 2] = [left, right].map(|line| line.iter().collect());
-        text.push_str(format!("{left:<width$}    {right}").trim_end());
-        text.push('\n');
-    }
-    Ok(text)
-}
+    #[test]
+    fn axes_stand_so_far_apart_along_the_one_between_them() {
+        let axis = |point, direction| Axis { point, direction };
+        let (cos, sin) = (0.6, 0.8);
+        let first = axis([0.1, 0.0, -2.0], [0.0, 0.0, 1.0]);
+        let between = axis([7.0, 0.2, 0.3], [1.0, 0.0, 0.0]);
+        // Oblique to it, and away from it by 0.5 m.
+        let last = axis([0.42, 0.7, 0.3], [cos, 0.0, sin]);
 
-/// The least and the greatest of a coordinate.
-fn range(axes: &[Axis], k: usize) -> [f64; 2] {
-    let values = axes.iter().map(|axis| axis.point[k]);
-    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
-}
+        let length = foot(&last, &between) - foot(&first, &between);
 
-/// One view as letters: `view` names the coordinates that go right and up.
-///
-/// - `scale`: lines per metre; a letter is twice as high as it is wide
-fn view_of(axes: &[Axis], view: [usize; 2], scale: f64) -> Vec<Vec<char>> {
-    let [width, height] = DRAWING;
-    let seen = |vector: [f64; 3]| view.map(|k| vector[k]);
-    let middle = view.map(|k| {
-        let [low, high] = range(axes, k);
-        0.5 * (low + high)
-    });
-    let mut grid = vec![vec![' '; width]; height];
-    let mut put = |[x, z]: [f64; 2], letter: char| {
-        let column = cell(0.5 * width as f64 + 2.0 * scale * (x - middle[0]));
-        let row = cell(0.5 * height as f64 - scale * (z - middle[1]));
-        let found = row.and_then(|row| grid.get_mut(row)).zip(column);
-        if let Some(cell) = found.and_then(|(line, column)| line.get_mut(column)) {
-            *cell = letter;
-        }
-    };
-    let between =
-        |a: [f64; 2], b: [f64; 2], t: f64| [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])];
-    for pair in axes.windows(2) {
-        let ends = [seen(pair[0].point), seen(pair[1].point)];
-        (0..=60).for_each(|k| put(between(ends[0], ends[1], f64::from(k) / 60.0), '·'));
+        assert_abs_diff_eq!(length, 0.32, epsilon = 1e-12);
+        assert_abs_diff_eq!(distance(&between, &last).abs(), 0.5, epsilon = 1e-12);
     }
-    for axis in axes {
-        let ([x, z], [dx, dz]) = (seen(axis.point), seen(axis.direction));
-        let letter = match (dx.abs(), dz.abs()) {
-            (dx, dz) if dx.max(dz) < 0.4 => 'o',
-            (dx, dz) if dx < 0.4 * dz => '|',
-            (dx, dz) if dz < 0.4 * dx => '-',
-            _ if dx * dz > 0.0 => '/',
-            _ => '\\',
-        };
-        if letter != 'o' {
-            for step in [-2.0, -1.0, 1.0, 2.0] {
-                put([x + step * dx / scale, z + step * dz / scale], letter);
-            }
-        }
-    }
-    for (axis, number) in axes.iter().zip(('1'..='9').cycle()) {
-        put(seen(axis.point), number);
-    }
-    grid
-}
-
-/// The cell that a place lies in, if it is not before the first.
-fn cell(place: f64) -> Option<usize> {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a place within or beyond a small grid"
-    )]
-    let cell = place.round() as usize;
-    (place > -0.5).then_some(cell)
 }

@@ -108,12 +108,6 @@ impl MomentPlan {
         }
     }
 
-    /// The two waves that the product of waves a and b is the weighted sum of, by their place in
-    /// the table.
-    pub(crate) fn wave_pair(&self, a: usize, b: usize) -> [(f64, usize); 2] {
-        self.wave_pairs[packed(a.min(b), a.max(b))]
-    }
-
     /// Places of the products of monomial i with each monomial.
     pub(crate) fn monomial_pairs(&self, i: usize) -> &[usize] {
         let n = self.design.monomials.len();
@@ -248,7 +242,7 @@ fn half_product(plan: &MomentPlan, table: &Mat<f64>, function: &Function) -> Mat
     for wave in 0..half.ncols() {
         let out = half.col_as_slice_mut(wave);
         for &(other, weight) in function {
-            for (share, place) in plan.wave_pair(wave, other) {
+            for (share, place) in plan.wave_pairs[packed(wave.min(other), wave.max(other))] {
                 add_scaled(out, weight * share, table.col_as_slice(place));
             }
         }

@@ -2,7 +2,7 @@
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::{Accum, ColRef, Mat, MatRef, Par};
+use faer::{Accum, Mat, MatRef, Par};
 
 /// A B
 pub fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
@@ -43,7 +43,7 @@ pub fn add_gram_of_equations(
     for equation in 0..equations {
         let part = rows.subrows(equation * m, m);
         let used: Vec<usize> =
-            (0..rows.ncols()).filter(|&j| holds_something(part.col(j))).collect();
+            (0..rows.ncols()).filter(|&j| part.col(j).norm_max() != 0.0).collect();
         let mut dense = Mat::zeros(m, used.len());
         for (j, &column) in used.iter().enumerate() {
             dense.col_mut(j).copy_from(part.col(column));
@@ -55,14 +55,5 @@ pub fn add_gram_of_equations(
                 target[(row, column)] += gram[(i, j)];
             }
         }
-    }
-}
-
-/// Whether a column is not all zeros, looked at sixteen numbers at a time.
-fn holds_something(column: ColRef<'_, f64>) -> bool {
-    let some = |part: &[f64]| part.iter().map(|x| u32::from(*x != 0.0)).sum::<u32>() > 0;
-    match column.try_as_col_major() {
-        Some(whole) => whole.as_slice().chunks(16).any(some),
-        None => column.iter().any(|x| *x != 0.0),
     }
 }

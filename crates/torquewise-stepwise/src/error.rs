@@ -49,6 +49,11 @@ pub enum IdentifyError {
         "make them again with the library energy or product, or learn a chain from them"
     ))]
     NoLibrary,
+    #[error("the torque columns, as they are, tell of no load: {found:.3} ± {error:.3} kg")]
+    #[diagnostic(help(
+        "give a log of the arm with the load, held in many poses, far out and near"
+    ))]
+    NoLoad { found: f64, error: f64 },
     #[error("the counterbalanced joint {name} is not in the log, which has {joints}")]
     #[diagnostic(help("name one of these"))]
     NoSuchJoint { name: String, joints: String },

@@ -131,6 +131,7 @@ impl Error {
                 | Self::FrictionOfSums
                 | Self::DelayWithoutFilter
                 | Self::NoCovariance
+                | Self::Identify(IdentifyError::Kinds { .. } | IdentifyError::NoSuchJoint { .. })
         )
     }
 

@@ -12,7 +12,7 @@ use serde_json::json;
 use std::path::PathBuf;
 use torquewise::Error;
 use torquewise::inspect::{Inspection, inspect};
-use torquewise::log::{Prepared, Rows};
+use torquewise::log::Rows;
 use torquewise::logs::{LogError, LogInput, suggest};
 use torquewise::model::number;
 use torquewise::summary::repairs_note;
@@ -40,17 +40,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let recorded = arguments.filter.prepare(&log, Rows::Filtered)?;
     let inspection = inspect(&recorded, &watch())?;
     let repairs = recorded.repairs();
+    let signals = recorded.report().map(|report| format!("\nsignals\n{report}\n"));
+    let signals = signals.unwrap_or_default();
     Ok(Outcome {
         notes: repairs_note(&repairs).into_iter().collect(),
-        text: text(&inspection) + &signals_text(&recorded) + &conditioning::text(&repairs),
+        text: text(&inspection) + &signals + &conditioning::text(&repairs),
         json: object(&inspection),
         warnings: inspection.warnings().into_iter().chain(recorded.warnings()).collect(),
         ..Outcome::default()
     })
-}
-
-fn signals_text(recorded: &Prepared) -> String {
-    recorded.report().map_or_else(String::new, |report| format!("\nsignals\n{report}\n"))
 }
 
 /// A profile for a log whose columns are not understood.

@@ -132,9 +132,6 @@ fn learned_text(model: &Model, selection: &Selection) -> Result<String> {
         let joints = &model.joints;
         let geometry = Table::of(learned::geometry(model, selection)?);
         text.push(format!("{GEOMETRY}\n{}\n", geometry.text()));
-        if selection.joint.is_none() {
-            text.push(learned::drawing(chain)? + "\n");
-        }
         let links = Table::of(learned::links(chain, joints, selection)?);
         text.push(format!("{LINKS}\n{}\n", links.text()));
         let drives = learned::drives(chain, joints, selection);

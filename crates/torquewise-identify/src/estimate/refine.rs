@@ -69,10 +69,6 @@ impl Passes {
         Self { may_release, ..Self::over_all(at, most) }
     }
 
-    fn over_sample(at: Linearisation) -> Self {
-        Self { most: SAMPLE_PASSES, may_release: false, ..Self::over_all(at, 0) }
-    }
-
     /// What follows from the sums of the pass that was asked for: another pass, or a break where nothing
     /// moves any more.
     ///
@@ -149,7 +145,7 @@ pub(crate) fn refine(
         if weighing >= WEIGHINGS[0] && before > MUCH_LESS * geometric_mean(&at.weights) {
             break;
         }
-        let mut passes = Passes::over_sample(at);
+        let mut passes = Passes { may_release: false, ..Passes::over_all(at, SAMPLE_PASSES) };
         at = loop {
             Progress::Working.tell(watch)?;
             let sums = add_up(recording, &passes.at)?;

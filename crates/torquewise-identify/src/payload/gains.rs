@@ -2,7 +2,7 @@
 
 use super::pass::Pass;
 use super::rows::WithLoad;
-use super::{Place, STRENGTH, chain_of};
+use super::{Payload, Place, STRENGTH, chain_of};
 use crate::clustered::{Stretches, scatter, score};
 use crate::excitation::list;
 use faer::{ColRef, Mat};
@@ -36,6 +36,8 @@ pub struct Gains {
 
 /// A gain is resolved where its standard error is below this part of it.
 const TOLD: f64 = 0.1;
+/// A load that is not so many standard errors above nothing is none.
+const LEAST_T: f64 = 3.0;
 /// How much more than by all rows a known mass is held.
 const HELD: f64 = 1e6;
 /// Steps at most, until the cost falls by no more than this part; a step is halved so often at most.
@@ -133,13 +135,18 @@ impl Gains {
     /// - `mass`: of the load \[kg\]
     ///
     /// # Errors
-    /// Those of [`super::Payload::find`].
+    /// [`IdentifyError::NoLoad`] if the log tells of none, and those of [`Payload::find`].
     pub fn find(
         model: &Model,
         recording: &(impl Recording + ?Sized),
-        Place { link, .. }: Place,
+        place: Place,
         mass: f64,
     ) -> Result<Self, IdentifyError> {
+        let apparent = Payload::find(model, recording, place)?.mass;
+        if apparent.value < LEAST_T * apparent.std_error {
+            return Err(IdentifyError::NoLoad { found: apparent.value, error: apparent.std_error });
+        }
+        let link = place.link;
         let chain = chain_of(model)?;
         model.check_joints(recording.joints())?;
         let passes = Pass::over(model, chain, recording)?;
@@ -165,7 +172,7 @@ impl Gains {
         Ok(Self {
             gains,
             known_mass: mass,
-            apparent_mass: free[0],
+            apparent_mass: apparent.value,
             rows: pass.rows,
             joints: model.joints.clone(),
             is_given: chain.fitted.is_empty(),

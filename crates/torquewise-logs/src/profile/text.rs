@@ -57,15 +57,11 @@ impl Profile {
 
     fn parse(text: &str, from: &str) -> Result<Self> {
         let profile: Self = toml::from_str(text).map_err(|source| {
-            let line = source.span().map_or(1, |span| line_of(text, span.start));
+            let line = source.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
             let problem = format!(", line {line}: {}", source.message());
             LogError::unusable(from, &problem, "profiles/README.md lists the keys of a profile")
         })?;
         profile.check(from)?;
         Ok(profile)
     }
-}
-
-fn line_of(text: &str, at: usize) -> usize {
-    1 + text.bytes().take(at).filter(|byte| *byte == b'\n').count()
 }

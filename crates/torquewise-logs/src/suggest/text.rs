@@ -49,7 +49,7 @@ pub(super) fn of_columns(
 ) -> Suggestion {
     let mut draft = Suggestion::new();
     if let Some(q) = found.get(Signal::Q) {
-        let numbered = || (1..=q.columns.len()).map(|joint| format!("joint_{joint}")).collect();
+        let numbered = || (1..=q.columns.len()).map(|joint| format!("joint{joint}")).collect();
         draft.line("# Base to tip.");
         draft.line(format!("joints = {}", list(&q.joints().unwrap_or_else(numbered))));
     }

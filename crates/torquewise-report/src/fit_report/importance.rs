@@ -40,7 +40,9 @@ fn joint_bars(
         .map(|found| {
             let own = terms.get(&found.name).map(|found| term(found));
             let rubs = rubbing.iter().find(|w| w.term.name() == found.name);
-            let name = own.or_else(|| rubs.map(|w| friction_label(&w.term)));
+            let is_offset = |term: &FrictionTerm| term.law == FrictionLaw::Offset;
+            let of_friction = |term| if is_offset(term) { "offset".into() } else { friction(term) };
+            let name = own.or_else(|| rubs.map(|w| of_friction(&w.term)));
             (name.unwrap_or_else(|| found.name.clone().into()), found.rms)
         })
         .collect();
@@ -56,10 +58,6 @@ fn joint_bars(
         colour: Colour::Series(0),
         rows: rows.into_iter().take(MOST_TERMS).collect(),
     }
-}
-
-fn friction_label(term: &FrictionTerm) -> Label {
-    if term.law == FrictionLaw::Offset { "offset".into() } else { friction(term) }
 }
 
 fn dropped(findings: &Findings<'_>) -> Option<Item> {

@@ -45,12 +45,16 @@ pub(crate) fn spec_json(chart: &Chart) -> Result<String> {
         }
         columns.push(rounded(&x));
     }
+    let band = |band: &Band| {
+        let spans: Vec<_> = band.spans.iter().map(|span| rounded(span)).collect();
+        json!({ "colour": band.colour.variable(), "spans": spans })
+    };
     let spec = Spec {
         x: drawable(&chart.x),
         y: drawable(&chart.y),
         columns,
         series: series.into_iter().flatten().collect(),
-        bands: chart.bands.iter().map(band_spec).collect(),
+        bands: chart.bands.iter().map(band).collect(),
         guides: chart.guides.iter().filter_map(guide_spec).collect(),
         linked: chart.linked.as_deref(),
     };
@@ -117,11 +121,6 @@ fn drawable(axis: &Axis) -> Axis {
         range.iter().all(|end| end.is_finite() && (!axis.log || *end > 0.0)) && range[0] < range[1]
     };
     Axis { range: axis.range.filter(usable), ..axis.clone() }
-}
-
-fn band_spec(band: &Band) -> Value {
-    let spans: Vec<_> = band.spans.iter().map(|span| rounded(span)).collect();
-    json!({ "colour": band.colour.variable(), "spans": spans })
 }
 
 fn guide_spec(guide: &Guide) -> Option<Value> {

@@ -138,7 +138,10 @@ pub fn limits(arm: &Arm, wishes: &Wishes) -> Result<Vec<Limits>> {
         if known.position.is_none() && ranges[i].is_none() {
             assumed.push("position");
         }
-        let inner = known.position.map(|limits| inset(limits, wishes.margin));
+        let inner = known.position.map(|[lower, upper]| {
+            let distance = wishes.margin * (upper - lower);
+            [lower + distance, upper - distance]
+        });
         let position = planned_range(joint, ranges[i], inner, turns[i])?;
         all.push(Limits {
             joint: joint.clone(),
@@ -176,11 +179,6 @@ fn planned_range(
         let [lower, upper] = asked.unwrap_or([lower, upper]);
         Err(SimError::Range { joint: joint.to_owned(), lower, upper })
     }
-}
-
-fn inset([lower, upper]: [f64; 2], margin: f64) -> [f64; 2] {
-    let distance = margin * (upper - lower);
-    [lower + distance, upper - distance]
 }
 
 pub(crate) fn check_rate(what: &'static str, joint: &str, found: f64) -> Result<()> {

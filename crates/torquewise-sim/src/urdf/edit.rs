@@ -60,7 +60,9 @@ fn put(
     name: &str,
     new: Option<Vec<String>>,
 ) -> Vec<(Range<usize>, String)> {
-    let margin = margin_of(text, node.range().start);
+    let before = &text[..node.range().start];
+    let line = before.rsplit('\n').next().unwrap_or(before);
+    let margin: String = line.chars().take_while(|c| *c == ' ' || *c == '\t').collect();
     let lines = new.map(|lines| lines.join(&format!("\n{margin}  ")));
     let old: Vec<Range<usize>> = (node.children())
         .filter(|child| child.has_tag_name(name))
@@ -83,12 +85,6 @@ fn put(
     let end = range.start + whole.rfind("</").unwrap_or(whole.len());
     let behind = text[..end].trim_end().len();
     vec![(behind..behind, format!("\n{margin}  {lines}"))]
-}
-
-/// White space that the line of a place begins with.
-fn margin_of(text: &str, place: usize) -> String {
-    let line = text[..place].rfind('\n').map_or(0, |end| end + 1);
-    text[line..place].chars().take_while(|c| *c == ' ' || *c == '\t').collect()
 }
 
 fn inertial(UrdfInertial(Body { mass, com, inertia }): &UrdfInertial) -> Vec<String> {
