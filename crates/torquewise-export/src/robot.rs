@@ -166,11 +166,14 @@ impl Robot {
 
 /// What the log does not tell of where an axis lies; nothing of one that it tells.
 fn unresolved(joint: &JointGeometry) -> Option<String> {
-    let Estimated { value, std_error } = joint.distance_to_previous_m?;
+    let lengths = [(joint.distance_to_previous_m, "from"), (joint.along_previous_m, "along")];
+    let lengths = lengths.into_iter().filter_map(|(found, how)| Some((found?, how)));
+    let least_certain = lengths.max_by(|a, b| a.0.std_error.total_cmp(&b.0.std_error));
+    let (Estimated { value, std_error }, how) = least_certain?;
     (!joint.resolved).then(|| {
         let (value, error) = (number(value), number(std_error));
         format!(
-            "not resolved by the log: where this axis lies, {value} ± {error} m from the one before; \
+            "not resolved by the log: where this axis lies, {value} ± {error} m {how} the one before; \
              the torque of the model is right, a length may not be"
         )
     })

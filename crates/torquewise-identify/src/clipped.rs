@@ -6,7 +6,7 @@ use torquewise_motion::Motion;
 const END: f64 = 0.005;
 /// Part of the moving rows at the ends: a sine spends a tenth there.
 const MANY: f64 = 0.15;
-/// So many rows at least: a few are where any torque turns.
+/// Fewer rows are the turning points of any torque.
 const LEAST_ROWS: usize = 20;
 /// A joint moves above this part of its peak speed.
 const MOVING: f64 = 0.05;

@@ -1,7 +1,6 @@
 //! Rows with a value that no motion leads to: a flipped bit, a sensor that dropped out.
 
 use torquewise_motion::signals::Signal;
-use torquewise_motion::stats;
 
 /// Rows in a row that may be absurd; more are taken for what happened.
 pub(crate) const LONGEST: usize = 3;
@@ -22,12 +21,12 @@ fn least(signal: Signal) -> f64 {
     }
 }
 
-/// Rows on each side that a position is compared with.
-const NEAR: usize = 4;
+/// Rows on each side that a position is compared with: more than are absurd.
+pub(crate) const NEAR: usize = LONGEST + 1;
 
 /// Rows of a column, ascending, that stand out alone: farther from the median than 20 times all but
-/// the largest few, or a position farther than a turn from those next to it; at most three beside
-/// each other.
+/// the largest few, or a position farther than a turn from half of those before and of
+/// those after; at most three beside each other.
 pub(crate) fn absurd(x: &[f64], signal: Signal) -> Vec<usize> {
     let (few, part) = LARGER;
     if x.len() < LEAST_ROWS {
@@ -41,12 +40,16 @@ pub(crate) fn absurd(x: &[f64], signal: Signal) -> Vec<usize> {
         *x = (*x - median).abs();
     }
     let (_, usual, _) = sorted.select_nth_unstable_by(kept, f64::total_cmp);
-    let most = (TIMES * *usual).max(least(signal));
     let least = least(signal);
+    let most = (TIMES * *usual).max(least);
     let jumps = signal == Signal::Q && x.windows(2).any(|pair| (pair[1] - pair[0]).abs() > least);
+    // From the rows before and from those after: a step that lasts is none.
     let stands_off = |row: usize| {
-        let mut near = x[row.saturating_sub(NEAR)..(row + NEAR + 1).min(x.len())].to_vec();
-        (x[row] - stats::median(&mut near)).abs() > least
+        let sides = [row.saturating_sub(NEAR)..row, row + 1..(row + 1 + NEAR).min(x.len())];
+        sides.into_iter().all(|side| {
+            let far = x[side.clone()].iter().filter(|other| (x[row] - **other).abs() > least);
+            !side.is_empty() && 2 * far.count() >= side.len()
+        })
     };
     let is_off = |row: &usize| (x[*row] - median).abs() > most || jumps && stands_off(*row);
     let off: Vec<usize> = (0..x.len()).filter(is_off).collect();
@@ -74,11 +77,15 @@ mod tests {
     #[test]
     fn no_position_leaves_by_a_turn_and_comes_back() {
         let mut turned: Vec<f64> = sine().iter().map(|x| 3.0 * x).collect();
-        (turned[300], turned[301], turned[302]) = (40.0, -9.0, 40.0);
+        (turned[300], turned[301], turned[302]) = (40.0, 40.0, 40.0);
         // An encoder that wraps.
         let wrapped: Vec<f64> = (0..600).map(|row| (0.1 * f64::from(row)) % 7.0).collect();
 
+        let mut fallen = sine();
+        fallen[596..].fill(-9.0);
+
         assert_eq!(absurd(&turned, Signal::Q), [300, 301, 302]);
+        assert_eq!(absurd(&fallen, Signal::Q), []);
         assert_eq!(absurd(&wrapped, Signal::Q), []);
     }
 

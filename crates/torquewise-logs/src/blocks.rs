@@ -1,6 +1,6 @@
 //! Blocks of signals: split at gaps, q̇ and q̈ completed if wanted, in fixed memory.
 
-use crate::absurd::{LONGEST, absurd};
+use crate::absurd::{NEAR, absurd};
 use crate::error::{LogError, Result};
 use crate::gaps::UsualStep;
 use crate::signal_rows::{Origin, SignalRows};
@@ -96,8 +96,7 @@ impl Blocks {
         if self.ended {
             return Ok(());
         }
-        let wanted =
-            self.done + BLOCK_ROWS + self.reach + if self.screens { LONGEST + 1 } else { 0 };
+        let wanted = self.done + BLOCK_ROWS + self.reach + if self.screens { NEAR + 1 } else { 0 };
         let mut row = vec![0.0; self.columns.len()];
         while self.columns[0].len() < wanted && !self.at_end_of_file {
             match self.rows.next(&mut row)? {
@@ -125,8 +124,7 @@ impl Blocks {
     /// them is known.
     fn screen(&mut self) {
         let all = self.columns[0].len();
-        let end =
-            all.saturating_sub(if self.screens && !self.at_end_of_file { LONGEST } else { 0 });
+        let end = all.saturating_sub(if self.screens && !self.at_end_of_file { NEAR } else { 0 });
         if self.screens {
             let mapping = &self.rows.mapping;
             let mut gone: Vec<usize> = Vec::new();

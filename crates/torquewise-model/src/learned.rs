@@ -54,7 +54,7 @@ pub struct JointGeometry {
     pub distance_to_previous_m: Option<Estimated>,
     /// Distance \[m\], along the axis before, of the places where this one and the one before that
     /// come nearest to it: the length of a link whose axes meet. None of the first two, nor where one
-    /// of the three slides or is parallel to the middle one.
+    /// of the three slides or is within 6° of parallel to the middle one.
     pub along_previous_m: Option<Estimated>,
     /// Whether the log tells where it lies: the search found it often enough, its torque on held-out
     /// rows is followed, no other right angle does nearly as well, and its distances are certain.
@@ -88,7 +88,7 @@ pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
         let distance_to_previous_m = if has_distance { relative(distance)? } else { None };
         let has_length = |first: usize| {
             let is_across =
-                |k: usize| norm(cross(lines[k].direction, lines[first + 1].direction)) > PARALLEL;
+                |k: usize| norm(cross(lines[k].direction, lines[first + 1].direction)) > NEARLY;
             (first..=joint).all(turns) && is_across(first) && is_across(joint)
         };
         let along_previous_m = match joint.checked_sub(2).filter(|&first| has_length(first)) {
@@ -192,6 +192,8 @@ fn foot(other: &Axis, axis: &Axis) -> f64 {
 
 /// Sine of the angle below which two axes are parallel.
 const PARALLEL: f64 = 1e-6;
+/// Below which no place is where they come nearest to each other.
+const NEARLY: f64 = 0.1;
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
@@ -302,19 +304,26 @@ fn std_error(chain: &RigidChain, parameter: usize) -> f64 {
 mod tests {
     use super::*;
     use approx::assert_abs_diff_eq;
+    use std::f64::consts::FRAC_PI_2;
 
     #[test]
-    fn axes_stand_so_far_apart_along_the_one_between_them() {
-        let axis = |point, direction| Axis { point, direction };
-        let (cos, sin) = (0.6, 0.8);
-        let first = axis([0.1, 0.0, -2.0], [0.0, 0.0, 1.0]);
-        let between = axis([7.0, 0.2, 0.3], [1.0, 0.0, 0.0]);
-        // Oblique to it, and away from it by 0.5 m.
-        let last = axis([0.42, 0.7, 0.3], [cos, 0.0, sin]);
+    fn a_length_along_an_axis_is_told_where_others_meet_it() {
+        // Each axis in the frame before: across and met by it, 0.4 m along and 0.07 m off, parallel.
+        let joints =
+            [[FRAC_PI_2, 0.0, 0.0, 0.0], [-FRAC_PI_2, 0.0, 0.07, 0.4], [1e-3, 0.0, 0.1, 0.2]];
+        let geometry = [0.0, 0.0].into_iter().chain(joints.concat()).collect();
+        let chain = RigidChain { geometry, links: vec![[1.0; 10]; 4], ..RigidChain::default() };
+        let joints = ["a", "b", "c", "d"].map(str::to_owned).to_vec();
+        let model = Model { joints, chain: Some(chain), ..Model::default() };
 
-        let length = foot(&last, &between) - foot(&first, &between);
+        let found = joint_geometry(&model).unwrap();
 
-        assert_abs_diff_eq!(length, 0.32, epsilon = 1e-12);
-        assert_abs_diff_eq!(distance(&between, &last).abs(), 0.5, epsilon = 1e-12);
+        let lengths = found.iter().map(|own| own.along_previous_m.map(|length| length.value));
+        let [None, None, Some(length), None] = lengths.collect::<Vec<_>>()[..] else {
+            panic!("{found:?}")
+        };
+        assert_abs_diff_eq!(length, 0.4, epsilon = 1e-12);
+        let distance = found[2].distance_to_previous_m.map(|distance| distance.value);
+        assert_abs_diff_eq!(distance.unwrap(), 0.07, epsilon = 1e-12);
     }
 }

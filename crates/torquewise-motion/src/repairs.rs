@@ -15,7 +15,7 @@ pub struct Repairs {
     pub earlier_stamps: u64,
     /// Rows left out since a value was missing, NaN or infinite.
     pub not_finite: u64,
-    /// Rows left out since a value was absurd: far beyond all others, and alone.
+    /// Rows left out since a value was absurd: far beyond its neighbours.
     pub absurd: u64,
     /// Rows left out since they repeated the row before: the logger was faster than its device.
     pub held_rows: u64,
@@ -73,7 +73,7 @@ impl Repairs {
             (self.repeated_stamps, "row", "with the time stamp of the row before"),
             (self.earlier_stamps, "row", "with an earlier time stamp than a row before"),
             (self.not_finite, "row", "without a number"),
-            (self.absurd, "row", "with a value far beyond all others"),
+            (self.absurd, "row", "with a value far beyond its neighbours"),
             (self.held_rows, "row", "held by a logger faster than its device"),
             (self.too_short, "row", "of trajectories too short for the filter"),
         ])

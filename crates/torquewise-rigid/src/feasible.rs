@@ -351,6 +351,9 @@ mod tests {
         let cost = Quadratic { hessian: &hessian, right: &[0.0; 12] };
         let found = minimise(cost, &prior, 1.0, &start).unwrap();
 
+        let mut own = Mat::zeros(12, 12);
+        prior.add_hessian(&start, 1.0, &mut own);
+        assert_eq!(own, own.transpose().to_owned());
         let expected = nominal().into_iter().chain([0.3, 0.0]);
         for (found, expected) in found.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-4, "{found} {expected}");

@@ -49,7 +49,7 @@ pub enum IdentifyError {
         "make them again with the library energy or product, or learn a chain from them"
     ))]
     NoLibrary,
-    #[error("the torque columns, as they are, tell of no load: {found:.3} ± {error:.3} kg")]
+    #[error("the torque columns, as they are, show no load: {found:.2e} ± {error:.2e} kg")]
     #[diagnostic(help(
         "give a log of the arm with the load, held in many poses, far out and near"
     ))]

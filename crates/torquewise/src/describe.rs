@@ -52,7 +52,7 @@ pub fn description(model: &Model, selection: &Selection) -> Result<Value, ModelE
         "joints": joints.collect::<Vec<_>>(),
         "energies": energies,
         "friction_parameters": shafts.map(|shaft| shaft_json(&shaft)).collect::<Vec<_>>(),
-        "friction": laws.map(friction_json).collect::<Vec<_>>(),
+        "friction": laws.map(|own| term_json(own, &own.term.name(), ("shaft", json!(own.term.shaft)))).collect::<Vec<_>>(),
         "choices": model.choices,
         "conditioning": AllRepairs::of(&model.training.conditioning),
     }))
@@ -78,9 +78,4 @@ fn shaft_json(shaft: &ShaftFriction<'_>) -> Value {
     json["name"] = json!(shaft.name());
     json["shaft"] = json!(shaft.shaft());
     json
-}
-
-/// A law of friction of a shaft, before its joints share it.
-fn friction_json(weighted: &Weighted<FrictionTerm>) -> Value {
-    term_json(weighted, &weighted.term.name(), ("shaft", json!(weighted.term.shaft)))
 }

@@ -131,7 +131,6 @@ impl Error {
                 | Self::FrictionOfSums
                 | Self::DelayWithoutFilter
                 | Self::NoCovariance
-                | Self::Identify(IdentifyError::Kinds { .. } | IdentifyError::NoSuchJoint { .. })
         )
     }
 

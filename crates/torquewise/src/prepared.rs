@@ -135,7 +135,7 @@ fn dropped(logs: &Logs) -> Option<String> {
     if let Some((file, row, column, value)) = logs.first_absurd() {
         parts.push(format!(
             "{}, the first is {column} = {value:e} in row {row} of {}",
-            counted(repairs.absurd, "row", "with a value far beyond all others"),
+            counted(repairs.absurd, "row", "with a value far beyond its neighbours"),
             file.display()
         ));
     }

@@ -172,6 +172,7 @@ fn a_known_mass_says_what_an_ampere_is_worth() {
     let load = terminal.json("payload arm.json loaded.csv --profile drives.toml");
     assert!((load["mass"]["value"].as_f64().unwrap() - 1.5).abs() < 0.08, "{load}");
     terminal.misused("payload arm.json loaded.csv --known-mass 0", &["above 0"]);
+    terminal.refused("payload amperes.json arm.csv --known-mass 1.5 -o x.toml", &["show no load"]);
 }
 
 #[test]

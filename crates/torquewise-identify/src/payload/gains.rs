@@ -36,7 +36,7 @@ pub struct Gains {
 
 /// A gain is resolved where its standard error is below this part of it.
 const TOLD: f64 = 0.1;
-/// A load that is not so many standard errors above nothing is none.
+/// A mass below so many of its standard errors is no load.
 const LEAST_T: f64 = 3.0;
 /// How much more than by all rows a known mass is held.
 const HELD: f64 = 1e6;

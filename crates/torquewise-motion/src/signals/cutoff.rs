@@ -20,8 +20,8 @@ const MOTION_SHARE: f64 = 0.95;
 const CLEAR: f64 = 16.0;
 /// A joint whose speed has less than this part of the power of the fastest does not move.
 const MOVING: f64 = 1e-3;
-/// Bins of a gap in the spectrum at least, where an octave has fewer.
-const LEAST_GAP: usize = 8;
+/// A gap in the spectrum is counted from this bin, where it begins below.
+const LEAST_BIN: usize = 8;
 const LEAST_ROWS: usize = 64;
 
 /// A cut-off eight times above the band of the motion \[Hz\], at the middle one of the joints that
@@ -56,8 +56,10 @@ pub(crate) fn above_motion(q: &[Vec<f64>], rate: f64) -> Result<f64> {
 fn band(x: &[f64], rate: f64) -> Option<(f64, f64)> {
     let speed: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let n = speed.len();
-    let mean = speed.iter().sum::<f64>() / n as f64;
     let hann = |k: usize| 0.5 - 0.5 * (2.0 * PI * k as f64 / n as f64).cos();
+    // Windowed, a joint that ends elsewhere than it began has none left at 0 Hz.
+    let weighed: f64 = speed.iter().enumerate().map(|(k, speed)| hann(k) * speed).sum();
+    let mean = weighed / (0..n).map(hann).sum::<f64>();
     let windowed = speed.iter().enumerate().map(|(k, speed)| hann(k) * (speed - mean));
     let mut bins: Vec<Complex<f64>> = windowed.map(Complex::from).collect();
     FftPlanner::new().plan_fft_forward(n).process(&mut bins);
@@ -76,10 +78,13 @@ fn band(x: &[f64], rate: f64) -> Option<(f64, f64)> {
         if value > CLEAR * of_position(bin).max(of_speed) { value } else { 0.0 }
     };
     let mut power: Vec<f64> = squares.iter().enumerate().map(clear).collect();
-    // Beyond an octave where nothing is clear there are lines of the device, and of its stamps.
-    let clear: Vec<usize> = (0..power.len()).filter(|&bin| power[bin] > 0.0).collect();
-    if let Some(pair) = clear.windows(2).find(|pair| pair[1] > 2 * pair[0] + LEAST_GAP) {
-        power.truncate(pair[0] + 1);
+    // Beyond the strongest, what the first cut-off would leave out with nothing in between is no motion
+    // but lines of the device, and of its stamps.
+    let strongest = (0..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
+    let bins: Vec<usize> = (strongest..power.len()).filter(|&bin| power[bin] > 0.0).collect();
+    let is_gap = |pair: &&[usize]| pair[1] as f64 > MARGIN * pair[0].max(LEAST_BIN) as f64;
+    if let Some(gap) = bins.windows(2).find(is_gap) {
+        power.truncate(gap[0] + 1);
     }
     let total: f64 = power.iter().sum();
     let mut below = 0.0;
@@ -133,13 +138,33 @@ mod tests {
         let still: Vec<f64> = (0..30_000).map(|_| 1e-6 * unit().round()).collect();
         // A clock that beats with the logger draws lines, far above the motion.
         let beats = tones(1e3, 30_000, 0.0).into_iter().enumerate();
-        let line = |k: usize| 5e-3 * (2.0 * PI * 0.2 * k as f64).sin();
+        let line = |k: usize| 5e-4 * (2.0 * PI * 0.2 * k as f64).sin();
         let beats: Vec<f64> = beats.map(|(k, x)| x + line(k)).collect();
 
         let found = above_motion(&[still.clone(), late, still], 1e3).unwrap();
 
         assert!((found / MARGIN - 0.7).abs() < 0.1, "{found}");
         assert!((band(&beats, 1e3).unwrap().0 - 0.7).abs() < 0.1);
+    }
+
+    #[test]
+    fn two_tones_far_apart_are_both_motion() {
+        let tone =
+            |k: u32, [hertz, size]: [f64; 2]| size * (2.0 * PI * hertz * 0.01 * f64::from(k)).sin();
+        let sum = |tones: [[f64; 2]; 3]| -> Vec<f64> {
+            (0..6_020).map(|k| tones.iter().map(|&own| tone(k, own)).sum()).collect()
+        };
+        // Not whole periods, so that the joint ends elsewhere than it began.
+        let logs = [
+            (sum([[0.5, 0.4], [1.0, 0.3], [1.5, 0.2]]), 1.5),
+            (sum([[0.1, 1.0], [1.0, 0.3], [0.0, 0.0]]), 1.0),
+            (sum([[1.0, 1.0], [4.0, 0.3], [0.0, 0.0]]), 4.0),
+        ];
+        for (x, highest) in logs {
+            let (found, _) = band(&x, 100.0).unwrap();
+
+            assert!((found - highest).abs() < 0.1, "{found} {highest}");
+        }
     }
 
     #[test]

@@ -22,7 +22,8 @@ pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
     let rows = geometry(&findings.found.model, &Selection::default()).ok()?;
     let axes = Table {
         caption: "Where the axes lie at q = 0, and each seen from the joint before, with standard \
-                  errors; without one where it is held at a right angle or at the origin before. A \
+                  errors; without one where it is held at a right angle or at the origin before. The \
+                  length is along the axis before, between the feet of the axes on both sides. A \
                   distance whose error is as large as itself is not determined by this log."
             .into(),
         ..Table::of_text(rows)

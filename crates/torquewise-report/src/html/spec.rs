@@ -74,7 +74,9 @@ fn groups(chart: &Chart) -> Vec<Vec<Curve>> {
         let same = |group: &&mut Vec<Curve>| {
             let other = &group[0];
             let is_line = chart.series[other.place].mark.is_line() && series.mark.is_line();
-            is_line && same_x(&other.points.points, &curve.points.points)
+            let [a, b] = [&other.points.points, &curve.points.points];
+            let mut pairs = a.iter().zip(b);
+            is_line && a.len() == b.len() && pairs.all(|(a, b)| a[0].total_cmp(&b[0]).is_eq())
         };
         match groups.iter_mut().find(same) {
             Some(group) => group.push(curve),
@@ -82,10 +84,6 @@ fn groups(chart: &Chart) -> Vec<Vec<Curve>> {
         }
     }
     groups
-}
-
-fn same_x(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
-    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a[0].total_cmp(&b[0]).is_eq())
 }
 
 fn series_spec<'a>(

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 impl<T: Scalar> Moved<T> {
     /// The change of all torques per unit of one parameter of the geometry, exactly: the recursion
-    /// differentiated. [`Self::torque`] must have been called: its inertial parameters count.
+    /// differentiated. [`Self::torque`] must have been called with the inertial parameters meant.
     ///
     /// - `change`: \[N·m\] per rad or m, n
     pub fn geometry_derivative(&mut self, derivative: &GeometryDerivative, change: &mut [T]) {

@@ -98,8 +98,12 @@ impl<'a> Tree<'a> {
         if welded.exits.len() < 2 {
             return Ok(welded.exits.first().copied());
         }
+        let moving_from = |joint: &'a Joint| -> Vec<&'a str> {
+            let below = self.all_below(vec![joint]).into_iter();
+            below.filter(|joint| self.moves(joint)).map(|joint| joint.name.as_str()).collect()
+        };
         let mut branches: Vec<Vec<&str>> =
-            welded.exits.iter().map(|(joint, _)| self.moving_from(joint)).collect();
+            welded.exits.iter().map(|(joint, _)| moving_from(joint)).collect();
         // The branch with the most joints is taken for the arm.
         branches.sort_by_key(|names| std::cmp::Reverse(names.len()));
         let lock = branches[1..].concat().join(", ");
@@ -138,11 +142,6 @@ impl<'a> Tree<'a> {
             open.extend(self.joints_below(&joint.child));
         }
         all
-    }
-
-    fn moving_from(&self, joint: &'a Joint) -> Vec<&'a str> {
-        let moving = self.all_below(vec![joint]).into_iter().filter(|joint| self.moves(joint));
-        moving.map(|joint| joint.name.as_str()).collect()
     }
 
     fn check_loops(&self, robot: &Robot) -> Result<()> {
