@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use torquewise_model::selection::Selection;
 use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::term::Kind;
-use torquewise_model::{Form, FrictionTerm, Model, ModelError, Weighted, learned, print};
+use torquewise_model::{Form, Model, ModelError, Weighted, learned, print};
 
 /// What is in a model, or in a part of it, for programs: axes, terms by joint, energies, friction,
 /// what was chosen and repaired.
