@@ -192,7 +192,7 @@ fn foot(other: &Axis, axis: &Axis) -> f64 {
 
 /// Sine of the angle below which two axes are parallel.
 const PARALLEL: f64 = 1e-6;
-/// Below which no place is where they come nearest to each other.
+/// No place is where nearly parallel ones come nearest.
 const NEARLY: f64 = 0.1;
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

@@ -78,8 +78,7 @@ fn band(x: &[f64], rate: f64) -> Option<(f64, f64)> {
         if value > CLEAR * of_position(bin).max(of_speed) { value } else { 0.0 }
     };
     let mut power: Vec<f64> = squares.iter().enumerate().map(clear).collect();
-    // Beyond the strongest, what the first cut-off would leave out with nothing in between is no motion
-    // but lines of the device, and of its stamps.
+    // What the first cut-off would leave out, with nothing in between, are lines of the device.
     let strongest = (0..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
     let bins: Vec<usize> = (strongest..power.len()).filter(|&bin| power[bin] > 0.0).collect();
     let is_gap = |pair: &&[usize]| pair[1] as f64 > MARGIN * pair[0].max(LEAST_BIN) as f64;
@@ -154,7 +153,6 @@ mod tests {
         let sum = |tones: [[f64; 2]; 3]| -> Vec<f64> {
             (0..6_020).map(|k| tones.iter().map(|&own| tone(k, own)).sum()).collect()
         };
-        // Not whole periods, so that the joint ends elsewhere than it began.
         let logs = [
             (sum([[0.5, 0.4], [1.0, 0.3], [1.5, 0.2]]), 1.5),
             (sum([[0.1, 1.0], [1.0, 0.3], [0.0, 0.0]]), 1.0),
