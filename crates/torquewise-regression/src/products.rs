@@ -2,7 +2,7 @@
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Accum, ColRef, Mat, MatRef, Par};
 
 /// A B
 pub fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
@@ -44,7 +44,7 @@ pub fn add_gram_of_equations(
         let part = rows.subrows(equation * m, m);
         // Sixteen numbers at a time, which a processor compares at once.
         let holds = |x: &[f64]| x.iter().map(|x| u32::from(*x != 0.0)).sum::<u32>() > 0;
-        let column = |j: usize| part.col(j).try_as_col_major().map(|column| column.as_slice());
+        let column = |j: usize| part.col(j).try_as_col_major().map(ColRef::as_slice);
         let is_used = |&j: &usize| column(j).is_none_or(|column| column.chunks(16).any(holds));
         let used: Vec<usize> = (0..rows.ncols()).filter(is_used).collect();
         let mut dense = Mat::zeros(m, used.len());
