@@ -56,10 +56,8 @@ pub(crate) fn above_motion(q: &[Vec<f64>], rate: f64) -> Result<f64> {
 fn band(x: &[f64], rate: f64) -> Option<(f64, f64)> {
     let speed: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let n = speed.len();
+    let mean = speed.iter().sum::<f64>() / n as f64;
     let hann = |k: usize| 0.5 - 0.5 * (2.0 * PI * k as f64 / n as f64).cos();
-    // Windowed, a joint that ends elsewhere than it began has none left at 0 Hz.
-    let weighed: f64 = speed.iter().enumerate().map(|(k, speed)| hann(k) * speed).sum();
-    let mean = weighed / (0..n).map(hann).sum::<f64>();
     let windowed = speed.iter().enumerate().map(|(k, speed)| hann(k) * (speed - mean));
     let mut bins: Vec<Complex<f64>> = windowed.map(Complex::from).collect();
     FftPlanner::new().plan_fft_forward(n).process(&mut bins);
