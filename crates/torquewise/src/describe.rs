@@ -46,13 +46,15 @@ pub fn description(model: &Model, selection: &Selection) -> Result<Value, ModelE
         selection.has_part(Kind::Friction) && joints.any(|(joint, _)| selection.has_joint(joint))
     };
     let shafts = ShaftFriction::all(model).into_iter().filter(|shaft| turns(shaft.shaft()));
+    // Laws of a shaft, before its joints share it.
     let laws = model.friction.iter().filter(|law| turns(&law.term.shaft));
+    let laws = laws.map(|law| term_json(law, &law.term.name(), ("shaft", json!(law.term.shaft))));
     Ok(json!({
         "geometry": learned::joint_geometry(model)?,
         "joints": joints.collect::<Vec<_>>(),
         "energies": energies,
         "friction_parameters": shafts.map(|shaft| shaft_json(&shaft)).collect::<Vec<_>>(),
-        "friction": laws.map(|own| term_json(own, &own.term.name(), ("shaft", json!(own.term.shaft)))).collect::<Vec<_>>(),
+        "friction": laws.collect::<Vec<_>>(),
         "choices": model.choices,
         "conditioning": AllRepairs::of(&model.training.conditioning),
     }))

@@ -110,7 +110,7 @@ fn show_begins_with_the_axes_of_a_learned_chain() {
         })
         .sum();
     assert!((cosine.abs() - 1.0).abs() < 1e-3, "{axes}");
-    // Parallel axes do not say where along them the links end.
+    // A length needs an axis before the one before.
     assert!(text.contains("length along it") && axes[1]["along_previous_m"].is_null(), "{text}");
 }
 

@@ -146,11 +146,10 @@ impl Gains {
         if apparent.value < LEAST_T * apparent.std_error {
             return Err(IdentifyError::NoLoad { found: apparent.value, error: apparent.std_error });
         }
-        let link = place.link;
         let chain = chain_of(model)?;
         model.check_joints(recording.joints())?;
         let passes = Pass::over(model, chain, recording)?;
-        let pass = passes.get(link).ok_or(ModelError::NoChain)?;
+        let pass = passes.get(place.link).ok_or(ModelError::NoChain)?;
         let (_, prior, _) = pass.solved(None)?;
         let free = prior.bodies[0];
         let nominal = free.map(|own| own * mass / free[0]);
@@ -159,7 +158,7 @@ impl Gains {
         let at = best(&sums, &prior, mass)?;
         let mut middle = at.scatter(pass);
         if !chain.covariance.is_empty() {
-            let with = WithLoad::over(model, chain, recording, (link, &at.load, &at.per))?;
+            let with = WithLoad::over(model, chain, recording, (place.link, &at.load, &at.per))?;
             let arm = at.felt(&|joint| with.arm[joint].clone());
             middle += &arm * chain.covariance_matrix() * arm.transpose();
         }

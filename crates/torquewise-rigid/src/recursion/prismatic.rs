@@ -38,8 +38,8 @@ impl<T: Scalar> Moved<T> {
             if k > joint {
                 along = body.rotation.tr_mul(&along);
             }
-            for (parameter, value) in body.pushes(&along).into_iter().enumerate() {
-                put(joint, PER_BODY * k + parameter, value);
+            for (parameter, value) in body.pushes(&along).iter().enumerate() {
+                put(joint, PER_BODY * k + parameter, *value);
             }
         }
     }
