@@ -74,7 +74,15 @@ pub fn tune<L: RawRecording>(
         let recording = logs.filtered(cutoff, delay).map_err(IdentifyError::Read)?;
         let summary = summarise(&recording, plan, "", watch)?;
         let (of_logs, is_second) = ((summary.settings().filtered, plan.seed), before.is_some());
-        let request = Request::first(&surveyed(&summary)?, options, of_logs, before, watch)?;
+        let survey = match surveyed(&summary) {
+            // Long rest or slow motion makes for a cut-off that leaves few rows.
+            Err(IdentifyError::TooFewRows { .. }) if cutoff < widest => {
+                cutoff = (2.0 * cutoff).min(widest);
+                continue;
+            }
+            survey => survey?,
+        };
+        let request = Request::first(&survey, options, of_logs, before, watch)?;
         Progress::Bandwidth.tell(watch)?;
         let Some(grid) = Grid::of(logs, &request, watch)? else {
             return Ok(Tuned { recording, request, choices: Vec::new() });
@@ -232,6 +240,9 @@ fn at(
     let Some(Band { motion, torques }) = band else { return Ok(Vec::new()) };
     let targets: Vec<_> = torques.iter().map(|torque| (&torque.filtered, &torque.raw)).collect();
     let (at, blocks) = (request.linearisation().narrowed(), even_blocks(&motion));
+    if blocks.len() < BLOCKS {
+        return Ok(Vec::new());
+    }
     let unseen = Unseen::new(&at, &motion, &targets, &blocks)?;
     let errors = unseen.and_then(|unseen| unseen.errors_of_all());
     let tried = torques.iter().zip(errors.into_iter().flatten());

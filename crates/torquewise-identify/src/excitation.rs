@@ -53,10 +53,11 @@ pub enum Finding {
         /// Part of its motion in which the torque is at one of its ends.
         share: f64,
     },
-    /// A torque that fits those of the other joints with the opposite sign alone.
+    /// Torques that fit those of the other joints with the opposite sign alone; or all of them, that
+    /// fit their motion so.
     WrongSign {
-        /// Name of the joint.
-        joint: String,
+        /// Names of the joints.
+        joints: Vec<String>,
     },
     /// Torques that no gravity is in.
     Weightless,
@@ -69,8 +70,8 @@ pub enum Finding {
     Gains {
         /// Names of all joints, n.
         joints: Vec<String>,
-        /// What a unit of each is worth beside the others, geometric mean 1, n.
-        gains: Vec<f64>,
+        /// What a unit of each is worth beside the others, geometric mean 1, and its standard error, n.
+        gains: Vec<[f64; 2]>,
     },
     /// A torque that follows from the position alone.
     Commanded {
@@ -288,8 +289,9 @@ impl fmt::Display for Finding {
             ),
             Self::Gains { joints, gains } => {
                 let each = joints.iter().zip(gains);
-                let each: Vec<String> =
-                    each.map(|(own, gain)| format!("{own} {gain:.3}")).collect();
+                let each: Vec<String> = each
+                    .map(|(own, [gain, error])| format!("{own} {gain:.3} ± {error:.3}"))
+                    .collect();
                 write!(
                     f,
                     "the torques are not in one unit, as currents of different motors are not: the \
@@ -309,11 +311,11 @@ impl fmt::Display for Finding {
                 "the torque of {one} fits the motion of {other}, and that of {other} the motion of \
                  {one}: check the order of the torque columns"
             ),
-            Self::WrongSign { joint } => write!(
+            Self::WrongSign { joints } => write!(
                 f,
-                "the torque of {joint} contradicts those of the other joints, which it would fit \
-                 with the opposite sign: check the sign of its torque, gear or torque constant \
-                 against its position"
+                "the torque of {} would fit those of all joints and their motion with the opposite \
+                 sign: check the sign of torque, gear or torque constant against the position",
+                list(joints)
             ),
         }
     }

@@ -4,6 +4,7 @@ use crate::basis::{Energies, Wanted, joint_sums};
 use crate::drifts;
 use crate::drive_terms::DriveTerm;
 use crate::estimate::{Linearisation, Sizes, Solved};
+use crate::excitation::Finding;
 use crate::prune::prune;
 use crate::reconstruction::{Progress, Reconstruction, Watch};
 use crate::samples::eigen;
@@ -66,14 +67,17 @@ impl Fitted {
         let narrowed = solved.at.narrowed();
         (training.held_out_rms, training.held_out_by_region_rms) =
             held_out_rms((&narrowed, solved.strengths, &sizes), &survey)?;
-        training.geometry_found = found;
+        let mut warnings = Warning::of_survey(&survey);
+        training.geometry_found = found.map(|found| GeometryFound {
+            unresolved: untold(found.unresolved, &survey, &warnings),
+            ..found
+        });
         let residual_rms = &training.residual_rms;
         let covariance = faer::Scale(discrepancy(&training).powi(2)) * &solved.covariance;
         let (chain, friction) = parameters(&solved.at, &covariance);
         let (terms, candidates) =
             equations(&chain, &friction, (&survey, residual_rms), seed, watch)?;
         choices.extend(solved.choice);
-        let mut warnings = Warning::of_survey(&survey);
         warnings.extend(warning);
         let mut model = Model {
             joints: survey.joints.clone(),
@@ -96,6 +100,22 @@ impl Fitted {
         let (steps, dropped, noise) = (vec![step], Vec::new(), survey.noise.clone());
         Ok(Reconstruction { model, survey, patterns, noise, candidates, steps, dropped, warnings })
     }
+}
+
+/// Joints whose axis is not resolved: those told, and those beyond the first that always moves together
+/// with another, up to the last of them.
+fn untold(mut told: Vec<usize>, survey: &Survey, warnings: &[Warning]) -> Vec<usize> {
+    let place = |name: &String| survey.joints.iter().position(|joint| joint == name);
+    for warning in warnings {
+        if let Warning::Excitation(Finding::Together { joints, .. }) = warning {
+            let places: Vec<usize> = joints.iter().filter_map(place).collect();
+            let ends = places.iter().min().zip(places.iter().max());
+            told.extend(ends.into_iter().flat_map(|(first, last)| first + 1..=*last));
+        }
+    }
+    told.sort_unstable();
+    told.dedup();
+    told
 }
 
 /// How many times as large as the residual is what is left of rows that were held out, the larger

@@ -12,6 +12,7 @@ use std::ops::ControlFlow;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
 use torquewise_rigid::coupling::Coupling;
+use torquewise_rigid::geometry::{PER_BASE, RIGHT_ANGLES};
 use torquewise_rigid::search::{FINAL_ROWS, Stage, all_parameters};
 use torquewise_rigid::{Chain, ChainError, Geometry, JointKinds, Rows, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
@@ -56,6 +57,8 @@ const ANY_ANGLE: f64 = 1.0;
 /// to 5 %.
 const OBLIQUE: f64 = 0.2;
 const WORTH_OF_ANGLES: f64 = 0.1;
+/// So much must another direction of gravity lower it than the one that is said.
+const WORTH_OF_TILT: f64 = 0.05;
 /// Parallel neighbours must lower the error by this part: a wrist that hardly turns fits either way,
 /// and its axes stand across each other.
 const WORTH_OF_PARALLEL: f64 = 0.05;
@@ -108,7 +111,8 @@ pub(crate) fn learn(
     let given = given_kinds(motion, options)?;
     let (mut spec, mut chain) = match &options.geometry {
         Some(known) => {
-            learner.at_geometry(at_kinds(known.geometry.kinds().clone()), &known.geometry)?
+            let spec = at_kinds(known.geometry.kinds().clone());
+            learner.at_geometry(spec, &known.geometry, &mut choices)?
         }
         None => learner.moving_geometry(given, &at_kinds, &mut choices)?,
     };
@@ -228,16 +232,42 @@ impl<'a> ChainLearner<'a> {
         motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.width[joint]
     }
 
-    /// The chain at a given geometry, which stays.
+    /// The chain at a given geometry, which stays; but a base is never quite level, and may hang on a
+    /// wall of which the file does not tell: where held-out rows are for it, gravity moves.
     fn at_geometry(
         &self,
         spec: ChainSpec,
         geometry: &Geometry,
+        choices: &mut Vec<Choice>,
     ) -> Result<(ChainSpec, Chain), IdentifyError> {
-        let spec = ChainSpec { free: Vec::new(), ..spec };
-        let rows = self.rows(&spec, FINAL_ROWS)?;
-        let start = Chain::at(geometry.clone());
-        let chain = refine(&rows, &start, &spec.free, &spec.search, &searching(self.watch))?;
+        let held = ChainSpec { free: Vec::new(), ..spec.clone() };
+        let tilted = ChainSpec { free: (0..PER_BASE).collect(), ..spec };
+        let (rows, watch) = (self.rows(&held, FINAL_ROWS)?, searching(self.watch));
+        let (own, axes) = geometry.parameters().split_at(PER_BASE);
+        let at = |spec: &ChainSpec, tilt: &[f64]| {
+            let start = Chain::at(geometry.at(&[tilt, axes].concat()));
+            refine(&rows, &start, &spec.free, &spec.search, &watch)
+        };
+        let few = self.rows(&held, TRIAL_ROWS)?;
+        let judged =
+            |label: &str, spec: ChainSpec, tilt: &[f64]| -> Result<Judged, IdentifyError> {
+                let chain = at(&spec, tilt)?;
+                Ok((trial(label.to_owned(), &spec, &few, &chain, &watch)?, spec, chain))
+            };
+        let mut ways: Vec<Judged> = vec![judged("as given", held, own)?];
+        let others = RIGHT_ANGLES.iter().filter(|tilt| **tilt != own);
+        // A base that is mounted at some other angle is meant to be.
+        if others.clone().count() < RIGHT_ANGLES.len() {
+            ways.push(judged("tilted", tilted.clone(), own)?);
+            let other = others.map(|tilt| Ok((at(&tilted, tilt)?.cost, tilt)));
+            let other = other.collect::<Result<Vec<_>, ChainError>>()?;
+            if let Some((_, tilt)) = other.iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
+                ways.push(judged("elsewhere", tilted, *tilt)?);
+            }
+        }
+        let trials: Vec<CvScore> = ways.iter().map(|(trial, ..)| trial.clone()).collect();
+        let place = record_worth("direction of gravity", &trials, WORTH_OF_TILT, choices);
+        let (_, spec, chain) = ways.swap_remove(place);
         Ok((spec, chain))
     }
 

@@ -1,6 +1,7 @@
 //! The plan of a fit: a method with its own options, clusters and a seed.
 
 use torquewise_model::RobotNames;
+use torquewise_rigid::geometry::GRAVITY;
 use torquewise_rigid::{Geometry, JointKinds};
 use torquewise_stepwise::patterns::PatternPlan;
 
@@ -41,6 +42,21 @@ pub struct KnownGeometry {
     pub geometry: Geometry,
     /// What the file it stands in calls the parts of the arm.
     pub robot: Option<RobotNames>,
+    /// Turns components in the base of the geometry into those in the base of the file, row by row.
+    pub base: [[f64; 3]; 3],
+}
+
+/// Cosine of the angle from which on gravity pulls elsewhere than was said.
+const ELSEWHERE: f64 = 0.966;
+
+impl KnownGeometry {
+    /// Where things fall in the base of the file by a fit, of length 1, if not about where was said.
+    pub(crate) fn falls_elsewhere(&self, found: &Geometry) -> Option<[f64; 3]> {
+        let along = |a: &[f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let down = found.gravity().map(|part| part / GRAVITY);
+        let is_far = along(&down, self.geometry.gravity()) < ELSEWHERE * GRAVITY;
+        is_far.then(|| self.base.map(|row| along(&row, down)))
+    }
 }
 
 /// The two methods from rows to equations, each with its options.

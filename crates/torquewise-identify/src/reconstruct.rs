@@ -141,7 +141,11 @@ fn by_chain(
             let patterns = find_patterns(&survey, &settings.patterns)?;
             let chain = SignTest::at(&fitted.solved.at, options.geometry.is_some());
             Progress::Judging.tell(watch)?;
+            let known = options.geometry.as_ref();
+            let elsewhere =
+                known.and_then(|known| known.falls_elsewhere(&fitted.solved.at.geometry));
             let mut found = fitted.report(survey, patterns, seed, watch)?;
+            found.warnings.extend(elsewhere.map(|down| Warning::Gravity { down }));
             Warning::retain_founded(&mut found.warnings, &found.model);
             found.doubt_torque(seed, watch, |_| Ok(chain))?;
             Progress::Done.tell(watch)?;

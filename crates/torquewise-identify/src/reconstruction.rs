@@ -116,9 +116,15 @@ impl Reconstruction {
         if !doubtful.is_empty() {
             // An arm of which no chain is found, for rows or joints, has nothing to compare with.
             let Ok(chain) = chain(&self.survey) else { return Ok(()) };
-            for joint in chain.wrong_signs(&self.survey.sample, &doubtful, watch)? {
-                let joint = self.survey.joints[joint].clone();
-                self.warnings.push(Warning::Excitation(Finding::WrongSign { joint }));
+            let wrong = chain.wrong_signs(&self.survey.sample, &doubtful, watch)?;
+            // Of joints that always move together none is told from the others.
+            let is_told =
+                grave(&self.warnings).is_empty() || wrong.len() == self.survey.joints.len();
+            let wrong = if is_told { wrong } else { Vec::new() };
+            let joints: Vec<String> =
+                wrong.iter().map(|&joint| self.survey.joints[joint].clone()).collect();
+            if !joints.is_empty() {
+                self.warnings.push(Warning::Excitation(Finding::WrongSign { joints }));
             }
         }
         if grave(&self.warnings).is_empty() {

@@ -4,6 +4,7 @@ use crate::estimate::Linearisation;
 use crate::excitation::Finding;
 use crate::unseen::{HeldOut, Unseen, both_ways, geometric_mean};
 use faer::Mat;
+use std::ops::Range;
 use torquewise_motion::Motion;
 use torquewise_rigid::feasible::Factored;
 use torquewise_rigid::recursion::PER_BODY;
@@ -29,6 +30,9 @@ const MOST_CHANGE: f64 = 1.5;
 /// A gain within this factor of that of the joint which links load most is taken for the same:
 /// torque sensors differ by as much, and what the links lack passes for it.
 const SAME: f64 = 1.2;
+/// So many of its errors; these are told from so many parts of the time, each left out in turn.
+const TELLS: f64 = 3.0;
+const PARTS: usize = 8;
 /// Gains that are further apart are no gains.
 const MOST_APART: f64 = 20.0;
 /// What is left of held-out torque, in units of the least residual that weights are made of, below
@@ -82,15 +86,31 @@ pub(crate) fn torque_kind(
         return Ok(Some(Finding::Weightless));
     }
     let drive = [PER_BODY * motion.n_joints(), at.linear.len()];
-    let rows = JointRows::new(&columns, &weights, &tau, drive);
-    let Some((per, loads)) = rows.gains(&at.linear) else { return Ok(None) };
-    let apart = per.iter().map(|&per| if per.ln().abs() < SAME.ln() { 1.0 } else { per });
-    let apart: Vec<f64> = apart.collect();
+    let rows = |but: &Range<usize>| JointRows::new((&columns, &weights), &tau, drive, but);
+    let all = rows(&(0..0));
+    let Some((per, loads)) = all.gains(&at.linear) else { return Ok(None) };
+    // Without each part of the time in turn.
+    let edge = |part: usize| part * motion.n_rows() / PARTS;
+    let parts: Option<Vec<Vec<f64>>> = (0..PARTS)
+        .map(|part| Some(rows(&(edge(part)..edge(part + 1))).gains(&at.linear)?.0))
+        .collect();
+    let Some(parts) = parts else { return Ok(None) };
+    let error = |joint: usize| {
+        let squares: f64 =
+            parts.iter().map(|part| (part[joint] / per[joint]).ln().powi(2)).sum::<f64>();
+        (squares * (PARTS as f64 - 1.0) / PARTS as f64).sqrt()
+    };
+    let errors: Vec<f64> = (0..per.len()).map(error).collect();
+    let is_apart = |(per, error): (&f64, &f64)| per.ln().abs() > SAME.ln().max(TELLS * error);
+    let apart: Vec<bool> = per.iter().zip(&errors).map(is_apart).collect();
+    let own = |joint: usize| if apart[joint] { per[joint] } else { 1.0 };
+    let own: Vec<f64> = (0..per.len()).map(own).collect();
+    if !leaves(&all.widened(&columns, &own, &loads), WORTH) {
+        return Ok(None);
+    }
     let mean = geometric_mean(&per);
-    let gains = per.iter().map(|per| mean / per).collect();
-    let joints = sample.joints().to_vec();
-    Ok(leaves(&rows.widened(&columns, &apart, &loads), WORTH)
-        .then_some(Finding::Gains { joints, gains }))
+    let gains = per.iter().zip(&errors).map(|(per, error)| [mean / per, error * mean / per]);
+    Ok(Some(Finding::Gains { joints: sample.joints().to_vec(), gains: gains.collect() }))
 }
 
 /// Sums of the rows of each joint, of columns of which those from `drive[0]` to `drive[1]` are of its
@@ -103,15 +123,27 @@ struct JointRows {
 }
 
 impl JointRows {
-    fn new(columns: &Mat<f64>, weights: &[f64], tau: &Mat<f64>, drive: [usize; 2]) -> Self {
+    /// - `but`: rows that are left out
+    fn new(
+        (columns, weights): (&Mat<f64>, &[f64]),
+        tau: &Mat<f64>,
+        drive: [usize; 2],
+        but: &Range<usize>,
+    ) -> Self {
         let (m, p) = (tau.nrows(), columns.ncols());
         let of = |joint: usize| {
-            let own = columns.submatrix(joint * m, 0, m, p);
-            let response =
-                Mat::from_fn(m, 1, |row, _| weights[joint * m + row] * tau[(row, joint)]);
-            (own.transpose() * own, own.transpose() * response)
+            let sums = |rows: Range<usize>| {
+                let own = columns.submatrix(joint * m + rows.start, 0, rows.len(), p);
+                let response = Mat::from_fn(rows.len(), 1, |row, _| {
+                    let row = rows.start + row;
+                    weights[joint * m + row] * tau[(row, joint)]
+                });
+                (own.transpose() * own, own.transpose() * response)
+            };
+            let (before, after) = (sums(0..but.start), sums(but.end..m));
+            (before.0 + after.0, before.1 + after.1)
         };
-        Self { sums: (0..tau.ncols()).map(of).collect(), drive, rows: m }
+        Self { sums: (0..tau.ncols()).map(of).collect(), drive, rows: m - but.len() }
     }
 
     fn factor(&self, per: f64, column: usize) -> f64 {

@@ -15,14 +15,15 @@ use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
 use torquewise_stepwise::survey::{Survey, thinned};
 
-/// Rows that are tried on.
+/// Rows that are tried on; on fewer than these, some signs fit by chance.
 const ROWS: usize = 400;
+const LEAST_ROWS: usize = 100;
 /// Other signs must leave this part of what the torques leave as they are, product of the mean squares
 /// of all joints.
 const QUARTER: f64 = 0.25;
-/// Torques that are changed over must leave this part of what all leave as they are, geometric mean
-/// of the joints, by so many starts each on so many rows; of all pairs, so many that do best by fewer
-/// starts on fewer rows.
+/// A torque turned round must be explained but for this part, RMS. Torques that are changed over must
+/// leave this part of what all leave as they are, geometric mean of the joints, by so many starts each
+/// on so many rows; of all pairs, so many that do best by fewer starts on fewer rows.
 const HALF: f64 = 0.5;
 const FEW: (usize, usize) = (6, 200);
 const FEWER: (usize, usize) = (2, 100);
@@ -89,6 +90,9 @@ impl SignTest {
     ) -> Result<Vec<usize>, IdentifyError> {
         let motion = thinned(sample, ROWS);
         let n = motion.n_joints();
+        if motion.n_rows() < LEAST_ROWS {
+            return Ok(Vec::new());
+        }
         self.drive.extend(mirrored(&self.drive));
         let extras = columns(&self.drive, &motion, None);
         let rows = rows(&motion, &extras)?;
@@ -134,10 +138,20 @@ impl SignTest {
         if is_mirrored && found == all_turned {
             return Ok((0..n).collect());
         }
-        // Of several, each must tell by itself.
-        let left = |signs: u32| tried(signs, &geometry, &[]).left;
-        let whole = left(found);
-        let tells = |joint: &usize| whole <= QUARTER * left(found ^ 1 << joint);
+        // Of several, each must tell by itself, and not by its friction alone; and be explained once it
+        // is turned round.
+        let part = |tried: &Tried, joint: usize| {
+            let rms = tried.chain.as_ref().and_then(|chain| chain.residual_rms.get(joint));
+            rms.map_or(f64::INFINITY, |rms| rms / rows.deviation_of(joint).max(f64::MIN_POSITIVE))
+        };
+        let parts = |tried: &Tried| (0..n).map(|joint| part(tried, joint)).product::<f64>();
+        let whole = tried(found, &geometry, &[]);
+        let tells = |&joint: &usize| {
+            let without = tried(found ^ 1 << joint, &geometry, &[]);
+            let is_told =
+                whole.left <= QUARTER * without.left && parts(&whole) <= HALF * parts(&without);
+            is_told && part(&whole, joint) < HALF
+        };
         Ok(joints_of(found).filter(tells).collect())
     }
 

@@ -13,8 +13,9 @@ mod physical;
 
 pub(crate) use physical::HeldTo;
 
-/// Blocks of time, each held out once: many, since few agree by chance.
+/// Blocks of time, each held out once: many, since few agree by chance; fewer of few rows.
 pub(crate) const BLOCKS: usize = 24;
+const LEAST_BLOCKS: usize = 6;
 /// So many logs tell, whole ones held out, what others like them would: of two that show different
 /// joints each is needed.
 const LEAST_LOGS: usize = 4;
@@ -110,11 +111,12 @@ pub(crate) fn both_ways(few: &Motion, sample: &Motion) -> [Vec<HeldOut>; 2] {
 
 /// Blocks of time of a motion with their neighbours: the filter carries torque there.
 pub(crate) fn even_blocks(motion: &Motion) -> Vec<HeldOut> {
-    let edge = |block: usize| block * motion.n_rows() / BLOCKS;
-    let around = |block: usize| edge(block.saturating_sub(1))..edge((block + 2).min(BLOCKS));
+    let count = (motion.n_rows() / LEAST_ROWS).clamp(1, BLOCKS);
+    let edge = |block: usize| block * motion.n_rows() / count;
+    let around = |block: usize| edge(block.saturating_sub(1))..edge((block + 2).min(count));
     let block =
         |k: usize| HeldOut { rows: (edge(k)..edge(k + 1)).collect(), around: around(k).collect() };
-    (0..BLOCKS).map(block).collect()
+    (0..count).map(block).collect()
 }
 
 /// Whole logs where there are four or more, of very many some together; blocks of time of fewer.
@@ -179,7 +181,7 @@ impl<'a> Unseen<'a> {
         targets: &'a [Target<'a>],
         blocks: &'a [HeldOut],
     ) -> Option<Self> {
-        if m < BLOCKS * LEAST_ROWS {
+        if m < LEAST_BLOCKS * LEAST_ROWS {
             return None;
         }
         let (n, p) = (weights.len() / m, all.ncols());

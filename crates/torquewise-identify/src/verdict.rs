@@ -107,8 +107,8 @@ pub(crate) fn grave(warnings: &[Warning]) -> Vec<String> {
         Warning::Excitation(Finding::Together { joints, .. }) => {
             Some(format!("{} always move together", list(joints)))
         }
-        Warning::Excitation(Finding::WrongSign { joint }) => {
-            Some(format!("the torque of {joint} has the wrong sign"))
+        Warning::Excitation(Finding::WrongSign { joints }) => {
+            Some(format!("the torque of {} has the wrong sign", list(joints)))
         }
         Warning::Excitation(Finding::Swapped { joints: [one, other] }) => {
             Some(format!("the torques of {one} and {other} seem to be swapped"))
@@ -143,6 +143,7 @@ fn doubts(found: &Reconstruction) -> Vec<String> {
         Warning::ConstantJoint { joint } => Some(format!("{joint} never moves")),
         Warning::Excitation(Finding::Weightless) => Some("gravity does nothing".to_owned()),
         Warning::Sliding { .. } => Some("joints seem to slide".to_owned()),
+        Warning::Repeated => Some("a log was given twice".to_owned()),
         _ => None,
     });
     let geometry = found.model.training.geometry_found.as_ref().filter(|found| !found.is_certain());

@@ -1,13 +1,14 @@
 //! Warnings: what the user should know, in words.
 
 use crate::disagreement::Disagreement;
-use crate::drift::Drift;
+use crate::drift::{Drift, logs};
 use crate::excitation::{Finding, findings};
 use crate::residual_shape::Shape;
 use crate::unseen::geometric_mean;
 use std::fmt;
+use std::ops::Range;
 use torquewise_model::{Model, Training};
-use torquewise_motion::Pattern;
+use torquewise_motion::{Motion, Pattern};
 use torquewise_stepwise::fit::LibraryFit;
 use torquewise_stepwise::orders::OrderCurve;
 use torquewise_stepwise::survey::Survey;
@@ -62,6 +63,13 @@ pub enum Warning {
     Drift(Drift),
     /// Most of what is missed of a joint is missed in few rows.
     Shape(Shape),
+    /// Gravity pulls elsewhere than a URDF and its user say.
+    Gravity {
+        /// Where things fall in the base of the URDF, of length 1.
+        down: [f64; 3],
+    },
+    /// Two logs hold the same rows.
+    Repeated,
     /// The fit to all rows leaves far more than the search did on a sample.
     Refit {
         /// Residual of the fit over that of the search, geometric mean of the joints.
@@ -88,6 +96,9 @@ const LARGEST_TORQUE: f64 = 1e5;
 const MOST_REFIT: f64 = 1.1;
 /// A residual below this part of the spread of a torque is none.
 const NOTHING: f64 = 1e-3;
+
+/// Fewer rows may be alike by chance, as of an arm at rest.
+const TOLD_ROWS: usize = 8;
 
 /// A library that leaves this part of a joint's torque has explained little.
 const LITTLE: f64 = 0.5;
@@ -192,8 +203,21 @@ impl Warning {
             }));
         }
         warnings.extend(findings(survey).into_iter().map(Self::Excitation));
+        warnings.extend(has_log_twice(&survey.sample).then_some(Self::Repeated));
         warnings
     }
+}
+
+/// Whether two logs of a sample hold the same positions and torques.
+fn has_log_twice(sample: &Motion) -> bool {
+    let logs = logs(sample.t());
+    let is_same = |a: &Range<usize>, b: &Range<usize>| {
+        let signals = std::iter::once(sample.q()).chain(sample.tau());
+        let mut rows = a.clone().zip(b.clone());
+        a.len() == b.len() && rows.all(|(a, b)| signals.clone().all(|x| x.row(a) == x.row(b)))
+    };
+    let mut told = logs.iter().enumerate().filter(|(_, log)| log.len() >= TOLD_ROWS);
+    told.any(|(k, log)| logs[k + 1..].iter().any(|other| is_same(log, other)))
 }
 
 impl fmt::Display for Warning {
@@ -244,6 +268,16 @@ impl fmt::Display for Warning {
             Self::Disagreement(logs) => write!(f, "{logs}"),
             Self::Drift(drift) => write!(f, "{drift}"),
             Self::Shape(shape) => write!(f, "{shape}"),
+            Self::Gravity { down: [x, y, z] } => write!(
+                f,
+                "gravity pulls along ({x:.2}, {y:.2}, {z:.2}) of the base of the URDF, and is taken to: \
+                 does the arm hang on a wall or a ceiling? Say so by the direction of gravity"
+            ),
+            Self::Repeated => write!(
+                f,
+                "two logs hold the same rows, which count twice: errors come out too small; give each \
+                 log once"
+            ),
             Self::Refit { ratio } => write!(
                 f,
                 "the fit to all rows leaves {ratio:.2} times the torque that the search left on a \
@@ -260,6 +294,8 @@ impl fmt::Display for Warning {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use faer::Mat;
+    use torquewise_motion::Signals;
 
     /// Two joints, of which the torque of the second is predicted poorly on held-out rows.
     fn model() -> Model {
@@ -272,6 +308,24 @@ mod tests {
         };
         let joints = vec!["joint1".into(), "joint2".into()];
         Model { joints, training, ..Model::default() }
+    }
+
+    #[test]
+    fn a_log_given_twice_is_told_from_two_alike() {
+        let logs = |second: f64| {
+            let t: Vec<f64> = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0].repeat(2);
+            let of = |row: usize| {
+                let own = (0.7 * t[row]).sin();
+                if row < 8 { own } else { own + second * f64::from(u8::from(row == 15)) }
+            };
+            let column = || Mat::from_fn(16, 1, |row, _| of(row));
+            let (joints, [q, dq, ddq]) = (vec!["joint1".into()], [column(), column(), column()]);
+            let tau = Some(column());
+            Motion::new(Signals { joints, t: t.clone(), q, dq, ddq, tau }).unwrap()
+        };
+
+        assert!(has_log_twice(&logs(0.0)));
+        assert!(!has_log_twice(&logs(1e-9)));
     }
 
     #[test]

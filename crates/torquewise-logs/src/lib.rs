@@ -50,6 +50,7 @@ pub mod frame;
 pub mod signal_rows;
 pub mod source;
 mod absurd;
+mod accelerations;
 mod gaps;
 mod blocks;
 pub mod logs;

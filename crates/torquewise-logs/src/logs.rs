@@ -1,5 +1,6 @@
 //! Several log files read as one, any number of times.
 
+use crate::accelerations::{Accelerations, Stop};
 use crate::blocks::Blocks;
 use crate::error::{LogError, Result};
 use crate::format::is_bag;
@@ -28,6 +29,8 @@ pub struct Logs {
     sources: Vec<Source>,
     paths: Vec<PathBuf>,
     joints: Vec<String>,
+    /// Correlation of accelerations that were left out, as they do not follow from velocities.
+    odd_ddq: Option<f64>,
     /// Of the last complete reading of each file.
     readings: Arc<Mutex<Vec<Reading>>>,
 }
@@ -92,7 +95,18 @@ impl Logs {
         let joints = agreed_joints(&sources)?;
         let paths = sources.iter().map(|source| (&source.file).into()).collect();
         let readings = Arc::new(Mutex::new(vec![Reading::default(); sources.len()]));
-        Ok(Self { sources, paths, joints, readings })
+        let mut logs = Self { sources, paths, joints, odd_ddq: None, readings };
+        if logs.has_dq() && logs.has_ddq() {
+            let mut seen = Accelerations::default();
+            // What cannot be read is told by whoever reads it all.
+            let _: Result<(), Stop> =
+                logs.each(Some(0), true, Blocks::block, &mut |_, block| seen.add(&block));
+            logs.odd_ddq = seen.odd();
+            if logs.odd_ddq.is_some() {
+                logs.sources.iter_mut().for_each(|source| source.mapping.forget(Signal::Ddq));
+            }
+        }
+        Ok(logs)
     }
 
     /// The files, as given.
@@ -110,7 +124,7 @@ impl Logs {
         self.all_have(Signal::Dq)
     }
 
-    /// Whether all files hold accelerations.
+    /// Whether all files hold accelerations that follow from their velocities.
     pub fn has_ddq(&self) -> bool {
         self.all_have(Signal::Ddq)
     }
@@ -208,7 +222,13 @@ impl Logs {
         let clocks = self.sources.iter().zip(readings.iter());
         let clocks = clocks.filter_map(|(source, own)| source.clock_doubt(own.usual_step?));
         let torque = self.sources.iter().find_map(|source| source.torque_doubt);
-        torque.map(str::to_owned).into_iter().chain(clocks).collect()
+        let odd = self.odd_ddq.map(|correlation| {
+            format!(
+                "the recorded accelerations do not follow from the recorded velocities (correlation \
+                 {correlation:.2}), as noisy or commanded ones do not: they are left out, and derived"
+            )
+        });
+        torque.map(str::to_owned).into_iter().chain(odd).chain(clocks).collect()
     }
 
     /// What the last complete reading of each file left out and where it was split, by name of the

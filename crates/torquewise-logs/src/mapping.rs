@@ -54,6 +54,14 @@ impl Mapping {
         1 + self.present.len() * self.n_joints
     }
 
+    /// Leaves a signal out.
+    pub(crate) fn forget(&mut self, signal: Signal) {
+        if let Some(first) = self.slot(signal) {
+            self.slots.drain(first - 1..first - 1 + self.n_joints);
+            self.present.retain(|present| *present != signal);
+        }
+    }
+
     /// The slot of joint 1 of a signal; the other joints follow.
     pub(crate) fn slot(&self, signal: Signal) -> Option<usize> {
         let place = self.present.iter().position(|present| *present == signal)?;

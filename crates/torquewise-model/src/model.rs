@@ -127,8 +127,8 @@ pub struct GeometryFound {
     pub times: usize,
     /// Starts that were made.
     pub starts: usize,
-    /// Joints, counted from 0, whose axis may lie at another right angle to the one before: held-out
-    /// rows hardly mind.
+    /// Joints, counted from 0, whose axis may lie elsewhere: held-out rows hardly mind another right
+    /// angle to the one before, or a joint nearer to the base always moves with one farther out.
     #[serde(default)]
     pub unresolved: Vec<usize>,
 }

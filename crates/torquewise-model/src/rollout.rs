@@ -325,7 +325,7 @@ pub fn windows(
 /// - `horizons`: times from the start of a window \[s\], ascending
 ///
 /// # Errors
-/// As of [`windows`], and [`ModelError`] if the model cannot be simulated.
+/// As of [`windows`].
 pub fn drifts(
     model: &Model,
     others: &[Model],
@@ -342,11 +342,13 @@ pub fn drifts(
     windows(model, recording, longest, &mut |windows| {
         let ends = |window: &Window<'_>| {
             let of = |simulator| window.simulated(simulator, horizons, &mut |_, _| ());
-            let own = of(&simulator)?;
-            // A drawn arm whose inertia is next to nothing in some direction runs away.
-            let away = |_| vec![vec![f64::NAN; n]; horizons.len()];
-            let others = others.iter().map(|other| of(other).unwrap_or_else(away));
-            Ok((own, others.collect::<Vec<_>>()))
+            // An arm whose inertia is next to nothing in some direction runs away.
+            let of = |simulator| match of(simulator) {
+                Err(ModelError::NoInertia) => Ok(vec![vec![f64::NAN; n]; horizons.len()]),
+                ends => ends,
+            };
+            let others = others.iter().map(of).collect::<Result<Vec<_>, ModelError>>()?;
+            Ok((of(&simulator)?, others))
         };
         let ends = windows.par_iter().map(ends).collect::<Result<Vec<_>, ModelError>>()?;
         for (window, (ends, others)) in windows.iter().zip(ends) {

@@ -33,8 +33,8 @@ pub struct NormalSums {
     /// Equations per instant n.
     equations: usize,
     /// Lower triangles row by row: \[J e\]ᵀ\[J e\] of each fold; what noise in the rows adds to them
-    /// (E7); Σ s sᵀ, s = Jᵀe of the rows that err alike. Then of each equation Σ e², Σ w² and
-    /// Σ (e/w)², w what its rows were multiplied by.
+    /// (E7); Σ s sᵀ, s = Jᵀe of the rows that err alike; Jᵀe of each equation. Then of each equation
+    /// Σ e², Σ w² and Σ (e/w)², w what its rows were multiplied by.
     sums: ExactSums,
     /// Instants of each fold.
     rows: Vec<u64>,
@@ -50,6 +50,8 @@ pub struct BlockSums {
     bias: Mat<f64>,
     /// Σ s sᵀ of its instants, where these err alike and not the whole block.
     instants: Option<Mat<f64>>,
+    /// Jᵀe of each equation, p×n, as the rows are, and without what noise adds.
+    apart: [Mat<f64>; 2],
     energies: Vec<f64>,
 }
 
@@ -85,14 +87,18 @@ impl BlockSums {
             sums
         };
         let energies = (0..equations).flat_map(energies_of).collect();
-        Self { fold, rows: m as u64, gram, bias: Mat::zeros(p + 1, p + 1), instants, energies }
+        let (bias, own) = (Mat::zeros(p + 1, p + 1), scores_apart(rows, equations));
+        Self { fold, rows: m as u64, gram, bias, instants, apart: [own.clone(), own], energies }
     }
 
     /// Adds the same rows once more, seen through more noise, `share` times; and takes the rows as
     /// they are away as often.
     pub fn add_noisy(&mut self, noisy: MatRef<'_, f64>, share: f64) {
-        add_gram_of_equations(&mut self.bias, noisy, self.energies.len() / PER_EQUATION, share);
+        let equations = self.energies.len() / PER_EQUATION;
+        add_gram_of_equations(&mut self.bias, noisy, equations, share);
         self.bias -= faer::Scale(share) * &self.gram;
+        let [own, rest] = &mut self.apart;
+        *rest += faer::Scale(share) * (&*own - scores_apart(noisy, equations));
     }
 
     /// Σ s sᵀ of the rows that err alike, without what noise adds to a score s = Jᵀe.
@@ -109,6 +115,17 @@ fn squares(x: &Mat<f64>) -> Mat<f64> {
     let mut gram = Mat::zeros(x.ncols(), x.ncols());
     add_gram(&mut gram, x.as_ref(), 1.0);
     gram
+}
+
+/// Jᵀe of each equation of some rows \[J e\], p×n.
+fn scores_apart(rows: MatRef<'_, f64>, equations: usize) -> Mat<f64> {
+    let (m, p) = (rows.nrows() / equations.max(1), rows.ncols() - 1);
+    let mut scores = Mat::zeros(p, equations);
+    for equation in 0..equations {
+        let own = rows.subrows(equation * m, m);
+        scores.col_mut(equation).copy_from(own.subcols(0, p).transpose() * own.col(p));
+    }
+    scores
 }
 
 fn packed(matrix: &Mat<f64>) -> Vec<f64> {
@@ -137,8 +154,12 @@ impl NormalSums {
         self.gram_at(self.rows.len() + 1)
     }
 
-    fn energies(&self) -> usize {
+    fn apart_at(&self) -> usize {
         self.scores_at() + triangle(self.parameters)
+    }
+
+    fn energies(&self) -> usize {
+        self.apart_at() + self.parameters * self.equations
     }
 
     /// The symmetric matrix whose lower triangle begins at a place.
@@ -155,6 +176,10 @@ impl NormalSums {
         self.sums.add(self.gram_at(fold), &packed(&block.gram))?;
         self.sums.add(self.gram_at(self.rows.len()), &packed(&block.bias))?;
         self.sums.add(self.scores_at(), &packed(&block.scores()))?;
+        for equation in 0..self.equations {
+            let at = self.apart_at() + equation * self.parameters;
+            self.sums.add(at, block.apart[1].col_as_slice(equation))?;
+        }
         self.sums.add(self.energies(), &block.energies)?;
         self.rows[fold] += block.rows;
         self.blocks += 1;
@@ -217,6 +242,14 @@ impl NormalSums {
     /// Σ s sᵀ over the rows that err alike, p×p: how far the scores Jᵀe scatter.
     pub fn scores(&self) -> Mat<f64> {
         faer::Scale(SCORE_UNIT.powi(-2)) * self.matrix(self.scores_at(), self.parameters)
+    }
+
+    /// The score Jᵀe of each equation over all rows, without what noise adds, p×n.
+    pub fn scores_apart(&self) -> Mat<f64> {
+        let at = |k, equation| self.apart_at() + equation * self.parameters + k;
+        Mat::from_fn(self.parameters, self.equations, |k, equation| {
+            self.sums.value(at(k, equation))
+        })
     }
 
     /// RMS of the residual of each equation in its own unit, rows counted by their weights, n.

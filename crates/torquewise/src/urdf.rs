@@ -45,7 +45,8 @@ pub fn known_geometry(
         links: chain.joints.iter().map(|joint| first(&joint.links)).collect(),
         frames: chain.joints.iter().map(frame).collect(),
     };
-    Ok(KnownGeometry { geometry: chain.geometry.clone(), robot: Some(robot) })
+    let (geometry, base) = (chain.geometry.clone(), chain.base_of_geometry);
+    Ok(KnownGeometry { geometry, robot: Some(robot), base })
 }
 
 fn frame(joint: &UrdfJoint) -> LinkFrame {

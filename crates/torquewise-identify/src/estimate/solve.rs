@@ -85,6 +85,16 @@ impl Step<'_> {
         scores
     }
 
+    /// The same over joints: what the model gets wrong, the torque of one joint may pull one way for
+    /// and that of another the other way, in all rows alike (E22).
+    fn scores_by_joint(&self, indices: &[usize]) -> Mat<f64> {
+        let scores = self.sums.scores_apart();
+        let own = Mat::from_fn(indices.len(), scores.ncols(), |i, joint| {
+            scores[(indices[i], joint)] / self.at.scales[indices[i]]
+        });
+        &own * own.transpose()
+    }
+
     /// Parameters of the geometry that stay where the sample put them, yet all rows together pull
     /// away: a score test, the scores of blocks of time as its measure.
     fn released(&self, active: &[usize], tuning: &Tuning) -> Result<Vec<usize>, IdentifyError> {
@@ -137,9 +147,12 @@ impl Step<'_> {
         };
         let own = spread(self.scores(active));
         let by_region = spread(self.scores_by_region(active));
-        // Blocks of a stretch, and stretches of a region, may err alike: the larger spread counts.
+        let by_joint = spread(self.scores_by_joint(active));
+        // Blocks of a stretch, stretches of a region, and rows of a joint may err alike: the largest
+        // spread counts.
         let wider: Vec<f64> = (0..active.len())
-            .map(|k| (by_region[(k, k)] / own[(k, k)]).sqrt().max(1.0))
+            .map(|k| f64::max(by_region[(k, k)], by_joint[(k, k)]) / own[(k, k)])
+            .map(|ratio| ratio.sqrt().max(1.0))
             .map(|ratio| if ratio.is_finite() { ratio } else { 1.0 })
             .collect();
         let mut covariance = Mat::zeros(p, p);

@@ -24,10 +24,10 @@ fn named(arm: &str, turned: &[usize], friction: f64) -> Vec<String> {
         }
     });
     let wrong = |finding| match finding {
-        Finding::WrongSign { joint } => Some(joint),
+        Finding::WrongSign { joints } => Some(joints),
         _ => None,
     };
-    findings(&log, &Plan::default()).into_iter().filter_map(wrong).collect()
+    findings(&log, &Plan::default()).into_iter().find_map(wrong).unwrap_or_default()
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn currents_of_different_motors_are_named_with_what_each_is_worth() {
 
     let [Finding::Gains { gains: found, .. }] = &found[..] else { panic!("{found:?}") };
     let mean = gains.iter().map(|gain| f64::ln(*gain)).sum::<f64>() / 6.0;
-    for (found, gain) in found.iter().zip(gains) {
+    for ([found, error], gain) in found.iter().zip(gains) {
         let truth = gain / mean.exp();
         assert!((found / truth - 1.0).abs() < 0.1, "{found} {truth}");
     }

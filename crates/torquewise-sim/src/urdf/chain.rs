@@ -24,6 +24,8 @@ pub struct UrdfChain {
     pub joints: Vec<UrdfJoint>,
     /// Where their axes lie.
     pub geometry: Geometry,
+    /// Turns components in the base of the geometry into those in the base of the file, row by row.
+    pub base_of_geometry: [[f64; 3]; 3],
 }
 
 /// A joint of a [`UrdfChain`].
@@ -132,6 +134,8 @@ impl UrdfChain {
         if gravity.iter().all(|g| *g == 0.0) {
             return Err(SimError::NoDirection { what: "gravity".into() });
         }
+        let first = placements[0].rotation;
+        let base_of_geometry = [0, 1, 2].map(|i| [0, 1, 2].map(|j| first[(i, j)]));
         let (geometry, frames) = Geometry::of_joints(&placements, &kinds.into(), gravity);
         for (joint, frame) in joints.iter_mut().zip(frames) {
             joint.X_LG *= pose(&frame);
@@ -140,7 +144,8 @@ impl UrdfChain {
             let seen = joint.inertial_of_file.as_ref().map(|own| seen(own).inertial_parameters());
             joint.inertial_of_file = seen.filter(|own| torquewise_rigid::inertia::is_feasible(own));
         }
-        Ok(Self { name: robot.name.clone(), base: links(&base), joints, geometry })
+        let (name, base) = (robot.name.clone(), links(&base));
+        Ok(Self { name, base, joints, geometry, base_of_geometry })
     }
 }
 
