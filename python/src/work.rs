@@ -28,10 +28,6 @@ enum Told<T> {
 ///
 /// - `progress`: is called with what is done, rows since the last call and rows in all, the last
 ///   two if they are known
-///
-/// # Errors
-/// Those of the work; what Python raises on Ctrl-C, at once: the worker then ends at its next block
-/// of rows or round of a search.
 pub(crate) fn work<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,

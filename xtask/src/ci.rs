@@ -18,9 +18,6 @@ const MOST_CRATES: [(&str, usize); 2] =
 const LARGEST_PROGRAM: u64 = 20_000_000;
 
 /// Runs every check and stops at the first that fails.
-///
-/// # Errors
-/// The step that failed.
 pub(crate) fn run(root: &Path) -> Result<()> {
     let (begun, tree) = (Instant::now(), changes(root));
     let step = |name: &str| eprintln!("\n=== {} s: {name}", begun.elapsed().as_secs());

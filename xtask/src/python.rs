@@ -14,9 +14,6 @@ use std::process::Command;
 /// Returns whether there is a Python to run it.
 ///
 /// - `target`: folder that cargo built into
-///
-/// # Errors
-/// What could not be installed, or that a test failed.
 pub(crate) fn run(root: &Path, target: &Path) -> Result<bool> {
     let python = python();
     if !is_there(&python) {
@@ -47,9 +44,6 @@ pub(crate) fn run(root: &Path, target: &Path) -> Result<bool> {
 }
 
 /// Builds and tries what is published.
-///
-/// # Errors
-/// That something is missing in it, or does not work.
 pub(crate) fn package(root: &Path, flags: &[&str]) -> Result<()> {
     let script = root.join("python/tools/package.py");
     call(Command::new(python()).arg("-B").arg(script).args(flags).current_dir(root))

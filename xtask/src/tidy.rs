@@ -10,9 +10,6 @@ const MOST_LINES_OF_FILE: usize = 400;
 const MOST_LINES: usize = 80_000;
 
 /// Prints every broken rule.
-///
-/// # Errors
-/// If a rule is broken, or a file cannot be read.
 pub(crate) fn run(root: &Path) -> Result<()> {
     let broken = check(root)?;
     for rule in &broken {

@@ -23,9 +23,6 @@ const LARGEST_ENGINE: u64 = 6_000_000;
 
 /// Builds the page into `web/dist` and runs its tests; says what is missing where it cannot. Returns
 /// whether it did.
-///
-/// # Errors
-/// What failed, or is missing where `TORQUEWISE_WEB_REQUIRED` is set.
 pub(crate) fn run(root: &Path) -> Result<bool> {
     let is_required = env::var_os("TORQUEWISE_WEB_REQUIRED").is_some();
     if is_required && Path::new(APT).exists() {

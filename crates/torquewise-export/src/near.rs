@@ -18,9 +18,6 @@ const LEAST: f64 = 1e-6;
 /// stay, and what it does not tell of a link is that of the file. As it is without a covariance.
 ///
 /// - `nominal`: inertial parameters of each link in its frame; `None` where the file has no body
-///
-/// # Errors
-/// [`ModelError::Chain`] if its geometry is none.
 pub(crate) fn near(model: &Model, nominal: &[Option<Inertial>]) -> Result<Model, ModelError> {
     let mut model = model.clone();
     if let Some(chain) = &mut model.chain

@@ -77,7 +77,8 @@ pub fn tune<L: RawRecording>(
         let survey = match surveyed(&summary) {
             // Long rest or slow motion makes for a cut-off that leaves few rows.
             Err(IdentifyError::TooFewRows { .. }) if cutoff < widest => {
-                cutoff = (2.0 * cutoff).min(widest);
+                let lowest = logs.cutoffs().first().copied().unwrap_or(widest);
+                cutoff = (2.0 * cutoff).clamp(lowest, widest);
                 continue;
             }
             survey => survey?,
@@ -240,9 +241,6 @@ fn at(
     let Some(Band { motion, torques }) = band else { return Ok(Vec::new()) };
     let targets: Vec<_> = torques.iter().map(|torque| (&torque.filtered, &torque.raw)).collect();
     let (at, blocks) = (request.linearisation().narrowed(), even_blocks(&motion));
-    if blocks.len() < BLOCKS {
-        return Ok(Vec::new());
-    }
     let unseen = Unseen::new(&at, &motion, &targets, &blocks)?;
     let errors = unseen.and_then(|unseen| unseen.errors_of_all());
     let tried = torques.iter().zip(errors.into_iter().flatten());

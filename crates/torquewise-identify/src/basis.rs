@@ -67,9 +67,6 @@ impl Wanted {
     }
 
     /// The coefficients that these terms have in a chain.
-    ///
-    /// # Errors
-    /// As [`RigidChain::coefficients_of`].
     pub(crate) fn coefficients_in(&self, chain: &RigidChain) -> Result<Vec<f64>, ModelError> {
         let found = chain.coefficients_of(&self.products)?;
         let mut shares = self.weights.iter().zip(found).map(|(weight, own)| weight * own);

@@ -41,6 +41,8 @@ const LEAST_ERRORS: f64 = 6.0;
 const LEAST_SHARE: f64 = 0.2;
 /// Part of the squares of gravity that no other column may explain.
 const LEAST_FREE: f64 = 1e-3;
+/// Of two logs, gravity must make this part of the squares in one that it makes in the other.
+const LEAST_SIZE: f64 = 0.01;
 /// Dry friction is taken as fully there at some of these parts of the peak speed.
 const SLOW: f64 = 0.02;
 
@@ -155,6 +157,7 @@ fn most_apart(slopes: &[(usize, Slope)]) -> Option<[(usize, Slope); 2]> {
         .filter(|pair| {
             let [(_, a), (_, b)] = pair;
             DIFFERENCE.contains(&(a.value - b.value).abs())
+                && a.size.min(b.size) > LEAST_SIZE * a.size.max(b.size)
                 && a.share.max(b.share) > LEAST_SHARE
                 && errors(pair) > LEAST_ERRORS
         })
@@ -168,6 +171,8 @@ struct Slope {
     error: f64,
     /// Part of the squares that the other columns leave which gravity explains.
     share: f64,
+    /// Mean square of what the other columns leave of gravity itself.
+    size: f64,
 }
 
 /// `None` if gravity hardly changes, or too little was recorded.
@@ -179,11 +184,12 @@ fn slope(of: &Stretches) -> Option<Slope> {
     if solved.free[0] < LEAST_FREE {
         return None;
     }
-    let gained = solved.gained[0];
+    let (gained, total) = (solved.gained[0], of.total());
     Some(Slope {
         value: solved.values[0],
         error: solved.std_errors[0],
         share: gained / (gained + solved.left).max(f64::MIN_POSITIVE),
+        size: solved.free[0] * total.gram[(0, 0)] / total.rows,
     })
 }
 

@@ -52,9 +52,6 @@ pub(crate) struct Fitted {
 
 impl Fitted {
     /// The model of the chain: its parameters, and the equations that follow from them.
-    ///
-    /// # Errors
-    /// [`IdentifyError::Model`] if its energy cannot be listed.
     pub(crate) fn report(
         self,
         survey: Survey,

@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
 use torquewise_rigid::coupling::Coupling;
-use torquewise_rigid::geometry::{PER_BASE, RIGHT_ANGLES};
+use torquewise_rigid::geometry::{GRAVITY, PER_BASE, RIGHT_ANGLES};
 use torquewise_rigid::search::{FINAL_ROWS, Stage, all_parameters};
 use torquewise_rigid::{Chain, ChainError, Geometry, JointKinds, Rows, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
@@ -59,6 +59,8 @@ const OBLIQUE: f64 = 0.2;
 const WORTH_OF_ANGLES: f64 = 0.1;
 /// So much must another direction of gravity lower it than the one that is said.
 const WORTH_OF_TILT: f64 = 0.05;
+/// Cosine of an angle below which two directions of gravity are one.
+const NEARLY: f64 = 0.999;
 /// Parallel neighbours must lower the error by this part: a wrist that hardly turns fits either way,
 /// and its axes stand across each other.
 const WORTH_OF_PARALLEL: f64 = 0.05;
@@ -77,10 +79,6 @@ const SAME: f64 = 1e-3;
 
 /// Learns the chain of an arm: searches its geometry, where that is not given, and chooses what
 /// stands beside its links, both on held-out rows.
-///
-/// # Errors
-/// [`IdentifyError::Chain`] if no chain can be fitted, [`IdentifyError::NoSuchJoint`] if a joint is
-/// said to be balanced that is not there.
 pub(crate) fn learn(
     motion: &Motion,
     options: &ChainOptions,
@@ -110,10 +108,7 @@ pub(crate) fn learn(
     let is_given = options.geometry.is_some();
     let given = given_kinds(motion, options)?;
     let (mut spec, mut chain) = match &options.geometry {
-        Some(known) => {
-            let spec = at_kinds(known.geometry.kinds().clone());
-            learner.at_geometry(spec, &known.geometry, &mut choices)?
-        }
+        Some(known) => learner.at_geometry(&known.geometry, &at_kinds, &mut choices)?,
         None => learner.moving_geometry(given, &at_kinds, &mut choices)?,
     };
     let kinds = chain.geometry.kinds().clone();
@@ -236,10 +231,11 @@ impl<'a> ChainLearner<'a> {
     /// wall of which the file does not tell: where held-out rows are for it, gravity moves.
     fn at_geometry(
         &self,
-        spec: ChainSpec,
         geometry: &Geometry,
+        at: &impl Fn(JointKinds) -> ChainSpec,
         choices: &mut Vec<Choice>,
     ) -> Result<(ChainSpec, Chain), IdentifyError> {
+        let spec = at(geometry.kinds().clone());
         let held = ChainSpec { free: Vec::new(), ..spec.clone() };
         let tilted = ChainSpec { free: (0..PER_BASE).collect(), ..spec };
         let (rows, watch) = (self.rows(&held, FINAL_ROWS)?, searching(self.watch));
@@ -255,15 +251,21 @@ impl<'a> ChainLearner<'a> {
                 Ok((trial(label.to_owned(), &spec, &few, &chain, &watch)?, spec, chain))
             };
         let mut ways: Vec<Judged> = vec![judged("as given", held, own)?];
-        let others = RIGHT_ANGLES.iter().filter(|tilt| **tilt != own);
+        let is_near = |tilt: &[f64; 2]| {
+            let [a, b] = [own, tilt].map(|tilt| geometry.at(&[tilt, axes].concat()).gravity());
+            a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() > NEARLY * GRAVITY.powi(2)
+        };
+        let (near, others): (Vec<[f64; 2]>, Vec<[f64; 2]>) =
+            RIGHT_ANGLES.into_iter().partition(is_near);
         // A base that is mounted at some other angle is meant to be.
-        if others.clone().count() < RIGHT_ANGLES.len() {
-            ways.push(judged("tilted", tilted.clone(), own)?);
-            let other = others.map(|tilt| Ok((at(&tilted, tilt)?.cost, tilt)));
-            let other = other.collect::<Result<Vec<_>, ChainError>>()?;
-            if let Some((_, tilt)) = other.iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
-                ways.push(judged("elsewhere", tilted, *tilt)?);
-            }
+        if near.is_empty() {
+            return Ok((ways[0].1.clone(), ways[0].2.clone()));
+        }
+        ways.push(judged("tilted", tilted.clone(), own)?);
+        let other = others.par_iter().map(|tilt| Ok((at(&tilted, tilt)?.cost, tilt)));
+        let other = other.collect::<Result<Vec<_>, ChainError>>()?;
+        if let Some((_, tilt)) = other.iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
+            ways.push(judged("elsewhere", tilted, *tilt)?);
         }
         let trials: Vec<CvScore> = ways.iter().map(|(trial, ..)| trial.clone()).collect();
         let place = record_worth("direction of gravity", &trials, WORTH_OF_TILT, choices);

@@ -14,9 +14,6 @@ const ROWS: usize = 2_000;
 /// RMS of what the terms of a model, fitted anew without them, leave of the torque of each joint
 /// \[N·m\] on whole logs or blocks of time, n, and on regions of configuration, n (E20). Nothing
 /// where there are too few rows.
-///
-/// # Errors
-/// [`IdentifyError`] if the sample has no torque.
 pub(crate) fn held_out_rms(model: &Model, sample: &Motion) -> Result<[Vec<f64>; 2], IdentifyError> {
     let few = thinned(sample, ROWS);
     let tau = few.require_tau()?.to_owned();

@@ -197,11 +197,12 @@ impl Payload {
         }
         let is_told = self.mass.std_error < TOLD.0 * self.mass.value;
         if !is_told {
-            hints.push(
-                "the mass is not told from zero: hold the load in many poses, with the arm \
-                 stretched and folded, or give its centre"
-                    .to_owned(),
-            );
+            let is_some = self.mass.value > 2.0 * self.mass.std_error;
+            let how = if is_some { "told roughly only" } else { "not told from zero" };
+            hints.push(format!(
+                "the mass is {how}: hold the load in many poses, with the arm stretched and folded, \
+                 or give its centre"
+            ));
         }
         if is_told && self.center.iter().any(|center| center.std_error > TOLD.1) {
             hints.push(

@@ -46,21 +46,23 @@ pub struct KnownGeometry {
     pub base: [[f64; 3]; 3],
 }
 
-/// Cosine of the angle from which on gravity pulls elsewhere than was said.
+/// Cosine of 15°, from which on gravity pulls elsewhere than was said.
 const ELSEWHERE: f64 = 0.966;
 
 impl KnownGeometry {
     /// Where things fall in the base of the file by a fit, of length 1, if not about where was said.
     pub(crate) fn falls_elsewhere(&self, found: &Geometry) -> Option<[f64; 3]> {
         let along = |a: &[f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let down = found.gravity().map(|part| part / GRAVITY);
-        let is_far = along(&down, self.geometry.gravity()) < ELSEWHERE * GRAVITY;
+        let [down, said] =
+            [found, &self.geometry].map(|of| of.gravity().map(|part| part / GRAVITY));
+        let is_far = along(&down, said) < ELSEWHERE;
         is_far.then(|| self.base.map(|row| along(&row, down)))
     }
 }
 
 /// The two methods from rows to equations, each with its options.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a plan is made once for a fit")]
 pub enum Method {
     /// Terms are selected from a library, in three regressions or in one.
     Library(LibraryOptions),

@@ -47,9 +47,6 @@ const MUCH: f64 = 0.2;
 
 impl Reconstruction {
     /// Result of the steps on a library, with warnings.
-    ///
-    /// # Errors
-    /// [`IdentifyError`] as of [`Self::doubt_torque`].
     pub(crate) fn of_library(
         survey: Survey,
         fit: LibraryFit,
@@ -81,9 +78,6 @@ impl Reconstruction {
     /// the torque was cut off, or a motor wired the wrong way round.
     ///
     /// - `chain`: of the arm, as far as it is known
-    ///
-    /// # Errors
-    /// [`IdentifyError::Chain`] if the chain is of another arm, [`IdentifyError::Model`].
     pub(crate) fn doubt_torque(
         &mut self,
         seed: u64,
@@ -118,8 +112,10 @@ impl Reconstruction {
             let Ok(chain) = chain(&self.survey) else { return Ok(()) };
             let wrong = chain.wrong_signs(&self.survey.sample, &doubtful, watch)?;
             // Of joints that always move together none is told from the others.
+            let is_tied =
+                |own: &Warning| matches!(own, Warning::Excitation(Finding::Together { .. }));
             let is_told =
-                grave(&self.warnings).is_empty() || wrong.len() == self.survey.joints.len();
+                !self.warnings.iter().any(is_tied) || wrong.len() == self.survey.joints.len();
             let wrong = if is_told { wrong } else { Vec::new() };
             let joints: Vec<String> =
                 wrong.iter().map(|&joint| self.survey.joints[joint].clone()).collect();

@@ -42,9 +42,6 @@ const DENSER: f64 = 2.0;
 const FEW: f64 = 0.01;
 
 /// The joints, of some that a model misses, of which most is missed in few rows.
-///
-/// # Errors
-/// [`IdentifyError::Model`] if the motion is of another arm.
 pub(crate) fn shapes(
     model: &Model,
     sample: &Motion,

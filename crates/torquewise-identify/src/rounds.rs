@@ -45,9 +45,6 @@ impl Request {
     /// Searches a chain on the sample of a survey, and refines it there.
     ///
     /// - `before`: of the same arm at another bandwidth, whose joints are of the same kinds
-    ///
-    /// # Errors
-    /// [`IdentifyError::Chain`] if no chain can be fitted, [`IdentifyError::NoSuchJoint`].
     pub(crate) fn first(
         survey: &Survey,
         options: &ChainOptions,
@@ -97,9 +94,6 @@ impl Request {
     }
 
     /// Fails unless it is for an arm of these joints.
-    ///
-    /// # Errors
-    /// [`IdentifyError::Apart`]
     pub(crate) fn check_joints(&self, joints: &[String]) -> Result<(), IdentifyError> {
         if joints == self.joints {
             return Ok(());
@@ -134,9 +128,6 @@ impl Request {
     }
 
     /// Takes the step that a pass asks for, and asks for another; breaks where it is next to nothing.
-    ///
-    /// # Errors
-    /// [`IdentifyError::Chain`] if its sums cannot be solved.
     pub(crate) fn take(
         self,
         sums: &NormalSums,

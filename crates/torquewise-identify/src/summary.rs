@@ -213,9 +213,6 @@ impl Summary {
     }
 
     /// What its logs were summed up to for a library.
-    ///
-    /// # Errors
-    /// [`IdentifyError::NoLibrary`] if nothing was.
     pub(crate) fn library_sums(self) -> Result<LibrarySums, IdentifyError> {
         let Settings { library, patterns, .. } = self.settings;
         let library = library.ok_or(IdentifyError::NoLibrary)?;

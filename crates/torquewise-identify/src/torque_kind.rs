@@ -11,8 +11,9 @@ use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::survey::thinned;
 
-/// Rows that are tried on.
+/// Rows that are tried on, and the least.
 const ROWS: usize = 2_000;
+const LEAST_ROWS: usize = 96;
 /// Taken for something else, torques must leave this part of what they leave as they are on held-out
 /// rows, by time and by region.
 const WORTH: f64 = 0.9;
@@ -33,6 +34,7 @@ const SAME: f64 = 1.2;
 /// So many of its errors; these are told from so many parts of the time, each left out in turn.
 const TELLS: f64 = 3.0;
 const PARTS: usize = 8;
+const LEAST_PARTS: usize = 6;
 /// Gains that are further apart are no gains.
 const MOST_APART: f64 = 20.0;
 /// What is left of held-out torque, in units of the least residual that weights are made of, below
@@ -46,14 +48,14 @@ const RIDGE: f64 = 1e-8;
 ///
 /// - returns: [`Finding::Weightless`] or [`Finding::Gains`]; `None` where what is logged is best taken
 ///   as torque
-///
-/// # Errors
-/// [`IdentifyError::Chain`] if the motion is of another arm.
 pub(crate) fn torque_kind(
     at: &Linearisation,
     sample: &Motion,
 ) -> Result<Option<Finding>, IdentifyError> {
     let motion = thinned(sample, ROWS);
+    if motion.n_rows() < LEAST_ROWS {
+        return Ok(None);
+    }
     let (columns, weights) = at.columns_of(&motion)?;
     let tau = motion.require_tau()?.to_owned();
     let targets = [(&tau, &tau)];
@@ -86,35 +88,59 @@ pub(crate) fn torque_kind(
         return Ok(Some(Finding::Weightless));
     }
     let drive = [PER_BODY * motion.n_joints(), at.linear.len()];
-    let rows = |but: &Range<usize>| JointRows::new((&columns, &weights), &tau, drive, but);
-    let all = rows(&(0..0));
-    let Some((per, loads)) = all.gains(&at.linear) else { return Ok(None) };
-    // Without each part of the time in turn.
     let edge = |part: usize| part * motion.n_rows() / PARTS;
-    let parts: Option<Vec<Vec<f64>>> = (0..PARTS)
-        .map(|part| Some(rows(&(edge(part)..edge(part + 1))).gains(&at.linear)?.0))
-        .collect();
-    let Some(parts) = parts else { return Ok(None) };
-    let error = |joint: usize| {
-        let squares: f64 =
-            parts.iter().map(|part| (part[joint] / per[joint]).ln().powi(2)).sum::<f64>();
-        (squares * (PARTS as f64 - 1.0) / PARTS as f64).sqrt()
+    let part =
+        |part: usize| JointRows::new((&columns, &weights), &tau, drive, edge(part)..edge(part + 1));
+    let parts: Vec<JointRows> = (0..PARTS).map(part).collect();
+    let Some(gains) = Gains::of(&parts, &at.linear) else { return Ok(None) };
+    let Gains { per, without, loads, all } = gains;
+    let error = |of: &dyn Fn(&[f64]) -> f64| {
+        let squares: f64 = without.iter().map(|part| (of(part) - of(&per)).powi(2)).sum();
+        (squares * (without.len() as f64 - 1.0) / without.len() as f64).sqrt()
     };
-    let errors: Vec<f64> = (0..per.len()).map(error).collect();
-    let is_apart = |(per, error): (&f64, &f64)| per.ln().abs() > SAME.ln().max(TELLS * error);
-    let apart: Vec<bool> = per.iter().zip(&errors).map(is_apart).collect();
-    let own = |joint: usize| if apart[joint] { per[joint] } else { 1.0 };
-    let own: Vec<f64> = (0..per.len()).map(own).collect();
+    let is_apart = |joint: usize| {
+        let error = error(&|per: &[f64]| per[joint].ln());
+        per[joint].ln().abs() > SAME.ln().max(TELLS * error)
+    };
+    let own: Vec<f64> =
+        (0..per.len()).map(|joint| if is_apart(joint) { per[joint] } else { 1.0 }).collect();
     if !leaves(&all.widened(&columns, &own, &loads), WORTH) {
         return Ok(None);
     }
-    let mean = geometric_mean(&per);
-    let gains = per.iter().zip(&errors).map(|(per, error)| [mean / per, error * mean / per]);
+    let gain = |per: &[f64], joint: usize| geometric_mean(per) / per[joint];
+    let gains = (0..per.len()).map(|joint| {
+        let own = gain(&per, joint);
+        [own, own * error(&|per: &[f64]| gain(per, joint).ln())]
+    });
     Ok(Some(Finding::Gains { joints: sample.joints().to_vec(), gains: gains.collect() }))
+}
+
+/// One over the gain of each joint beside that of one of them.
+struct Gains {
+    /// By all rows, n, and without each part of the time in turn.
+    per: Vec<f64>,
+    without: Vec<Vec<f64>>,
+    /// The parameters of the links, p×1.
+    loads: Mat<f64>,
+    all: JointRows,
+}
+
+impl Gains {
+    /// `None` where they are no gains.
+    fn of(parts: &[JointRows], linear: &[f64]) -> Option<Self> {
+        let (first, rest) = parts.split_first()?;
+        let all = rest.iter().fold(first.clone(), |sum, part| sum.with(part, 1.0));
+        let most = all.most_loaded(linear);
+        let (per, loads) = all.gains(linear, most)?;
+        let without = parts.iter().filter_map(|part| all.with(part, -1.0).gains(linear, most));
+        let without: Vec<Vec<f64>> = without.map(|(per, _)| per).collect();
+        (without.len() >= LEAST_PARTS).then_some(Self { per, without, loads, all })
+    }
 }
 
 /// Sums of the rows of each joint, of columns of which those from `drive[0]` to `drive[1]` are of its
 /// drive alone, whatever its gain.
+#[derive(Clone)]
 struct JointRows {
     /// p×p and p×1, n.
     sums: Vec<(Mat<f64>, Mat<f64>)>,
@@ -123,40 +149,56 @@ struct JointRows {
 }
 
 impl JointRows {
-    /// - `but`: rows that are left out
+    /// - `rows`: those that are summed
     fn new(
         (columns, weights): (&Mat<f64>, &[f64]),
         tau: &Mat<f64>,
         drive: [usize; 2],
-        but: &Range<usize>,
+        rows: Range<usize>,
     ) -> Self {
         let (m, p) = (tau.nrows(), columns.ncols());
         let of = |joint: usize| {
-            let sums = |rows: Range<usize>| {
-                let own = columns.submatrix(joint * m + rows.start, 0, rows.len(), p);
-                let response = Mat::from_fn(rows.len(), 1, |row, _| {
-                    let row = rows.start + row;
-                    weights[joint * m + row] * tau[(row, joint)]
-                });
-                (own.transpose() * own, own.transpose() * response)
-            };
-            let (before, after) = (sums(0..but.start), sums(but.end..m));
-            (before.0 + after.0, before.1 + after.1)
+            let first = joint * m + rows.start;
+            let own = columns.submatrix(first, 0, rows.len(), p);
+            let response = Mat::from_fn(rows.len(), 1, |row, _| {
+                weights[first + row] * tau[(rows.start + row, joint)]
+            });
+            (own.transpose() * own, own.transpose() * response)
         };
-        Self { sums: (0..tau.ncols()).map(of).collect(), drive, rows: m - but.len() }
+        Self { sums: (0..tau.ncols()).map(of).collect(), drive, rows: rows.len() }
+    }
+
+    /// With other rows (1), or without them (−1).
+    fn with(&self, other: &Self, sign: f64) -> Self {
+        let add = |a: &Mat<f64>, b: &Mat<f64>| a + faer::Scale(sign) * b;
+        let sums = self.sums.iter().zip(&other.sums);
+        let sums = sums.map(|(own, more)| (add(&own.0, &more.0), add(&own.1, &more.1)));
+        let rows = if sign < 0.0 { self.rows - other.rows } else { self.rows + other.rows };
+        Self { sums: sums.collect(), drive: self.drive, rows }
+    }
+
+    /// Parameters, all but those of the links zero.
+    fn links(&self, linear: &[f64]) -> Mat<f64> {
+        let p = self.sums[0].1.nrows();
+        Mat::from_fn(p, 1, |k, _| if k < self.drive[0] { linear[k] } else { 0.0 })
+    }
+
+    /// The joint that links load most.
+    fn most_loaded(&self, linear: &[f64]) -> usize {
+        let links = self.links(linear);
+        let load = |joint: usize| (links.transpose() * &self.sums[joint].0 * &links)[(0, 0)];
+        (0..self.sums.len()).max_by(|a, b| load(*a).total_cmp(&load(*b))).unwrap_or(0)
     }
 
     fn factor(&self, per: f64, column: usize) -> f64 {
         if (self.drive[0]..self.drive[1]).contains(&column) { 1.0 } else { per }
     }
 
-    /// One over the gain of each joint, n, beside that of the joint which links load most, and the
-    /// parameters of the links. `None` where they are no gains.
-    fn gains(&self, linear: &[f64]) -> Option<(Vec<f64>, Mat<f64>)> {
+    /// One over the gain of each joint, n, beside that of the joint `most`, and the parameters of the
+    /// links. `None` where they are no gains.
+    fn gains(&self, linear: &[f64], most: usize) -> Option<(Vec<f64>, Mat<f64>)> {
         let (n, p) = (self.sums.len(), self.sums.first()?.1.nrows());
-        let mut links = Mat::from_fn(p, 1, |k, _| if k < self.drive[0] { linear[k] } else { 0.0 });
-        let load = |joint: usize| (links.transpose() * &self.sums[joint].0 * &links)[(0, 0)];
-        let most = (0..n).max_by(|a, b| load(*a).total_cmp(&load(*b)))?;
+        let mut links = self.links(linear);
         let others: Vec<usize> = (0..n).filter(|joint| *joint != most).collect();
         let mut per = vec![1.0; n];
         for _ in 0..ROUNDS.0 {

@@ -56,9 +56,6 @@ impl SignTest {
     }
 
     /// A chain that is searched on few rows.
-    ///
-    /// # Errors
-    /// [`IdentifyError::Chain`] if there is none.
     pub(crate) fn search(
         survey: &Survey,
         seed: u64,
@@ -79,9 +76,6 @@ impl SignTest {
     /// All signs of the joints in doubt are tried at these axes, and each joint alone with axes that
     /// move; then all again where the axes are now. Friction that drives a shaft counts as left unexplained; where a set
     /// of joints and the rest fit alike, kinetic energy is positive.
-    ///
-    /// # Errors
-    /// [`IdentifyError::Chain`] if a chain is of another arm than the sample.
     pub(crate) fn wrong_signs(
         mut self,
         sample: &Motion,
@@ -140,17 +134,13 @@ impl SignTest {
         }
         // Of several, each must tell by itself, and not by its friction alone; and be explained once it
         // is turned round.
-        let part = |tried: &Tried, joint: usize| {
-            let rms = tried.chain.as_ref().and_then(|chain| chain.residual_rms.get(joint));
-            rms.map_or(f64::INFINITY, |rms| rms / rows.deviation_of(joint).max(f64::MIN_POSITIVE))
-        };
-        let parts = |tried: &Tried| (0..n).map(|joint| part(tried, joint)).product::<f64>();
+        let all = |tried: &Tried| (0..n).map(|joint| tried.part(&rows, joint)).product::<f64>();
         let whole = tried(found, &geometry, &[]);
         let tells = |&joint: &usize| {
             let without = tried(found ^ 1 << joint, &geometry, &[]);
             let is_told =
-                whole.left <= QUARTER * without.left && parts(&whole) <= HALF * parts(&without);
-            is_told && part(&whole, joint) < HALF
+                whole.left <= QUARTER * without.left && all(&whole) <= HALF * all(&without);
+            is_told && whole.part(&rows, joint) < HALF
         };
         Ok(joints_of(found).filter(tells).collect())
     }
@@ -221,9 +211,6 @@ impl SignTest {
 ///
 /// - `missed`, `doubtful`: joints whose torque a model misses: one of the pair or both; and those whose
 ///   torque may be another's: both
-///
-/// # Errors
-/// [`IdentifyError::Chain`] if rows are too few.
 pub(crate) fn swapped(
     sample: &Motion,
     (missed, doubtful): (&[usize], &[usize]),
@@ -264,6 +251,14 @@ struct Tried {
     signs: u32,
     left: f64,
     chain: Option<Chain>,
+}
+
+impl Tried {
+    /// What the chain leaves of the torque of a joint, RMS over the spread.
+    fn part(&self, rows: &Rows, joint: usize) -> f64 {
+        let rms = self.chain.as_ref().and_then(|chain| chain.residual_rms.get(joint));
+        rms.map_or(f64::INFINITY, |rms| rms / rows.deviation_of(joint).max(f64::MIN_POSITIVE))
+    }
 }
 
 /// What leaves least first, then what turns fewer joints.

@@ -160,15 +160,16 @@ type Sums = (Mat<f64>, Mat<f64>);
 
 impl<'a> Unseen<'a> {
     /// - returns: `None` where there are too few rows
-    ///
-    /// # Errors
-    /// [`IdentifyError::Chain`] if the motion is of another arm.
     pub(crate) fn new(
         at: &Linearisation,
         motion: &Motion,
         targets: &'a [Target<'a>],
         blocks: &'a [HeldOut],
     ) -> Result<Option<Self>, IdentifyError> {
+        // A choice takes more rows than an error that is only said.
+        if motion.n_rows() < BLOCKS * LEAST_ROWS {
+            return Ok(None);
+        }
         let columns = at.columns_of(motion)?;
         Ok(Self::of_columns(columns, motion.n_rows(), targets, blocks))
     }

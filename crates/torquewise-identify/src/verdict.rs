@@ -143,6 +143,7 @@ fn doubts(found: &Reconstruction) -> Vec<String> {
         Warning::ConstantJoint { joint } => Some(format!("{joint} never moves")),
         Warning::Excitation(Finding::Weightless) => Some("gravity does nothing".to_owned()),
         Warning::Sliding { .. } => Some("joints seem to slide".to_owned()),
+        Warning::Gravity { .. } => Some("gravity pulls elsewhere than was said".to_owned()),
         Warning::Repeated => Some("a log was given twice".to_owned()),
         _ => None,
     });

@@ -221,6 +221,7 @@ fn has_log_twice(sample: &Motion) -> bool {
 }
 
 impl fmt::Display for Warning {
+    #[expect(clippy::too_many_lines, reason = "a table of sentences")]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::ConstantJoint { joint } => write!(
@@ -270,8 +271,8 @@ impl fmt::Display for Warning {
             Self::Shape(shape) => write!(f, "{shape}"),
             Self::Gravity { down: [x, y, z] } => write!(
                 f,
-                "gravity pulls along ({x:.2}, {y:.2}, {z:.2}) of the base of the URDF, and is taken to: \
-                 does the arm hang on a wall or a ceiling? Say so by the direction of gravity"
+                "gravity pulls along ({x:.2}, {y:.2}, {z:.2}) of the base of the URDF, and the model has \
+                 it so: does the arm hang on a wall or a ceiling? Give that direction of gravity"
             ),
             Self::Repeated => write!(
                 f,

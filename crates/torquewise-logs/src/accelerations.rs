@@ -1,13 +1,14 @@
 //! Whether recorded accelerations follow from recorded velocities.
 
 use crate::error::LogError;
+use faer::MatRef;
 use torquewise_motion::Motion;
 
-/// Rows that are looked at.
+/// Rows that are looked at in a file.
 const ROWS: usize = 20_000;
-/// Rows on either side of one that its slope is taken over: noise counts little.
-const REACH: usize = 5;
-/// Correlation below which accelerations are something else, or mostly noise; and slopes that it
+/// Rows that a slope is taken over: noise counts little.
+const WINDOW: usize = 11;
+/// Correlation below which rates are something else than slopes, or mostly noise; and slopes that it
 /// takes.
 const LEAST: f64 = 0.7;
 const LEAST_SLOPES: usize = 100;
@@ -21,40 +22,66 @@ impl From<LogError> for Stop {
     }
 }
 
-/// Accelerations against slopes of velocities.
+/// Velocities and accelerations against the slopes of positions and velocities.
 #[derive(Default)]
 pub(crate) struct Accelerations {
     rows: usize,
+    velocity: Sums,
+    acceleration: Sums,
+}
+
+/// Slopes, and Σ slope², Σ rate², Σ slope · rate.
+#[derive(Default)]
+struct Sums {
     slopes: usize,
-    /// Σ slope², Σ acceleration², Σ slope · acceleration.
-    sums: [f64; 3],
+    products: [f64; 3],
+}
+
+impl Sums {
+    fn add(&mut self, t: &[f64], value: MatRef<'_, f64>, rate: MatRef<'_, f64>) {
+        for (value, rate) in value.col_iter().zip(rate.col_iter()) {
+            for first in 0..(t.len() + 1).saturating_sub(WINDOW) {
+                let last = first + WINDOW - 1;
+                let slope = (value[last] - value[first]) / (t[last] - t[first]);
+                let mean = (first..=last).map(|row| rate[row]).sum::<f64>() / WINDOW as f64;
+                let products = [slope * slope, mean * mean, slope * mean];
+                if products.iter().all(|product| product.is_finite()) {
+                    let sums = self.products.iter_mut().zip(products);
+                    sums.for_each(|(sum, product)| *sum += product);
+                    self.slopes += 1;
+                }
+            }
+        }
+    }
+
+    /// Nothing where there are too few slopes.
+    fn correlation(&self) -> Option<f64> {
+        let [slopes, own, product] = self.products;
+        let known = self.slopes >= LEAST_SLOPES && slopes > 0.0;
+        known.then(|| if own > 0.0 { product / (slopes * own).sqrt() } else { 0.0 })
+    }
 }
 
 impl Accelerations {
     /// Adds a block, until there are enough.
     pub(crate) fn add(&mut self, block: &Motion) -> Result<(), Stop> {
-        let (t, window) = (block.t(), 2 * REACH + 1);
-        for (dq, ddq) in block.dq().col_iter().zip(block.ddq().col_iter()) {
-            for first in 0..(block.n_rows() + 1).saturating_sub(window) {
-                let last = first + window - 1;
-                let slope = (dq[last] - dq[first]) / (t[last] - t[first]);
-                let mean = (first..=last).map(|row| ddq[row]).sum::<f64>() / window as f64;
-                let products = [slope * slope, mean * mean, slope * mean];
-                if products.iter().all(|product| product.is_finite()) {
-                    self.sums.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
-                    self.slopes += 1;
-                }
-            }
-        }
+        self.velocity.add(block.t(), block.q(), block.dq());
+        self.acceleration.add(block.t(), block.dq(), block.ddq());
         self.rows += block.n_rows();
         if self.rows < ROWS { Ok(()) } else { Err(Stop) }
     }
 
-    /// The correlation, where accelerations do not follow from velocities.
-    pub(crate) fn odd(&self) -> Option<f64> {
-        let [slopes, own, product] = self.sums;
-        let correlation = product / (slopes * own).sqrt();
-        (self.slopes >= LEAST_SLOPES && correlation < LEAST).then_some(correlation)
+    /// How accelerations correlate with slopes, where velocities do: rows that are no path, or of an arm
+    /// at rest, tell nothing.
+    pub(crate) fn correlation(&self) -> Option<f64> {
+        self.velocity.correlation().filter(|velocity| *velocity >= LEAST)?;
+        self.acceleration.correlation()
+    }
+
+    /// The largest correlation of several files, where none has accelerations that follow.
+    pub(crate) fn odd(files: &[Self]) -> Option<f64> {
+        let told = files.iter().filter_map(Self::correlation);
+        told.reduce(f64::max).filter(|correlation| *correlation < LEAST)
     }
 }
 
@@ -64,28 +91,38 @@ mod tests {
     use faer::Mat;
     use torquewise_motion::Signals;
 
-    #[test]
-    fn noise_and_commands_are_told_from_measured_accelerations() {
-        let odd = |noise: f64, lag: f64| {
-            let t: Vec<f64> = (0..1_000).map(|row| 0.02 * f64::from(row)).collect();
-            let of = |value: &dyn Fn(usize) -> f64| Mat::from_fn(t.len(), 1, |row, _| value(row));
-            let hum = |row: usize| noise * (9e4 * (row as f64).sin()).sin();
-            let signals = Signals {
-                joints: vec!["joint1".into()],
-                t: t.clone(),
-                q: of(&|row| -(3.0 * t[row]).cos() / 3.0),
-                dq: of(&|row| (3.0 * t[row]).sin()),
-                ddq: of(&|row| 3.0 * (3.0 * (t[row] - lag)).cos() + hum(row)),
-                tau: None,
-            };
-            let mut seen = Accelerations::default();
-            assert!(seen.add(&Motion::new(signals).unwrap()).is_ok());
-            seen.odd()
-        };
+    /// - `state`: position, velocity and acceleration in a row at a time
+    fn seen(state: impl Fn(usize, f64) -> [f64; 3]) -> Accelerations {
+        let t: Vec<f64> = (0..1_000).map(|row| 0.02 * f64::from(row)).collect();
+        let of = |k: usize| Mat::from_fn(t.len(), 1, |row, _| state(row, t[row])[k]);
+        let joints = vec!["joint1".into()];
+        let signals = Signals { joints, t: t.clone(), q: of(0), dq: of(1), ddq: of(2), tau: None };
+        let mut seen = Accelerations::default();
+        assert!(seen.add(&Motion::new(signals).unwrap()).is_ok());
+        seen
+    }
 
-        assert_eq!(odd(0.0, 0.0), None);
-        assert_eq!(odd(3.0, 0.02), None);
-        assert!(odd(30.0, 0.0).is_some());
-        assert!(odd(0.0, 1.0).is_some_and(|correlation| correlation < 0.0));
+    fn noise(row: usize) -> f64 {
+        (9e4 * (row as f64).sin()).sin()
+    }
+
+    /// A sine whose acceleration is something else.
+    fn sine(ddq: impl Fn(usize, f64) -> f64) -> Accelerations {
+        seen(|row, t| [-(3.0 * t).cos() / 3.0, (3.0 * t).sin(), ddq(row, t)])
+    }
+
+    #[test]
+    fn noise_commands_and_columns_that_were_never_filled_are_told_from_measured_accelerations() {
+        let odd = |seen| Accelerations::odd(&[seen]);
+        let measured = |row, t: f64| 3.0 * (3.0 * t).cos() + 3.0 * noise(row);
+
+        assert_eq!(odd(sine(measured)), None);
+        assert!(odd(sine(|row, t| measured(row, t) + 30.0 * noise(row + 1))).is_some());
+        assert!(odd(sine(|_, t| measured(0, t - 1.0))).is_some_and(|found| found < 0.0));
+        assert_eq!(odd(sine(|_, _| 0.0)), Some(0.0));
+        // Rows that are no path.
+        assert_eq!(odd(seen(|row, _| [1, 2, 3].map(|k| noise(k * row)))), None);
+        // One file whose accelerations follow keeps those of all.
+        assert_eq!(Accelerations::odd(&[sine(|_, _| 0.0), sine(measured)]), None);
     }
 }

@@ -97,11 +97,15 @@ impl Logs {
         let readings = Arc::new(Mutex::new(vec![Reading::default(); sources.len()]));
         let mut logs = Self { sources, paths, joints, odd_ddq: None, readings };
         if logs.has_dq() && logs.has_ddq() {
-            let mut seen = Accelerations::default();
-            // What cannot be read is told by whoever reads it all.
-            let _: Result<(), Stop> =
-                logs.each(Some(0), true, Blocks::block, &mut |_, block| seen.add(&block));
-            logs.odd_ddq = seen.odd();
+            let seen = |file| {
+                let mut seen = Accelerations::default();
+                // What cannot be read is told by whoever reads it all.
+                let _: Result<(), Stop> =
+                    logs.each(Some(file), true, Blocks::block, &mut |_, block| seen.add(&block));
+                seen
+            };
+            let files: Vec<Accelerations> = (0..logs.sources.len()).map(seen).collect();
+            logs.odd_ddq = Accelerations::odd(&files);
             if logs.odd_ddq.is_some() {
                 logs.sources.iter_mut().for_each(|source| source.mapping.forget(Signal::Ddq));
             }

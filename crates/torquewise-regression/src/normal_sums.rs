@@ -33,7 +33,7 @@ pub struct NormalSums {
     /// Equations per instant n.
     equations: usize,
     /// Lower triangles row by row: \[J e\]ᵀ\[J e\] of each fold; what noise in the rows adds to them
-    /// (E7); Σ s sᵀ, s = Jᵀe of the rows that err alike; Jᵀe of each equation. Then of each equation
+    /// (E7); Σ s sᵀ, s = Jᵀe of the rows that err alike; Jᵀe and the squares of each column by equation. Then of each equation
     /// Σ e², Σ w² and Σ (e/w)², w what its rows were multiplied by.
     sums: ExactSums,
     /// Instants of each fold.
@@ -50,8 +50,8 @@ pub struct BlockSums {
     bias: Mat<f64>,
     /// Σ s sᵀ of its instants, where these err alike and not the whole block.
     instants: Option<Mat<f64>>,
-    /// Jᵀe of each equation, p×n, as the rows are, and without what noise adds.
-    apart: [Mat<f64>; 2],
+    /// Jᵀe of each equation, p×n, what noise adds to it, and the squares of each column.
+    apart: [Mat<f64>; 3],
     energies: Vec<f64>,
 }
 
@@ -87,8 +87,12 @@ impl BlockSums {
             sums
         };
         let energies = (0..equations).flat_map(energies_of).collect();
-        let (bias, own) = (Mat::zeros(p + 1, p + 1), scores_apart(rows, equations));
-        Self { fold, rows: m as u64, gram, bias, instants, apart: [own.clone(), own], energies }
+        let square =
+            |k, n: usize| (n * m..(n + 1) * m).map(|row| rows[(row, k)].powi(2)).sum::<f64>();
+        let squares = Mat::from_fn(p, equations, square);
+        let apart = [scores_apart(rows, equations), Mat::zeros(p, equations), squares];
+        let bias = Mat::zeros(p + 1, p + 1);
+        Self { fold, rows: m as u64, gram, bias, instants, apart, energies }
     }
 
     /// Adds the same rows once more, seen through more noise, `share` times; and takes the rows as
@@ -97,8 +101,8 @@ impl BlockSums {
         let equations = self.energies.len() / PER_EQUATION;
         add_gram_of_equations(&mut self.bias, noisy, equations, share);
         self.bias -= faer::Scale(share) * &self.gram;
-        let [own, rest] = &mut self.apart;
-        *rest += faer::Scale(share) * (&*own - scores_apart(noisy, equations));
+        let [own, noise, _] = &mut self.apart;
+        *noise += faer::Scale(share) * (scores_apart(noisy, equations) - &*own);
     }
 
     /// Σ s sᵀ of the rows that err alike, without what noise adds to a score s = Jᵀe.
@@ -159,7 +163,7 @@ impl NormalSums {
     }
 
     fn energies(&self) -> usize {
-        self.apart_at() + self.parameters * self.equations
+        self.apart_at() + 2 * self.parameters * self.equations
     }
 
     /// The symmetric matrix whose lower triangle begins at a place.
@@ -176,10 +180,11 @@ impl NormalSums {
         self.sums.add(self.gram_at(fold), &packed(&block.gram))?;
         self.sums.add(self.gram_at(self.rows.len()), &packed(&block.bias))?;
         self.sums.add(self.scores_at(), &packed(&block.scores()))?;
-        for equation in 0..self.equations {
-            let at = self.apart_at() + equation * self.parameters;
-            self.sums.add(at, block.apart[1].col_as_slice(equation))?;
-        }
+        let [scores, noise, squares] = &block.apart;
+        let scores = scores - noise;
+        let columns = scores.col_iter().chain(squares.col_iter());
+        let apart: Vec<f64> = columns.flat_map(|own| own.iter().copied()).collect();
+        self.sums.add(self.apart_at(), &apart)?;
         self.sums.add(self.energies(), &block.energies)?;
         self.rows[fold] += block.rows;
         self.blocks += 1;
@@ -244,12 +249,15 @@ impl NormalSums {
         faer::Scale(SCORE_UNIT.powi(-2)) * self.matrix(self.scores_at(), self.parameters)
     }
 
-    /// The score Jᵀe of each equation over all rows, without what noise adds, p×n.
-    pub fn scores_apart(&self) -> Mat<f64> {
-        let at = |k, equation| self.apart_at() + equation * self.parameters + k;
-        Mat::from_fn(self.parameters, self.equations, |k, equation| {
-            self.sums.value(at(k, equation))
-        })
+    /// Of each equation over all rows the score Jᵀe, without what noise adds, and the squares of each
+    /// column, p×n each.
+    pub fn apart(&self) -> [Mat<f64>; 2] {
+        let (p, n) = (self.parameters, self.equations);
+        let of = |what: usize| {
+            let first = self.apart_at() + what * p * n;
+            Mat::from_fn(p, n, |k, equation| self.sums.value(first + equation * p + k))
+        };
+        [of(0), of(1)]
     }
 
     /// RMS of the residual of each equation in its own unit, rows counted by their weights, n.
@@ -332,5 +340,15 @@ mod tests {
 
         let added = noisy.transpose() * &noisy - still.transpose() * &still;
         assert!((sums.bias() - faer::Scale(0.5) * added).norm_max() < 1e-13);
+        let [scores, squares] = sums.apart();
+        let first = |rows: &Mat<f64>| rows.subrows(0, 5).to_owned();
+        let score = |rows: &Mat<f64>| rows.subcols(0, 3).transpose() * rows.col(3);
+        let own = 1.5 * score(&first(&still)) - 0.5 * score(&first(&noisy));
+        assert!((scores.col(0) - own).norm_max() < 1e-13, "{scores:?}");
+        for k in 0..3 {
+            let both = sums.gram()[(3, k)] - sums.bias()[(3, k)];
+            assert!((scores[(k, 0)] + scores[(k, 1)] - both).abs() < 1e-13, "{scores:?}");
+            assert!((squares[(k, 0)] + squares[(k, 1)] - sums.gram()[(k, k)]).abs() < 1e-13);
+        }
     }
 }

@@ -9,9 +9,6 @@ use torquewise_regression::row_sums::{RowAdder, RowSums};
 use torquewise_regression::samples::Samples;
 
 /// The rows of a motion in the words of a regression.
-///
-/// # Errors
-/// [`MotionError::Missing`] if the motion holds no torque.
 pub(crate) fn samples_of(
     motion: &Motion,
     friction: &[FrictionTerm],

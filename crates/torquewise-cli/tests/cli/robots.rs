@@ -41,6 +41,46 @@ fn fitted() -> Terminal {
 }
 
 #[test]
+fn an_arm_on_a_wall_is_fitted_with_the_urdf_of_one_on_the_floor() {
+    let terminal = Terminal::new();
+    let floor = robot(0.1);
+    let mount = "<link name=\"wall\"/><joint name=\"mount\" type=\"fixed\"><parent link=\"wall\"/>\
+                 <child link=\"base\"/><origin rpy=\"0 1.5707963 0\"/></joint></robot>";
+    terminal.write("wall.urdf", &floor.replace("</robot>", mount));
+    terminal.write("floor.urdf", &floor);
+    for (file, seed) in [("log", 1), ("test", 2)] {
+        let motion = format!("--seconds 40 --rate 50 --case 2 --seed {seed}");
+        terminal.done(&format!("simulate wall.urdf -o {file}.csv {motion}"));
+    }
+
+    let fit = terminal.run("fit log.csv --urdf floor.urdf -o arm.json");
+
+    assert!(fit.stderr.contains("gravity pulls along (1.00, "), "{fit:?}");
+    let scores = terminal.json("evaluate arm.json test.csv");
+    assert!(each(&scores["joints"], "nrmse_percent").iter().all(|x| *x < 2.0), "{scores}");
+    let said = terminal.run("fit log.csv --urdf floor.urdf --gravity 1,0,0 -o said.json");
+    assert!(!said.stderr.contains("gravity pulls"), "{said:?}");
+}
+
+#[test]
+fn errors_of_the_arm_count_what_joints_disagree_about() {
+    let terminal = Terminal::new();
+    terminal.done("simulate puma560-3 -o log.csv --seconds 40 --rate 100 --case 2 --seed 1");
+    let table = Table::of(&terminal, "log.csv").scaled(&["tau3"], 1.15);
+    terminal.write("gain.csv", &table.text());
+
+    let error = |log: &str| {
+        terminal.run(&format!("fit {log}.csv --library chain -o {log}.json"));
+        let geometry = &terminal.json(&format!("show {log}.json"))["geometry"][2];
+        geometry["distance_to_previous_m"]["std_error"].as_f64().unwrap()
+    };
+    let (sound, torn) = (error("log"), error("gain"));
+
+    // The residual makes it twice as large, what each of the joints says of it the rest.
+    assert!(torn > 4.0 * sound, "{torn} {sound}");
+}
+
+#[test]
 fn what_the_log_does_not_tell_of_a_link_stays_that_of_the_urdf() {
     let terminal = fitted();
     // A file whose links are of the right size, though not of the right inertia about their axes.

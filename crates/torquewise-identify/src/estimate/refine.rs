@@ -71,9 +71,6 @@ impl Passes {
 
     /// What follows from the sums of the pass that was asked for: another pass, or a break where nothing
     /// moves any more.
-    ///
-    /// # Errors
-    /// [`IdentifyError::Chain`] if they cannot be solved.
     pub(crate) fn take(
         mut self,
         sums: &NormalSums,

@@ -41,9 +41,6 @@ const SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
 /// open would follow the windows of this log, and no others.
 ///
 /// - `sums`: of the torque, at the linearisation of the chain
-///
-/// # Errors
-/// [`IdentifyError::TooFewWindows`] if the recording is too short, and those of reading it.
 pub(crate) fn refined_by_rollouts(
     recording: &(impl Recording + ?Sized),
     fitted: Fitted,

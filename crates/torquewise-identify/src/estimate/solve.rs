@@ -85,14 +85,19 @@ impl Step<'_> {
         scores
     }
 
-    /// The same over joints: what the model gets wrong, the torque of one joint may pull one way for
-    /// and that of another the other way, in all rows alike (E22).
+    /// The same over joints: where the model is wrong the torque of one pulls a parameter one way and
+    /// that of another the other way, in all rows alike (E22). What all joints pull together is shared
+    /// out by what each tells, so that a parameter of a single joint is not pulled at all.
     fn scores_by_joint(&self, indices: &[usize]) -> Mat<f64> {
-        let scores = self.sums.scores_apart();
+        let [scores, squares] = self.sums.apart();
+        let n = scores.ncols() as f64;
         let own = Mat::from_fn(indices.len(), scores.ncols(), |i, joint| {
-            scores[(indices[i], joint)] / self.at.scales[indices[i]]
+            let k = indices[i];
+            let [pull, told] = [&scores, &squares].map(|of| of.row(k).sum());
+            let share = if told > 0.0 { squares[(k, joint)] / told } else { 0.0 };
+            (scores[(k, joint)] - share * pull) / self.at.scales[k]
         });
-        &own * own.transpose()
+        faer::Scale(n / (n - 1.0).max(1.0)) * (&own * own.transpose())
     }
 
     /// Parameters of the geometry that stay where the sample put them, yet all rows together pull

@@ -174,7 +174,7 @@ impl Gains {
             apparent_mass: apparent.value,
             rows: pass.rows,
             joints: model.joints.clone(),
-            is_given: chain.robot.is_some(),
+            is_given: chain.robot.is_some() || chain.fitted.is_empty(),
         })
     }
 

@@ -93,5 +93,6 @@ fn currents_of_different_motors_are_named_with_what_each_is_worth() {
     for ([found, error], gain) in found.iter().zip(gains) {
         let truth = gain / mean.exp();
         assert!((found / truth - 1.0).abs() < 0.1, "{found} {truth}");
+        assert!(*error < 0.2 * truth, "{found} {error}");
     }
 }

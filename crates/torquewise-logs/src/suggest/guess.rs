@@ -22,7 +22,7 @@ const CURRENT: &str = "current currents cur curr";
 /// Words of what was measured, and of what was wanted, worked out or wrong.
 const MEASURED: &str = "meas measured act actual mot";
 const NOT_MEASURED: &str =
-    "des desired ref reference cmd command con target error err fric ff sim model";
+    "des desired ref reference cmd cmptd command con target error err fric ff sim model";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Meaning {
@@ -79,6 +79,8 @@ pub(super) fn families(file: &Path, names: &[String]) -> Found {
         let Meaning::Signal(signal) = meaning else { continue };
         let passed_over = match found.signals.get(&signal) {
             Some(best) if best.score >= family.score => Some(family),
+            // Without accelerations they are derived: better than those of a command.
+            None if signal == Signal::Ddq && family.score == 0 => Some(family),
             _ => found.signals.insert(signal, family),
         };
         found.passed_over.extend(passed_over.and_then(|family| family.columns.first().cloned()));

@@ -6,7 +6,7 @@ use crate::path::{Path, TRAVELS};
 use crate::signals::clean::Even;
 use crate::signals::cutoff::{HIGHEST, LOWEST};
 use crate::signals::delay::shift_at;
-use crate::signals::plan::{Conditioning, Cutoff, Plan};
+use crate::signals::plan::{Conditioning, Cutoff, OVERSAMPLING, Plan};
 use crate::signals::raw::{Raw, Signal};
 use crate::signals::smooth::{Smooth, filter, smooth};
 use crate::stats::whole;
@@ -15,6 +15,8 @@ use faer::Mat;
 
 /// Cut-offs at most: that half an octave above each other reach from 0.5 Hz to 500 kHz.
 const MOST_CUTOFFS: i32 = 40;
+/// Rows that a cut-off leaves at least, those at the ends among them.
+const LEAST_LEFT: f64 = 150.0;
 /// Rows that are compared, about.
 const ROWS: usize = 4_000;
 /// Part of a piece that is left out at each end, and seconds at most: no filter has settled there.
@@ -96,13 +98,19 @@ impl Bandwidths {
         Ok(Self { joints, pieces: cleaned })
     }
 
-    /// Cut-offs worth trying: from 0.5 Hz to what the rate allows, half an octave apart.
+    /// Cut-offs worth trying: from 0.5 Hz, or where enough rows are left, to what the rate allows,
+    /// half an octave apart.
     pub fn cutoffs(&self) -> Vec<f64> {
         let rate = self.pieces.iter().map(|piece| piece.plan.rate).fold(f64::INFINITY, f64::min);
-        (0..MOST_CUTOFFS)
+        let seconds = |piece: &Piece| piece.even.columns.t.len() as f64 / piece.plan.rate;
+        let least = LEAST_LEFT / (OVERSAMPLING * self.pieces.iter().map(seconds).sum::<f64>());
+        let mut cutoffs: Vec<f64> = (0..MOST_CUTOFFS)
             .map(|half| LOWEST * std::f64::consts::SQRT_2.powi(half))
             .take_while(|cutoff| *cutoff <= HIGHEST * rate)
-            .collect()
+            .collect();
+        let few = cutoffs.iter().filter(|cutoff| **cutoff < least).count();
+        // Whole octaves, of which one is tried at first.
+        cutoffs.split_off((few.min(cutoffs.len().saturating_sub(1)) / 2) * 2)
     }
 
     /// Delays of the torque worth trying \[s\], ascending.

@@ -10,7 +10,7 @@ use crate::signals::raw::{Raw, Signal};
 use crate::stats::whole;
 
 /// Samples per period of the cut-off that are kept.
-const OVERSAMPLING: f64 = 8.0;
+pub(crate) const OVERSAMPLING: f64 = 8.0;
 /// Auto trim: what the filter may still be off, and the share of the trajectory it may take.
 const SETTLED: f64 = 0.01;
 const MAX_TRIM: f64 = 0.1;
