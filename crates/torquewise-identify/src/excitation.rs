@@ -313,8 +313,8 @@ impl fmt::Display for Finding {
             ),
             Self::WrongSign { joints } => write!(
                 f,
-                "the torque of {} would fit those of all joints and their motion with the opposite \
-                 sign: check the sign of torque, gear or torque constant against the position",
+                "turned round, the torque of {} would fit the motion and all other torques: check the \
+                 sign of torque, gear or torque constant against the position",
                 list(joints)
             ),
         }

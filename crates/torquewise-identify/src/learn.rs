@@ -3,7 +3,7 @@
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, columns};
 use crate::estimate::Linearisation;
-use crate::plan::{ChainOptions, FrictionKind};
+use crate::plan::{ChainOptions, FrictionKind, KnownGeometry};
 use crate::reconstruction::{Progress, Watch};
 use crate::unseen::geometric_mean;
 use offers::Offer;
@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
 use torquewise_rigid::coupling::Coupling;
-use torquewise_rigid::geometry::{GRAVITY, PER_BASE, RIGHT_ANGLES};
+use torquewise_rigid::geometry::PER_BASE;
 use torquewise_rigid::search::{FINAL_ROWS, Stage, all_parameters};
 use torquewise_rigid::{Chain, ChainError, Geometry, JointKinds, Rows, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
@@ -59,8 +59,6 @@ const OBLIQUE: f64 = 0.2;
 const WORTH_OF_ANGLES: f64 = 0.1;
 /// So much must another direction of gravity lower it than the one that is said.
 const WORTH_OF_TILT: f64 = 0.05;
-/// Cosine of an angle below which two directions of gravity are one.
-const NEARLY: f64 = 0.999;
 /// Parallel neighbours must lower the error by this part: a wrist that hardly turns fits either way,
 /// and its axes stand across each other.
 const WORTH_OF_PARALLEL: f64 = 0.05;
@@ -108,7 +106,7 @@ pub(crate) fn learn(
     let is_given = options.geometry.is_some();
     let given = given_kinds(motion, options)?;
     let (mut spec, mut chain) = match &options.geometry {
-        Some(known) => learner.at_geometry(&known.geometry, &at_kinds, &mut choices)?,
+        Some(known) => learner.at_geometry(known, &at_kinds, &mut choices)?,
         None => learner.moving_geometry(given, &at_kinds, &mut choices)?,
     };
     let kinds = chain.geometry.kinds().clone();
@@ -231,41 +229,35 @@ impl<'a> ChainLearner<'a> {
     /// wall of which the file does not tell: where held-out rows are for it, gravity moves.
     fn at_geometry(
         &self,
-        geometry: &Geometry,
+        known: &KnownGeometry,
         at: &impl Fn(JointKinds) -> ChainSpec,
         choices: &mut Vec<Choice>,
     ) -> Result<(ChainSpec, Chain), IdentifyError> {
-        let spec = at(geometry.kinds().clone());
+        let spec = at(known.geometry.kinds().clone());
         let held = ChainSpec { free: Vec::new(), ..spec.clone() };
         let tilted = ChainSpec { free: (0..PER_BASE).collect(), ..spec };
         let (rows, watch) = (self.rows(&held, FINAL_ROWS)?, searching(self.watch));
-        let (own, axes) = geometry.parameters().split_at(PER_BASE);
-        let at = |spec: &ChainSpec, tilt: &[f64]| {
-            let start = Chain::at(geometry.at(&[tilt, axes].concat()));
-            refine(&rows, &start, &spec.free, &spec.search, &watch)
+        let own = &known.geometry;
+        let at = |spec: &ChainSpec, geometry: &Geometry| {
+            refine(&rows, &Chain::at(geometry.clone()), &spec.free, &spec.search, &watch)
         };
         let few = self.rows(&held, TRIAL_ROWS)?;
         let judged =
-            |label: &str, spec: ChainSpec, tilt: &[f64]| -> Result<Judged, IdentifyError> {
-                let chain = at(&spec, tilt)?;
+            |label: &str, spec: ChainSpec, geometry: &Geometry| -> Result<Judged, IdentifyError> {
+                let chain = at(&spec, geometry)?;
                 Ok((trial(label.to_owned(), &spec, &few, &chain, &watch)?, spec, chain))
             };
         let mut ways: Vec<Judged> = vec![judged("as given", held, own)?];
-        let is_near = |tilt: &[f64; 2]| {
-            let [a, b] = [own, tilt].map(|tilt| geometry.at(&[tilt, axes].concat()).gravity());
-            a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() > NEARLY * GRAVITY.powi(2)
-        };
-        let (near, others): (Vec<[f64; 2]>, Vec<[f64; 2]>) =
-            RIGHT_ANGLES.into_iter().partition(is_near);
+        let [said, others] = known.mounted();
         // A base that is mounted at some other angle is meant to be.
-        if near.is_empty() {
+        if said.is_empty() {
             return Ok((ways[0].1.clone(), ways[0].2.clone()));
         }
         ways.push(judged("tilted", tilted.clone(), own)?);
-        let other = others.par_iter().map(|tilt| Ok((at(&tilted, tilt)?.cost, tilt)));
+        let other = others.par_iter().map(|other| Ok((at(&tilted, other)?.cost, other)));
         let other = other.collect::<Result<Vec<_>, ChainError>>()?;
-        if let Some((_, tilt)) = other.iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
-            ways.push(judged("elsewhere", tilted, *tilt)?);
+        if let Some((_, other)) = other.iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
+            ways.push(judged("elsewhere", tilted, other)?);
         }
         let trials: Vec<CvScore> = ways.iter().map(|(trial, ..)| trial.clone()).collect();
         let place = record_worth("direction of gravity", &trials, WORTH_OF_TILT, choices);

@@ -50,6 +50,18 @@ pub struct KnownGeometry {
 const ELSEWHERE: f64 = 0.966;
 
 impl KnownGeometry {
+    /// The same joints where things fall along ±x, ±y and ±z of the base of the file: those about as
+    /// was said, and others.
+    pub(crate) fn mounted(&self) -> [Vec<Geometry>; 2] {
+        let ways = [1.0, -1.0].into_iter().flat_map(|sign| [0, 1, 2].map(|axis| (sign, axis)));
+        let of = |(sign, axis): (f64, usize)| {
+            self.geometry.clone().falling(self.base[axis].map(|part| sign * part))
+        };
+        let is_said = |own: &Geometry| self.falls_elsewhere(own).is_none();
+        let (said, others) = ways.map(of).partition(is_said);
+        [said, others]
+    }
+
     /// Where things fall in the base of the file by a fit, of length 1, if not about where was said.
     pub(crate) fn falls_elsewhere(&self, found: &Geometry) -> Option<[f64; 3]> {
         let along = |a: &[f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();

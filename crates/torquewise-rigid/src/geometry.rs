@@ -227,6 +227,13 @@ impl Geometry {
         (-GRAVITY * turned).into()
     }
 
+    /// The same joints where things fall another way in the base, of any length but zero.
+    #[must_use]
+    pub fn falling(mut self, down: [f64; 3]) -> Self {
+        self.set_tilt(turn_to(&-Vector3::from(down).normalize()));
+        self
+    }
+
     /// How the frames move per unit of each parameter, in the order of [`Self::parameters`].
     pub fn derivatives(&self) -> Vec<GeometryDerivative> {
         let zero = Vector3::zeros();

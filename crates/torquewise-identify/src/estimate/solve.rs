@@ -16,6 +16,9 @@ const STRICTNESS: f64 = 3.0;
 /// leave their right angles to make up for it.
 const WORTH: f64 = 0.02;
 
+/// A spread below this part of that by noise is rounding.
+const NOTHING: f64 = 1e-6;
+
 /// What the passes over the rows came to.
 #[derive(Clone, Debug)]
 pub(crate) struct Solved {
@@ -152,22 +155,32 @@ impl Step<'_> {
         };
         let own = spread(self.scores(active));
         let by_region = spread(self.scores_by_region(active));
-        let by_joint = spread(self.scores_by_joint(active));
-        // Blocks of a stretch, stretches of a region, and rows of a joint may err alike: the largest
-        // spread counts.
+        // Blocks of a stretch, and stretches of a region, may err alike: the larger spread counts.
         let wider: Vec<f64> = (0..active.len())
-            .map(|k| f64::max(by_region[(k, k)], by_joint[(k, k)]) / own[(k, k)])
-            .map(|ratio| ratio.sqrt().max(1.0))
+            .map(|k| (by_region[(k, k)] / own[(k, k)]).sqrt().max(1.0))
             .map(|ratio| if ratio.is_finite() { ratio } else { 1.0 })
             .collect();
+        let by_joint = factor.sandwiched(&self.scores_by_joint(active));
+        let by_joint = faer::Scale(excess(&by_joint, &own)) * by_joint;
         let mut covariance = Mat::zeros(p, p);
         for (i, &k) in active.iter().enumerate() {
             for (j, &l) in active.iter().enumerate() {
-                covariance[(k, l)] = 0.5 * wider[i] * wider[j] * (own[(i, j)] + own[(j, i)]);
+                covariance[(k, l)] =
+                    0.5 * wider[i] * wider[j] * (own[(i, j)] + own[(j, i)]) + by_joint[(i, j)];
             }
         }
         let at = self.at.clone().freed(active);
         let strengths = [tuning.strength, tuning.prior];
         Ok(Solved { at, covariance, strengths, choice: tuning.choice })
     }
+}
+
+/// The part of a spread that another, which noise alone makes, does not explain: at the upper quartile
+/// of the parameters that it is of.
+fn excess(spread: &Mat<f64>, noise: &Mat<f64>) -> f64 {
+    let ratio = |k: usize| spread[(k, k)] / noise[(k, k)].max(f64::MIN_POSITIVE);
+    let mut ratios: Vec<f64> =
+        (0..spread.nrows()).map(ratio).filter(|ratio| *ratio > NOTHING).collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios.get(3 * ratios.len() / 4).map_or(0.0, |ratio| (1.0 - 1.0 / ratio).max(0.0))
 }
