@@ -106,6 +106,9 @@ impl Logs {
             };
             let files: Vec<Accelerations> = (0..logs.sources.len()).map(seen).collect();
             logs.odd_ddq = Accelerations::odd(&files);
+            // Whoever asks for the last reading means one of his own.
+            *logs.readings.lock().unwrap_or_else(PoisonError::into_inner) =
+                vec![Reading::default(); logs.sources.len()];
             if logs.odd_ddq.is_some() {
                 logs.sources.iter_mut().for_each(|source| source.mapping.forget(Signal::Ddq));
             }
