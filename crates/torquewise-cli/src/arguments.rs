@@ -45,7 +45,7 @@ pub(crate) struct RobotArguments {
     /// Joints of the URDF that are held at 0, where names do not tell
     #[arg(long, value_name = "JOINT", value_delimiter = ',', requires = "urdf")]
     lock: Vec<String>,
-    /// Gravity direction in the URDF base frame, normalised; a fit may find another [default: 0,0,-1]
+    /// Gravity direction in the URDF base frame, normalised; a fit may tilt it [default: 0,0,-1]
     #[arg(long, value_name = "X,Y,Z", requires = "urdf", allow_hyphen_values = true)]
     #[arg(value_parser = direction)]
     gravity: Option<Direction>,

@@ -176,6 +176,9 @@ fn balanced(motion: &Motion, names: &[String]) -> Result<Vec<usize>, IdentifyErr
     Ok(places)
 }
 
+/// As the model file has it.
+pub(crate) const LINE_OF_GRAVITY: &str = "direction of gravity";
+
 /// A chain by its error on held-out rows, with what was fitted.
 type Judged = (CvScore, ChainSpec, Chain);
 
@@ -226,7 +229,8 @@ impl<'a> ChainLearner<'a> {
     }
 
     /// The chain at a given geometry, which stays; but a base is never quite level, and may hang on a
-    /// wall of which the file does not tell: where held-out rows are for it, gravity moves.
+    /// wall of which the file does not tell: where held-out rows are for it, gravity is tilted, or said to
+    /// pull elsewhere.
     fn at_geometry(
         &self,
         known: &KnownGeometry,
@@ -253,14 +257,22 @@ impl<'a> ChainLearner<'a> {
         if said.is_empty() {
             return Ok((ways[0].1.clone(), ways[0].2.clone()));
         }
-        ways.push(judged("tilted", tilted.clone(), own)?);
         let other = others.par_iter().map(|other| Ok((at(&tilted, other)?.cost, other)));
         let other = other.collect::<Result<Vec<_>, ChainError>>()?;
-        if let Some((_, other)) = other.iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
-            ways.push(judged("elsewhere", tilted, other)?);
+        let other = other.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, other)| *other);
+        for start in std::iter::once(own).chain(other) {
+            let (trial, spec, chain) = judged("tilted", tilted.clone(), start)?;
+            let is_said = known.is_as_said(&chain.geometry);
+            let line = || known.line_of_gravity(&chain.geometry);
+            let label = if is_said { trial.label.clone() } else { line() };
+            ways.push((CvScore { label, ..trial }, spec, chain));
         }
         let trials: Vec<CvScore> = ways.iter().map(|(trial, ..)| trial.clone()).collect();
-        let place = record_worth("direction of gravity", &trials, WORTH_OF_TILT, choices);
+        let mut place = record_worth(LINE_OF_GRAVITY, &trials, WORTH_OF_TILT, choices);
+        if !known.is_as_said(&ways[place].2.geometry) {
+            // Which way along that line torque hardly tells: it is said, and not taken.
+            place = 0;
+        }
         let (_, spec, chain) = ways.swap_remove(place);
         Ok((spec, chain))
     }

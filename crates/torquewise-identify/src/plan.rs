@@ -57,18 +57,27 @@ impl KnownGeometry {
         let of = |(sign, axis): (f64, usize)| {
             self.geometry.clone().falling(self.base[axis].map(|part| sign * part))
         };
-        let is_said = |own: &Geometry| self.falls_elsewhere(own).is_none();
-        let (said, others) = ways.map(of).partition(is_said);
+        let (said, others) = ways.map(of).partition(|own| self.is_as_said(own));
         [said, others]
     }
 
-    /// Where things fall in the base of the file by a fit, of length 1, if not about where was said.
-    pub(crate) fn falls_elsewhere(&self, found: &Geometry) -> Option<[f64; 3]> {
-        let along = |a: &[f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let [down, said] =
-            [found, &self.geometry].map(|of| of.gravity().map(|part| part / GRAVITY));
-        let is_far = along(&down, said) < ELSEWHERE;
-        is_far.then(|| self.base.map(|row| along(&row, down)))
+    /// Whether gravity pulls about where it was said to.
+    pub(crate) fn is_as_said(&self, own: &Geometry) -> bool {
+        let along = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let said = self.geometry.gravity();
+        along(own.gravity(), said) > ELSEWHERE * along(said, said)
+    }
+
+    /// The line along which gravity pulls by a fit, in the base of the file, as one writes it: gravity
+    /// that is turned round is explained as well by first moments that are.
+    pub(crate) fn line_of_gravity(&self, found: &Geometry) -> String {
+        let along =
+            |row: [f64; 3]| row.iter().zip(found.gravity()).map(|(a, b)| a * b).sum::<f64>();
+        let down = self.base.map(|row| along(row) / GRAVITY);
+        let largest =
+            down.into_iter().fold(0.0_f64, |most, x| if x.abs() > most.abs() { x } else { most });
+        let [x, y, z] = down.map(|x| x * largest.signum());
+        format!("±({x:.2}, {y:.2}, {z:.2})")
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::estimate::refined_by_rollouts;
 use crate::fitted::Fitted;
+use crate::learn::LINE_OF_GRAVITY;
 use crate::plan::{ChainOptions, Method, Plan, Refine};
 use crate::reconstruction::{Progress, Reconstruction, Watch};
 use crate::rounds::Request;
@@ -141,11 +142,11 @@ fn by_chain(
             let patterns = find_patterns(&survey, &settings.patterns)?;
             let chain = SignTest::at(&fitted.solved.at, options.geometry.is_some());
             Progress::Judging.tell(watch)?;
-            let known = options.geometry.as_ref();
-            let elsewhere =
-                known.and_then(|known| known.falls_elsewhere(&fitted.solved.at.geometry));
             let mut found = fitted.report(survey, patterns, seed, watch)?;
-            found.warnings.extend(elsewhere.map(|down| Warning::Gravity { down }));
+            let gravity = found.model.choices.iter().find(|choice| choice.what == LINE_OF_GRAVITY);
+            let line =
+                gravity.map(|choice| choice.chosen.clone()).filter(|line| line.starts_with('±'));
+            found.warnings.extend(line.map(|line| Warning::Gravity { line }));
             Warning::retain_founded(&mut found.warnings, &found.model);
             found.doubt_torque(seed, watch, |_| Ok(chain))?;
             Progress::Done.tell(watch)?;

@@ -65,8 +65,8 @@ pub enum Warning {
     Shape(Shape),
     /// Gravity pulls elsewhere than a URDF and its user say.
     Gravity {
-        /// Where things fall in the base of the URDF, of length 1.
-        down: [f64; 3],
+        /// The line along which it pulls in the base of the URDF, of length 1, as one writes it.
+        line: String,
     },
     /// Two logs hold the same rows.
     Repeated,
@@ -269,10 +269,10 @@ impl fmt::Display for Warning {
             Self::Disagreement(logs) => write!(f, "{logs}"),
             Self::Drift(drift) => write!(f, "{drift}"),
             Self::Shape(shape) => write!(f, "{shape}"),
-            Self::Gravity { down: [x, y, z] } => write!(
+            Self::Gravity { line } => write!(
                 f,
-                "gravity pulls along ({x:.2}, {y:.2}, {z:.2}) of the base of the URDF, and the model has \
-                 it so: does the arm hang on a wall or a ceiling? Give that direction of gravity"
+                "gravity pulls along {line} of the base of the URDF, not as said: does the arm hang on a \
+                 wall or a ceiling? Give that direction of gravity, down positive"
             ),
             Self::Repeated => write!(
                 f,
