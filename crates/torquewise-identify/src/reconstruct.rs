@@ -1,6 +1,7 @@
 //! The fit: sums of the logs, then the steps of the paper or a learned chain.
 
 use crate::estimate::refined_by_rollouts;
+use crate::excitation::Finding;
 use crate::fitted::Fitted;
 use crate::learn::LINE_OF_GRAVITY;
 use crate::plan::{ChainOptions, Method, Plan, Refine};
@@ -146,7 +147,12 @@ fn by_chain(
             let gravity = found.model.choices.iter().find(|choice| choice.what == LINE_OF_GRAVITY);
             let line =
                 gravity.map(|choice| choice.chosen.clone()).filter(|line| line.starts_with('±'));
-            found.warnings.extend(line.map(|line| Warning::Gravity { line }));
+            if let Some(line) = line {
+                // Gravity that pulls elsewhere does nothing where it was said to.
+                let weightless = Warning::Excitation(Finding::Weightless);
+                found.warnings.retain(|own| *own != weightless);
+                found.warnings.push(Warning::Gravity { line });
+            }
             Warning::retain_founded(&mut found.warnings, &found.model);
             found.doubt_torque(seed, watch, |_| Ok(chain))?;
             Progress::Done.tell(watch)?;
