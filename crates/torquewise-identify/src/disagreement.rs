@@ -177,14 +177,15 @@ struct Slope {
 
 /// `None` if gravity hardly changes, or too little was recorded.
 fn slope(of: &Stretches) -> Option<Slope> {
-    if of.count() < LEAST_BATCHES || of.total().rows < 4.0 * COLUMNS as f64 {
+    let total = of.total();
+    if of.count() < LEAST_BATCHES || total.rows < 4.0 * COLUMNS as f64 {
         return None;
     }
     let solved = of.solved()?;
     if solved.free[0] < LEAST_FREE {
         return None;
     }
-    let (gained, total) = (solved.gained[0], of.total());
+    let gained = solved.gained[0];
     Some(Slope {
         value: solved.values[0],
         error: solved.std_errors[0],

@@ -176,8 +176,16 @@ fn balanced(motion: &Motion, names: &[String]) -> Result<Vec<usize>, IdentifyErr
     Ok(places)
 }
 
-/// As the model file has it.
-pub(crate) const LINE_OF_GRAVITY: &str = "direction of gravity";
+/// As the model file has it: where gravity was said to pull, tilted, or else along which line.
+const LINE_OF_GRAVITY: &str = "direction of gravity";
+const AS_GIVEN: &str = "as given";
+const TILTED: &str = "tilted";
+
+/// The line along which gravity pulls by the choices of a fit, where that is elsewhere than was said.
+pub(crate) fn gravity_elsewhere(choices: &[Choice]) -> Option<&str> {
+    let choice = choices.iter().find(|choice| choice.what == LINE_OF_GRAVITY)?;
+    Some(&*choice.chosen).filter(|chosen| ![AS_GIVEN, TILTED].contains(chosen))
+}
 
 /// A chain by its error on held-out rows, with what was fitted.
 type Judged = (CvScore, ChainSpec, Chain);
@@ -251,7 +259,7 @@ impl<'a> ChainLearner<'a> {
                 let chain = at(&spec, geometry)?;
                 Ok((trial(label.to_owned(), &spec, &few, &chain, &watch)?, spec, chain))
             };
-        let mut ways: Vec<Judged> = vec![judged("as given", held, own)?];
+        let mut ways: Vec<Judged> = vec![judged(AS_GIVEN, held, own)?];
         let [said, others] = known.mounted();
         // A base that is mounted at some other angle is meant to be.
         if said.is_empty() {
@@ -261,7 +269,7 @@ impl<'a> ChainLearner<'a> {
         let other = other.collect::<Result<Vec<_>, ChainError>>()?;
         let other = other.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, other)| *other);
         for start in std::iter::once(own).chain(other) {
-            let (trial, spec, chain) = judged("tilted", tilted.clone(), start)?;
+            let (trial, spec, chain) = judged(TILTED, tilted.clone(), start)?;
             let is_said = known.is_as_said(&chain.geometry);
             let line = || known.line_of_gravity(&chain.geometry);
             let label = if is_said { trial.label.clone() } else { line() };

@@ -3,7 +3,7 @@
 use crate::estimate::refined_by_rollouts;
 use crate::excitation::Finding;
 use crate::fitted::Fitted;
-use crate::learn::LINE_OF_GRAVITY;
+use crate::learn::gravity_elsewhere;
 use crate::plan::{ChainOptions, Method, Plan, Refine};
 use crate::reconstruction::{Progress, Reconstruction, Watch};
 use crate::rounds::Request;
@@ -144,10 +144,7 @@ fn by_chain(
             let chain = SignTest::at(&fitted.solved.at, options.geometry.is_some());
             Progress::Judging.tell(watch)?;
             let mut found = fitted.report(survey, patterns, seed, watch)?;
-            let gravity = found.model.choices.iter().find(|choice| choice.what == LINE_OF_GRAVITY);
-            let line =
-                gravity.map(|choice| choice.chosen.clone()).filter(|line| line.starts_with('±'));
-            if let Some(line) = line {
+            if let Some(line) = gravity_elsewhere(&found.model.choices).map(str::to_owned) {
                 // Gravity that pulls elsewhere does nothing where it was said to.
                 let weightless = Warning::Excitation(Finding::Weightless);
                 found.warnings.retain(|own| *own != weightless);

@@ -2,7 +2,7 @@
 
 use crate::estimate::Linearisation;
 use crate::excitation::Finding;
-use crate::unseen::{HeldOut, Unseen, both_ways, geometric_mean};
+use crate::unseen::{CHOICE_ROWS, HeldOut, Unseen, both_ways, geometric_mean};
 use faer::Mat;
 use std::ops::Range;
 use torquewise_motion::Motion;
@@ -11,9 +11,8 @@ use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::survey::thinned;
 
-/// Rows that are tried on, and the least.
+/// Rows that are tried on.
 const ROWS: usize = 2_000;
-const LEAST_ROWS: usize = 96;
 /// Taken for something else, torques must leave this part of what they leave as they are on held-out
 /// rows, by time and by region.
 const WORTH: f64 = 0.9;
@@ -53,7 +52,7 @@ pub(crate) fn torque_kind(
     sample: &Motion,
 ) -> Result<Option<Finding>, IdentifyError> {
     let motion = thinned(sample, ROWS);
-    if motion.n_rows() < LEAST_ROWS {
+    if motion.n_rows() < CHOICE_ROWS {
         return Ok(None);
     }
     let (columns, weights) = at.columns_of(&motion)?;

@@ -21,6 +21,8 @@ const LEAST_BLOCKS: usize = 6;
 const LEAST_LOGS: usize = 4;
 /// Rows that a block needs.
 const LEAST_ROWS: usize = 4;
+/// Rows that a choice takes: more than an error that is only said.
+pub(crate) const CHOICE_ROWS: usize = BLOCKS * LEAST_ROWS;
 /// Ridges, relative to the square of a column: the best one counts.
 const RIDGES: [f64; 4] = [1e-8, 1e-6, 1e-4, 1e-2];
 /// A column whose square is a smaller part of the largest is held as if it were of this size.
@@ -166,8 +168,7 @@ impl<'a> Unseen<'a> {
         targets: &'a [Target<'a>],
         blocks: &'a [HeldOut],
     ) -> Result<Option<Self>, IdentifyError> {
-        // A choice takes more rows than an error that is only said.
-        if motion.n_rows() < BLOCKS * LEAST_ROWS {
+        if motion.n_rows() < CHOICE_ROWS {
             return Ok(None);
         }
         let columns = at.columns_of(motion)?;

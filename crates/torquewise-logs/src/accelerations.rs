@@ -1,6 +1,5 @@
 //! Whether recorded accelerations follow from recorded velocities.
 
-use crate::error::LogError;
 use faer::MatRef;
 use torquewise_motion::Motion;
 
@@ -12,15 +11,6 @@ const WINDOW: usize = 11;
 /// takes.
 const LEAST: f64 = 0.7;
 const LEAST_SLOPES: usize = 100;
-
-/// Enough rows were seen, or one that cannot be read: whoever reads them all says so.
-pub(crate) struct Stop;
-
-impl From<LogError> for Stop {
-    fn from(_: LogError) -> Self {
-        Self
-    }
-}
 
 /// Velocities and accelerations against the slopes of positions and velocities.
 #[derive(Default)]
@@ -63,12 +53,16 @@ impl Sums {
 }
 
 impl Accelerations {
-    /// Adds a block, until there are enough.
-    pub(crate) fn add(&mut self, block: &Motion) -> Result<(), Stop> {
+    /// Adds a block.
+    pub(crate) fn add(&mut self, block: &Motion) {
         self.velocity.add(block.t(), block.q(), block.dq());
         self.acceleration.add(block.t(), block.dq(), block.ddq());
         self.rows += block.n_rows();
-        if self.rows < ROWS { Ok(()) } else { Err(Stop) }
+    }
+
+    /// Whether more rows would tell no more.
+    pub(crate) fn is_enough(&self) -> bool {
+        self.rows >= ROWS
     }
 
     /// How accelerations correlate with slopes, where velocities do: rows that are no path, or of an arm
@@ -98,7 +92,8 @@ mod tests {
         let joints = vec!["joint1".into()];
         let signals = Signals { joints, t: t.clone(), q: of(0), dq: of(1), ddq: of(2), tau: None };
         let mut seen = Accelerations::default();
-        assert!(seen.add(&Motion::new(signals).unwrap()).is_ok());
+        seen.add(&Motion::new(signals).unwrap());
+        assert!(!seen.is_enough());
         seen
     }
 

@@ -1,6 +1,6 @@
 //! Several log files read as one, any number of times.
 
-use crate::accelerations::{Accelerations, Stop};
+use crate::accelerations::Accelerations;
 use crate::blocks::Blocks;
 use crate::error::{LogError, Result};
 use crate::format::is_bag;
@@ -97,23 +97,25 @@ impl Logs {
         let readings = Arc::new(Mutex::new(vec![Reading::default(); sources.len()]));
         let mut logs = Self { sources, paths, joints, odd_ddq: None, readings };
         if logs.has_dq() && logs.has_ddq() {
-            let seen = |file| {
-                let mut seen = Accelerations::default();
-                // What cannot be read is told by whoever reads it all.
-                let _: Result<(), Stop> =
-                    logs.each(Some(file), true, Blocks::block, &mut |_, block| seen.add(&block));
-                seen
-            };
-            let files: Vec<Accelerations> = (0..logs.sources.len()).map(seen).collect();
+            // What cannot be read is told by whoever reads it all.
+            let seen = |source| logs.accelerations_of(source).unwrap_or_default();
+            let files: Vec<Accelerations> = logs.sources.iter().map(seen).collect();
             logs.odd_ddq = Accelerations::odd(&files);
-            // Whoever asks for the last reading means one of his own.
-            *logs.readings.lock().unwrap_or_else(PoisonError::into_inner) =
-                vec![Reading::default(); logs.sources.len()];
             if logs.odd_ddq.is_some() {
                 logs.sources.iter_mut().for_each(|source| source.mapping.forget(Signal::Ddq));
             }
         }
         Ok(logs)
+    }
+
+    fn accelerations_of(&self, source: &Source) -> Result<Accelerations> {
+        let mut seen = Accelerations::default();
+        let mut blocks = Blocks::new(source.rows()?, &self.joints, true);
+        while !seen.is_enough() {
+            let Some((_, block)) = blocks.next(Blocks::block)? else { break };
+            seen.add(&block);
+        }
+        Ok(seen)
     }
 
     /// The files, as given.
