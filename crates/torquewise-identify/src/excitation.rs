@@ -53,8 +53,7 @@ pub enum Finding {
         /// Part of its motion in which the torque is at one of its ends.
         share: f64,
     },
-    /// Torques that fit those of the other joints with the opposite sign alone; or all of them, that
-    /// fit their motion so.
+    /// Torques that fit those of the other joints, or all that fit their motion, turned round alone.
     WrongSign {
         /// Names of the joints.
         joints: Vec<String>,

@@ -99,15 +99,15 @@ impl Fitted {
     }
 }
 
-/// Joints whose axis is not resolved: those told, and those beyond the first that always moves together
-/// with another, up to the last of them.
+/// Joints whose axis is not resolved: those told, and those beyond the first of some that always move
+/// together, up to the last.
 fn untold(mut told: Vec<usize>, survey: &Survey, warnings: &[Warning]) -> Vec<usize> {
-    let place = |name: &String| survey.joints.iter().position(|joint| joint == name);
     for warning in warnings {
         if let Warning::Excitation(Finding::Together { joints, .. }) = warning {
-            let places: Vec<usize> = joints.iter().filter_map(place).collect();
-            let ends = places.iter().min().zip(places.iter().max());
-            told.extend(ends.into_iter().flat_map(|(first, last)| first + 1..=*last));
+            let is_of = |joint: &String| joints.contains(joint);
+            let ends =
+                survey.joints.iter().position(is_of).zip(survey.joints.iter().rposition(is_of));
+            told.extend(ends.into_iter().flat_map(|(first, last)| first + 1..=last));
         }
     }
     told.sort_unstable();

@@ -3,24 +3,25 @@
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, columns};
 use crate::estimate::Linearisation;
-use crate::plan::{ChainOptions, FrictionKind, KnownGeometry};
+use crate::plan::{ChainOptions, FrictionKind};
 use crate::reconstruction::{Progress, Watch};
 use crate::unseen::geometric_mean;
+pub(crate) use gravity::gravity_elsewhere;
 use offers::Offer;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
 use torquewise_rigid::coupling::Coupling;
-use torquewise_rigid::geometry::PER_BASE;
 use torquewise_rigid::search::{FINAL_ROWS, Stage, all_parameters};
-use torquewise_rigid::{Chain, ChainError, Geometry, JointKinds, Rows, Search, refine, search};
+use torquewise_rigid::{Chain, ChainError, JointKinds, Rows, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
 use torquewise_stepwise::held_out::CvScore;
 use torquewise_stepwise::survey::thinned;
 
 mod couplings;
+mod gravity;
 pub(crate) mod kinds;
 mod offers;
 
@@ -57,8 +58,6 @@ const ANY_ANGLE: f64 = 1.0;
 /// to 5 %.
 const OBLIQUE: f64 = 0.2;
 const WORTH_OF_ANGLES: f64 = 0.1;
-/// So much must another direction of gravity lower it than the one that is said.
-const WORTH_OF_TILT: f64 = 0.05;
 /// Parallel neighbours must lower the error by this part: a wrist that hardly turns fits either way,
 /// and its axes stand across each other.
 const WORTH_OF_PARALLEL: f64 = 0.05;
@@ -176,17 +175,6 @@ fn balanced(motion: &Motion, names: &[String]) -> Result<Vec<usize>, IdentifyErr
     Ok(places)
 }
 
-/// As the model file has it: where gravity was said to pull, tilted, or else along which line.
-const LINE_OF_GRAVITY: &str = "direction of gravity";
-const AS_GIVEN: &str = "as given";
-const TILTED: &str = "tilted";
-
-/// The line along which gravity pulls by the choices of a fit, where that is elsewhere than was said.
-pub(crate) fn gravity_elsewhere(choices: &[Choice]) -> Option<&str> {
-    let choice = choices.iter().find(|choice| choice.what == LINE_OF_GRAVITY)?;
-    Some(&*choice.chosen).filter(|chosen| ![AS_GIVEN, TILTED].contains(chosen))
-}
-
 /// A chain by its error on held-out rows, with what was fitted.
 type Judged = (CvScore, ChainSpec, Chain);
 
@@ -234,55 +222,6 @@ impl<'a> ChainLearner<'a> {
     /// Whether a joint moves in a row, so that its friction has one direction.
     fn moves(&self, motion: &Motion, row: usize, joint: usize) -> bool {
         motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.width[joint]
-    }
-
-    /// The chain at a given geometry, which stays; but a base is never quite level, and may hang on a
-    /// wall of which the file does not tell: where held-out rows are for it, gravity is tilted, or said to
-    /// pull elsewhere.
-    fn at_geometry(
-        &self,
-        known: &KnownGeometry,
-        at: &impl Fn(JointKinds) -> ChainSpec,
-        choices: &mut Vec<Choice>,
-    ) -> Result<(ChainSpec, Chain), IdentifyError> {
-        let spec = at(known.geometry.kinds().clone());
-        let held = ChainSpec { free: Vec::new(), ..spec.clone() };
-        let tilted = ChainSpec { free: (0..PER_BASE).collect(), ..spec };
-        let (rows, watch) = (self.rows(&held, FINAL_ROWS)?, searching(self.watch));
-        let own = &known.geometry;
-        let at = |spec: &ChainSpec, geometry: &Geometry| {
-            refine(&rows, &Chain::at(geometry.clone()), &spec.free, &spec.search, &watch)
-        };
-        let few = self.rows(&held, TRIAL_ROWS)?;
-        let judged =
-            |label: &str, spec: ChainSpec, geometry: &Geometry| -> Result<Judged, IdentifyError> {
-                let chain = at(&spec, geometry)?;
-                Ok((trial(label.to_owned(), &spec, &few, &chain, &watch)?, spec, chain))
-            };
-        let mut ways: Vec<Judged> = vec![judged(AS_GIVEN, held, own)?];
-        let [said, others] = known.mounted();
-        // A base that is mounted at some other angle is meant to be.
-        if said.is_empty() {
-            return Ok((ways[0].1.clone(), ways[0].2.clone()));
-        }
-        let other = others.par_iter().map(|other| Ok((at(&tilted, other)?.cost, other)));
-        let other = other.collect::<Result<Vec<_>, ChainError>>()?;
-        let other = other.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, other)| *other);
-        for start in std::iter::once(own).chain(other) {
-            let (trial, spec, chain) = judged(TILTED, tilted.clone(), start)?;
-            let is_said = known.is_as_said(&chain.geometry);
-            let line = || known.line_of_gravity(&chain.geometry);
-            let label = if is_said { trial.label.clone() } else { line() };
-            ways.push((CvScore { label, ..trial }, spec, chain));
-        }
-        let trials: Vec<CvScore> = ways.iter().map(|(trial, ..)| trial.clone()).collect();
-        let mut place = record_worth(LINE_OF_GRAVITY, &trials, WORTH_OF_TILT, choices);
-        if !known.is_as_said(&ways[place].2.geometry) {
-            // Which way along that line torque hardly tells: it is said, and not taken.
-            place = 0;
-        }
-        let (_, spec, chain) = ways.swap_remove(place);
-        Ok((spec, chain))
     }
 
     /// Searches the geometry. Its axes stand at right angles, as those of nearly all arms do, unless

@@ -199,10 +199,8 @@ impl Payload {
         if !is_told {
             let is_some = self.mass.value > 2.0 * self.mass.std_error;
             let how = if is_some { "told roughly only" } else { "not told from zero" };
-            hints.push(format!(
-                "the mass is {how}: hold the load in many poses, with the arm stretched and folded, \
-                 or give its centre"
-            ));
+            let hold = "hold the load in many poses, with the arm stretched and folded";
+            hints.push(format!("the mass is {how}: {hold}, or give its centre"));
         }
         if is_told && self.center.iter().any(|center| center.std_error > TOLD.1) {
             hints.push(

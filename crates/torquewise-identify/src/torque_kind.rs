@@ -6,6 +6,7 @@ use crate::unseen::{CHOICE_ROWS, HeldOut, Unseen, both_ways, geometric_mean};
 use faer::Mat;
 use std::ops::Range;
 use torquewise_motion::Motion;
+use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_rigid::feasible::Factored;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
@@ -88,35 +89,32 @@ pub(crate) fn torque_kind(
     }
     let drive = [PER_BODY * motion.n_joints(), at.linear.len()];
     let edge = |part: usize| part * motion.n_rows() / PARTS;
-    let part =
-        |part: usize| JointRows::new((&columns, &weights), &tau, drive, edge(part)..edge(part + 1));
+    let part = |part: usize| {
+        JointRows::new((&columns, &weights), &tau, drive, &(edge(part)..edge(part + 1)))
+    };
     let parts: Vec<JointRows> = (0..PARTS).map(part).collect();
     let Some(gains) = Gains::of(&parts, &at.linear) else { return Ok(None) };
-    let Gains { per, without, loads, all } = gains;
-    let error = |of: &dyn Fn(&[f64]) -> f64| {
-        let squares: f64 = without.iter().map(|part| (of(part) - of(&per)).powi(2)).sum();
-        (squares * (without.len() as f64 - 1.0) / without.len() as f64).sqrt()
-    };
+    let per = &gains.per;
     let is_apart = |joint: usize| {
-        let error = error(&|per: &[f64]| per[joint].ln());
+        let error = gains.error(&|per| per[joint].ln());
         per[joint].ln().abs() > SAME.ln().max(TELLS * error)
     };
     let own: Vec<f64> =
         (0..per.len()).map(|joint| if is_apart(joint) { per[joint] } else { 1.0 }).collect();
-    if !leaves(&all.widened(&columns, &own, &loads), WORTH) {
+    if !leaves(&gains.all.widened(&columns, &own, &gains.loads), WORTH) {
         return Ok(None);
     }
     let gain = |per: &[f64], joint: usize| geometric_mean(per) / per[joint];
     let gains = (0..per.len()).map(|joint| {
-        let own = gain(&per, joint);
-        [own, own * error(&|per: &[f64]| gain(per, joint).ln())]
+        let own = gain(per, joint);
+        [own, own * gains.error(&|per| gain(per, joint).ln())]
     });
     Ok(Some(Finding::Gains { joints: sample.joints().to_vec(), gains: gains.collect() }))
 }
 
 /// One over the gain of each joint beside that of one of them.
 struct Gains {
-    /// By all rows, n, and without each part of the time in turn.
+    /// By all rows, n, and but for each part of the time.
     per: Vec<f64>,
     without: Vec<Vec<f64>>,
     /// The parameters of the links, p×1.
@@ -127,33 +125,37 @@ struct Gains {
 impl Gains {
     /// `None` where they are no gains.
     fn of(parts: &[JointRows], linear: &[f64]) -> Option<Self> {
-        let (first, rest) = parts.split_first()?;
-        let all = rest.iter().fold(first.clone(), |sum, part| sum.with(part, 1.0));
+        let all = JointRows::of(parts.iter())?;
         let most = all.most_loaded(linear);
         let (per, loads) = all.gains(linear, most)?;
-        let without = parts.iter().filter_map(|part| all.with(part, -1.0).gains(linear, most));
-        let without: Vec<Vec<f64>> = without.map(|(per, _)| per).collect();
+        let others = |part: usize| parts[..part].iter().chain(&parts[part + 1..]);
+        let without = |part: usize| Some(JointRows::of(others(part))?.gains(linear, most)?.0);
+        let without: Vec<Vec<f64>> = (0..parts.len()).filter_map(without).collect();
         (without.len() >= LEAST_PARTS).then_some(Self { per, without, loads, all })
+    }
+
+    /// Standard error of what follows from them, by the jackknife.
+    fn error(&self, of: &dyn Fn(&[f64]) -> f64) -> f64 {
+        let (all, count) = (of(&self.per), self.without.len() as f64);
+        let squares = self.without.iter().map(|part| (of(part) - all).powi(2));
+        (squares.sum::<f64>() * (count - 1.0) / count).sqrt()
     }
 }
 
 /// Sums of the rows of each joint, of columns of which those from `drive[0]` to `drive[1]` are of its
 /// drive alone, whatever its gain.
-#[derive(Clone)]
 struct JointRows {
-    /// p×p and p×1, n.
-    sums: Vec<(Mat<f64>, Mat<f64>)>,
+    /// Of p columns, n.
+    sums: Vec<NormalEquations>,
     drive: [usize; 2],
-    rows: usize,
 }
 
 impl JointRows {
-    /// - `rows`: those that are summed
     fn new(
         (columns, weights): (&Mat<f64>, &[f64]),
         tau: &Mat<f64>,
         drive: [usize; 2],
-        rows: Range<usize>,
+        rows: &Range<usize>,
     ) -> Self {
         let (m, p) = (tau.nrows(), columns.ncols());
         let of = |joint: usize| {
@@ -162,30 +164,33 @@ impl JointRows {
             let response = Mat::from_fn(rows.len(), 1, |row, _| {
                 weights[first + row] * tau[(rows.start + row, joint)]
             });
-            (own.transpose() * own, own.transpose() * response)
+            NormalEquations {
+                gram: own.transpose() * own,
+                cross: own.transpose() * &response,
+                energy: vec![response.squared_norm_l2()],
+                rows: rows.len() as f64,
+            }
         };
-        Self { sums: (0..tau.ncols()).map(of).collect(), drive, rows: rows.len() }
+        Self { sums: (0..tau.ncols()).map(of).collect(), drive }
     }
 
-    /// With other rows (1), or without them (−1).
-    fn with(&self, other: &Self, sign: f64) -> Self {
-        let add = |a: &Mat<f64>, b: &Mat<f64>| a + faer::Scale(sign) * b;
-        let sums = self.sums.iter().zip(&other.sums);
-        let sums = sums.map(|(own, more)| (add(&own.0, &more.0), add(&own.1, &more.1)));
-        let rows = if sign < 0.0 { self.rows - other.rows } else { self.rows + other.rows };
-        Self { sums: sums.collect(), drive: self.drive, rows }
+    fn of<'a>(parts: impl Iterator<Item = &'a Self>) -> Option<Self> {
+        let parts: Vec<&Self> = parts.collect();
+        let Self { sums, drive } = parts.first()?;
+        let of = |joint: usize| parts.iter().map(|part| &part.sums[joint]).sum();
+        Some(Self { sums: (0..sums.len()).map(of).collect(), drive: *drive })
     }
 
     /// Parameters, all but those of the links zero.
     fn links(&self, linear: &[f64]) -> Mat<f64> {
-        let p = self.sums[0].1.nrows();
+        let p = self.sums[0].n_columns();
         Mat::from_fn(p, 1, |k, _| if k < self.drive[0] { linear[k] } else { 0.0 })
     }
 
     /// The joint that links load most.
     fn most_loaded(&self, linear: &[f64]) -> usize {
         let links = self.links(linear);
-        let load = |joint: usize| (links.transpose() * &self.sums[joint].0 * &links)[(0, 0)];
+        let load = |joint: usize| (links.transpose() * &self.sums[joint].gram * &links)[(0, 0)];
         (0..self.sums.len()).max_by(|a, b| load(*a).total_cmp(&load(*b))).unwrap_or(0)
     }
 
@@ -196,14 +201,15 @@ impl JointRows {
     /// One over the gain of each joint, n, beside that of the joint `most`, and the parameters of the
     /// links. `None` where they are no gains.
     fn gains(&self, linear: &[f64], most: usize) -> Option<(Vec<f64>, Mat<f64>)> {
-        let (n, p) = (self.sums.len(), self.sums.first()?.1.nrows());
+        let (n, p) = (self.sums.len(), self.sums.first()?.n_columns());
         let mut links = self.links(linear);
         let others: Vec<usize> = (0..n).filter(|joint| *joint != most).collect();
         let mut per = vec![1.0; n];
         for _ in 0..ROUNDS.0 {
             let size = p + others.len();
             let (mut gram, mut right) = (Mat::zeros(size, size), Mat::zeros(size, 1));
-            for (joint, (own, response)) in self.sums.iter().enumerate() {
+            for (joint, equations) in self.sums.iter().enumerate() {
+                let NormalEquations { gram: own, cross: response, rows, .. } = equations;
                 let by = |k: usize| self.factor(per[joint], k);
                 for i in 0..p {
                     right[(i, 0)] += by(i) * response[(i, 0)];
@@ -217,7 +223,7 @@ impl JointRows {
                     gram[(i, place)] = by(i) * load[(i, 0)];
                     gram[(place, i)] = gram[(i, place)];
                 }
-                let hold = HOLD * self.rows as f64;
+                let hold = HOLD * rows;
                 gram[(place, place)] = hold + per[joint] * (links.transpose() * &load)[(0, 0)];
                 right[(place, 0)] = per[joint] * (links.transpose() * response)[(0, 0)];
                 right[(place, 0)] -= hold * per[joint].ln();

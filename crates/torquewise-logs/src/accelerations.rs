@@ -7,8 +7,7 @@ use torquewise_motion::Motion;
 const ROWS: usize = 20_000;
 /// Rows that a slope is taken over: noise counts little.
 const WINDOW: usize = 11;
-/// Correlation below which rates are something else than slopes, or mostly noise; and slopes that it
-/// takes.
+/// Correlation below which rates are no slopes, or mostly noise; and slopes that it takes.
 const LEAST: f64 = 0.7;
 const LEAST_SLOPES: usize = 100;
 
@@ -65,8 +64,7 @@ impl Accelerations {
         self.rows >= ROWS
     }
 
-    /// How accelerations correlate with slopes, where velocities do: rows that are no path, or of an arm
-    /// at rest, tell nothing.
+    /// Where velocities correlate: rows that are no path, or of an arm at rest, tell nothing.
     pub(crate) fn correlation(&self) -> Option<f64> {
         self.velocity.correlation().filter(|velocity| *velocity >= LEAST)?;
         self.acceleration.correlation()
@@ -101,7 +99,6 @@ mod tests {
         (9e4 * (row as f64).sin()).sin()
     }
 
-    /// A sine whose acceleration is something else.
     fn sine(ddq: impl Fn(usize, f64) -> f64) -> Accelerations {
         seen(|row, t| [-(3.0 * t).cos() / 3.0, (3.0 * t).sin(), ddq(row, t)])
     }

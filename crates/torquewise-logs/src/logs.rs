@@ -231,10 +231,10 @@ impl Logs {
         let clocks = self.sources.iter().zip(readings.iter());
         let clocks = clocks.filter_map(|(source, own)| source.clock_doubt(own.usual_step?));
         let torque = self.sources.iter().find_map(|source| source.torque_doubt);
-        let odd = self.odd_ddq.map(|correlation| {
+        let odd = self.odd_ddq.map(|found| {
             format!(
                 "the recorded accelerations do not follow from the recorded velocities (correlation \
-                 {correlation:.2}), as noisy or commanded ones do not: they are left out, and derived"
+                 {found:.2}), as noisy or commanded ones do not: they are left out, and derived"
             )
         });
         torque.map(str::to_owned).into_iter().chain(odd).chain(clocks).collect()

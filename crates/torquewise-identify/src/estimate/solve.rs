@@ -88,9 +88,8 @@ impl Step<'_> {
         scores
     }
 
-    /// The same over joints: where the model is wrong the torque of one pulls a parameter one way and
-    /// that of another the other way, in all rows alike (E22). What all joints pull together is shared
-    /// out by what each tells, so that a parameter of a single joint is not pulled at all.
+    /// The same over joints: where the model is wrong, they pull a parameter apart in all rows alike
+    /// (E22). What they pull together is shared out by what each tells: nothing is left of one joint.
     fn scores_by_joint(&self, indices: &[usize]) -> Mat<f64> {
         let [scores, squares] = self.sums.apart();
         let n = scores.ncols() as f64;

@@ -144,8 +144,8 @@ impl UrdfChain {
             let seen = joint.inertial_of_file.as_ref().map(|own| seen(own).inertial_parameters());
             joint.inertial_of_file = seen.filter(|own| torquewise_rigid::inertia::is_feasible(own));
         }
-        let (name, base) = (robot.name.clone(), links(&base));
-        Ok(Self { name, base, joints, geometry, base_of_geometry })
+        let name = robot.name.clone();
+        Ok(Self { name, base: links(&base), joints, geometry, base_of_geometry })
     }
 }
 

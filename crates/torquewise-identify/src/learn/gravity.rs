@@ -1,0 +1,71 @@
+//! The chain at axes that are given, and where gravity pulls on it.
+
+use super::{ChainLearner, Judged, TRIAL_ROWS, searching};
+use crate::chain_spec::{ChainSpec, record_worth, trial};
+use crate::plan::KnownGeometry;
+use rayon::prelude::*;
+use torquewise_model::model::Choice;
+use torquewise_rigid::geometry::PER_BASE;
+use torquewise_rigid::search::FINAL_ROWS;
+use torquewise_rigid::{Chain, ChainError, Geometry, JointKinds, refine};
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::held_out::CvScore;
+
+/// So much must another direction of gravity lower the held-out error than the one that is said.
+const WORTH_OF_TILT: f64 = 0.05;
+
+/// As the model file has it: where gravity was said to pull, tilted, or else along which line.
+const LINE_OF_GRAVITY: &str = "direction of gravity";
+const AS_GIVEN: &str = "as given";
+const TILTED: &str = "tilted";
+
+/// The line along which gravity pulls by the choices of a fit, where that is elsewhere than was said.
+pub(crate) fn gravity_elsewhere(choices: &[Choice]) -> Option<&str> {
+    let choice = choices.iter().find(|choice| choice.what == LINE_OF_GRAVITY)?;
+    Some(&*choice.chosen).filter(|chosen| ![AS_GIVEN, TILTED].contains(chosen))
+}
+
+impl ChainLearner<'_> {
+    /// The chain at a given geometry, which stays; but a base is never level, and may hang on a wall:
+    /// where held-out rows are for it, gravity is tilted, or said to pull elsewhere.
+    pub(super) fn at_geometry(
+        &self,
+        known: &KnownGeometry,
+        at: &impl Fn(JointKinds) -> ChainSpec,
+        choices: &mut Vec<Choice>,
+    ) -> Result<(ChainSpec, Chain), IdentifyError> {
+        let spec = at(known.geometry.kinds().clone());
+        let held = ChainSpec { free: Vec::new(), ..spec.clone() };
+        let tilted = ChainSpec { free: (0..PER_BASE).collect(), ..spec };
+        let (rows, watch) = (self.rows(&held, FINAL_ROWS)?, searching(self.watch));
+        let own = &known.geometry;
+        let at = |spec: &ChainSpec, geometry: &Geometry| {
+            refine(&rows, &Chain::at(geometry.clone()), &spec.free, &spec.search, &watch)
+        };
+        let (given, [said, others]) = (at(&held, own)?, known.mounted());
+        // A base that is mounted at some other angle is meant to be.
+        if said.is_empty() {
+            return Ok((held, given));
+        }
+        let others = others.par_iter().map(|other| at(&tilted, other));
+        let others = others.collect::<Result<Vec<Chain>, ChainError>>()?;
+        let other = others.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let few = self.rows(&held, TRIAL_ROWS)?;
+        let judged = |label: String, spec: ChainSpec, chain: Chain| {
+            Ok::<Judged, IdentifyError>((trial(label, &spec, &few, &chain, &watch)?, spec, chain))
+        };
+        let mut ways: Vec<Judged> = vec![judged(AS_GIVEN.to_owned(), held, given)?];
+        for chain in std::iter::once(at(&tilted, own)?).chain(other) {
+            let is_said = known.is_as_said(&chain.geometry);
+            let line = (!is_said).then(|| known.line_of_gravity(&chain.geometry));
+            let label = line.unwrap_or_else(|| TILTED.to_owned());
+            ways.push(judged(label, tilted.clone(), chain)?);
+        }
+        let trials: Vec<CvScore> = ways.iter().map(|(trial, ..)| trial.clone()).collect();
+        let place = record_worth(LINE_OF_GRAVITY, &trials, WORTH_OF_TILT, choices);
+        // Which way along a line elsewhere torque hardly tells: that is said, and not taken.
+        let is_taken = known.is_as_said(&ways[place].2.geometry);
+        let (_, spec, chain) = ways.swap_remove(if is_taken { place } else { 0 });
+        Ok((spec, chain))
+    }
+}
