@@ -15,39 +15,44 @@ const LEAST_SLOPES: usize = 100;
 #[derive(Default)]
 pub(crate) struct Accelerations {
     rows: usize,
-    velocity: Sums,
-    acceleration: Sums,
+    velocity: Pairs,
+    acceleration: Pairs,
 }
 
-/// Slopes, and Σ slope², Σ rate², Σ slope · rate.
+/// Slopes, and the rates beside them.
 #[derive(Default)]
-struct Sums {
-    slopes: usize,
-    products: [f64; 3],
-}
+struct Pairs(Vec<[f64; 2]>);
 
-impl Sums {
+impl Pairs {
     fn add(&mut self, t: &[f64], value: MatRef<'_, f64>, rate: MatRef<'_, f64>) {
         for (value, rate) in value.col_iter().zip(rate.col_iter()) {
             for first in 0..(t.len() + 1).saturating_sub(WINDOW) {
                 let last = first + WINDOW - 1;
                 let slope = (value[last] - value[first]) / (t[last] - t[first]);
                 let mean = (first..=last).map(|row| rate[row]).sum::<f64>() / WINDOW as f64;
-                let products = [slope * slope, mean * mean, slope * mean];
-                if products.iter().all(|product| product.is_finite()) {
-                    let sums = self.products.iter_mut().zip(products);
-                    sums.for_each(|(sum, product)| *sum += product);
-                    self.slopes += 1;
-                }
+                self.0.extend([[slope, mean]].iter().filter(|pair| pair[0].is_finite()));
             }
         }
     }
 
-    /// Nothing where there are too few slopes.
+    /// Σ w sgn(slope) sgn(rate) / Σ w, where w is |slope|, at most its upper tenth: as a correlation
+    /// is, whatever a few wrong numbers are. Nothing where there are too few slopes.
     fn correlation(&self) -> Option<f64> {
-        let [slopes, own, product] = self.products;
-        let known = self.slopes >= LEAST_SLOPES && slopes > 0.0;
-        known.then(|| if own > 0.0 { product / (slopes * own).sqrt() } else { 0.0 })
+        let mut sizes: Vec<f64> = self.0.iter().map(|[slope, _]| slope.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        let most = *sizes.get(sizes.len() * 9 / 10)?;
+        let agreed = self.0.iter().map(|&[slope, rate]| {
+            let sign = if rate > 0.0 {
+                1.0
+            } else if rate < 0.0 {
+                -1.0
+            } else {
+                0.0
+            };
+            slope.clamp(-most, most) * sign
+        });
+        let all = sizes.iter().map(|size| size.min(most)).sum::<f64>();
+        (sizes.len() >= LEAST_SLOPES && all > 0.0).then(|| agreed.sum::<f64>() / all)
     }
 }
 
@@ -71,9 +76,8 @@ impl Accelerations {
     }
 
     /// The largest correlation of several files, where none has accelerations that follow.
-    pub(crate) fn odd(files: &[Self]) -> Option<f64> {
-        let told = files.iter().filter_map(Self::correlation);
-        told.reduce(f64::max).filter(|correlation| *correlation < LEAST)
+    pub(crate) fn odd(files: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+        files.flatten().reduce(f64::max).filter(|correlation| *correlation < LEAST)
     }
 }
 
@@ -105,7 +109,7 @@ mod tests {
 
     #[test]
     fn noise_commands_and_columns_that_were_never_filled_are_told_from_measured_accelerations() {
-        let odd = |seen| Accelerations::odd(&[seen]);
+        let odd = |seen: Accelerations| Accelerations::odd([seen.correlation()].into_iter());
         let measured = |row, t: f64| 3.0 * (3.0 * t).cos() + 3.0 * noise(row);
 
         assert_eq!(odd(sine(measured)), None);
@@ -115,6 +119,22 @@ mod tests {
         // Rows that are no path.
         assert_eq!(odd(seen(|row, _| [1, 2, 3].map(|k| noise(k * row)))), None);
         // One file whose accelerations follow keeps those of all.
-        assert_eq!(Accelerations::odd(&[sine(|_, _| 0.0), sine(measured)]), None);
+        let files = [sine(|_, _| 0.0), sine(measured)].map(|file| file.correlation());
+        assert_eq!(Accelerations::odd(files.into_iter()), None);
+    }
+
+    #[test]
+    fn a_few_damaged_numbers_do_not_count() {
+        let damaged = |row: usize| (500..525).contains(&row).then(|| 1e200 * noise(row));
+        let rate = |row, t: f64| damaged(row).unwrap_or(3.0 * (3.0 * t).cos());
+        let value = |row, t: f64| damaged(row).unwrap_or((3.0 * t).sin());
+        let position = |t: f64| -(3.0 * t).cos() / 3.0;
+
+        let of_rate = seen(|row, t| [position(t), (3.0 * t).sin(), rate(row, t)]);
+        let of_value = seen(|row, t| [position(t), value(row, t), 3.0 * (3.0 * t).cos()]);
+
+        for file in [of_rate, of_value] {
+            assert!(file.correlation().is_some_and(|found| found > 0.9));
+        }
     }
 }

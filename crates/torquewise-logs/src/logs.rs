@@ -98,9 +98,8 @@ impl Logs {
         let mut logs = Self { sources, paths, joints, odd_ddq: None, readings };
         if logs.has_dq() && logs.has_ddq() {
             // What cannot be read is told by whoever reads it all.
-            let seen = |source| logs.accelerations_of(source).unwrap_or_default();
-            let files: Vec<Accelerations> = logs.sources.iter().map(seen).collect();
-            logs.odd_ddq = Accelerations::odd(&files);
+            let seen = |source| logs.accelerations_of(source).ok()?.correlation();
+            logs.odd_ddq = Accelerations::odd(logs.sources.iter().map(seen));
             if logs.odd_ddq.is_some() {
                 logs.sources.iter_mut().for_each(|source| source.mapping.forget(Signal::Ddq));
             }
