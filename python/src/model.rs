@@ -6,6 +6,7 @@ use crate::friction_state::FrictionState;
 use crate::log::Log;
 use crate::states::Answer;
 use crate::work::work;
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyType};
 use std::path::PathBuf;
@@ -215,6 +216,18 @@ impl Model {
         let mut range = MotionRange::new(self.n());
         range.add(&self.motion([&q, &dq, &ddq])?);
         Ok(range.warnings(&self.model))
+    }
+
+    /// Which states leave that range with any joint: a bool for each.
+    fn outside_range<'py>(
+        &self,
+        py: Python<'py>,
+        q: Rows<'py>,
+        dq: Rows<'py>,
+        ddq: Rows<'py>,
+    ) -> Answer<'py> {
+        let motion = self.motion([&q, &dq, &ddq])?;
+        Ok(PyArray1::from_vec(py, MotionRange::outside(&self.model, &motion)).into_any())
     }
 
     /// What friction remembers, to be fed every sample of q.

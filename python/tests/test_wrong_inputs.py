@@ -152,6 +152,7 @@ METHODS = {
     "forward_dynamics": lambda model, x: model.forward_dynamics(ZERO, ZERO, x),
     "parts": lambda model, x: model.parts(ZERO, ZERO, x),
     "range_warnings": lambda model, x: model.range_warnings(x, ZERO, ZERO),
+    "outside_range": lambda model, x: model.outside_range(x, ZERO, ZERO),
     "state": lambda model, x: model.state().step(x),
 }
 

@@ -35,6 +35,8 @@ const MOST_BATCHES: usize = 16;
 const LEAST_BATCHES: usize = 6;
 /// A difference of excess outside these is no payload worth a word, or what hardly weighs.
 const DIFFERENCE: RangeInclusive<f64> = 0.03..=30.0;
+/// No load takes nearly all of the gravity of a model away: where it is missing, the model is wrong.
+const LEAST_EXCESS: f64 = -0.9;
 /// A difference below this many standard errors is chance.
 const LEAST_ERRORS: f64 = 6.0;
 /// Gravity must explain this part of the residual that the other columns leave in one log.
@@ -157,6 +159,7 @@ fn most_apart(slopes: &[(usize, Slope)]) -> Option<[(usize, Slope); 2]> {
         .filter(|pair| {
             let [(_, a), (_, b)] = pair;
             DIFFERENCE.contains(&(a.value - b.value).abs())
+                && a.value.min(b.value) > LEAST_EXCESS
                 && a.size.min(b.size) > LEAST_SIZE * a.size.max(b.size)
                 && a.share.max(b.share) > LEAST_SHARE
                 && errors(pair) > LEAST_ERRORS
@@ -212,7 +215,7 @@ impl fmt::Display for Disagreement {
 
 #[cfg(test)]
 mod tests {
-    use super::{COLUMNS, MOST_BATCHES, Stretches, slope};
+    use super::{COLUMNS, MOST_BATCHES, Slope, Stretches, most_apart, slope};
     use faer::Mat;
 
     #[test]
@@ -243,6 +246,15 @@ mod tests {
             assert!((slope.value - 0.07).abs() < 5.0 * slope.error + 1e-7, "{slope:?}");
             assert!(batches.count() <= MOST_BATCHES);
         }
+    }
+
+    #[test]
+    fn a_log_with_hardly_any_gravity_says_nothing_of_a_load() {
+        let with = |value, size| Slope { value, error: 1e-3, share: 0.9, size };
+
+        assert!(most_apart(&[(0, with(0.0, 1.0)), (1, with(0.5, 0.02))]).is_some());
+        assert!(most_apart(&[(0, with(0.0, 1.0)), (1, with(0.5, 0.005))]).is_none());
+        assert!(most_apart(&[(0, with(0.0, 1.0)), (1, with(-1.0, 1.0))]).is_none());
     }
 
     #[test]

@@ -66,7 +66,7 @@ impl Fitted {
             held_out_rms((&narrowed, solved.strengths, &sizes), &survey)?;
         let mut warnings = Warning::of_survey(&survey);
         training.geometry_found = found.map(|found| GeometryFound {
-            unresolved: untold(found.unresolved, &survey, &warnings),
+            unresolved: untold(found.unresolved, &survey.joints, &warnings),
             ..found
         });
         let residual_rms = &training.residual_rms;
@@ -101,12 +101,11 @@ impl Fitted {
 
 /// Joints whose axis is not resolved: those told, and those beyond the first of some that always move
 /// together, up to the last.
-fn untold(mut told: Vec<usize>, survey: &Survey, warnings: &[Warning]) -> Vec<usize> {
+fn untold(mut told: Vec<usize>, names: &[String], warnings: &[Warning]) -> Vec<usize> {
     for warning in warnings {
         if let Warning::Excitation(Finding::Together { joints, .. }) = warning {
             let is_of = |joint: &String| joints.contains(joint);
-            let ends =
-                survey.joints.iter().position(is_of).zip(survey.joints.iter().rposition(is_of));
+            let ends = names.iter().position(is_of).zip(names.iter().rposition(is_of));
             told.extend(ends.into_iter().flat_map(|(first, last)| first + 1..=last));
         }
     }
@@ -285,4 +284,19 @@ fn draws(
         chain.at(&parameters, friction.len())
     };
     Ok((0..DRAWS).map(|_| draw()).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_between_joints_that_move_together_are_not_resolved() {
+        let names: Vec<String> = (1..=6).map(|joint| format!("joint{joint}")).collect();
+        let joints = vec![names[2].clone(), names[4].clone()];
+        let together = Warning::Excitation(Finding::Together { joints, correlation: 1.0 });
+
+        assert_eq!(untold(vec![5, 3], &names, &[together]), [3, 4, 5]);
+        assert_eq!(untold(vec![1], &names, &[]), [1]);
+    }
 }

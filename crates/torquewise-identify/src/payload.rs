@@ -114,11 +114,19 @@ impl Payload {
     pub fn find(
         model: &Model,
         recording: &(impl Recording + ?Sized),
+        place: Place,
+    ) -> Result<Self, IdentifyError> {
+        let chain = chain_of(model)?;
+        Self::of_passes(&Pass::over(model, chain, recording)?, model, recording, place)
+    }
+
+    fn of_passes(
+        passes: &[Pass],
+        model: &Model,
+        recording: &(impl Recording + ?Sized),
         Place { link, center }: Place,
     ) -> Result<Self, IdentifyError> {
         let chain = chain_of(model)?;
-        model.check_joints(recording.joints())?;
-        let passes = Pass::over(model, chain, recording)?;
         let pass = passes.get(link).ok_or(ModelError::NoChain)?;
         let robot = chain.robot.as_ref();
         let frame = robot.and_then(|robot| robot.frames.get(link)).map(placed);
@@ -170,7 +178,7 @@ impl Payload {
             inertia: std::array::from_fn(|k| inertia[k]),
             rows: pass.rows,
             disagreement,
-            elsewhere: Pass::better(&passes, link).map(|link| name(link).clone()),
+            elsewhere: Pass::better(passes, link).map(|link| name(link).clone()),
             residual_without: rms(&pass.squares),
             residual_with: rms(&with.squares),
             on: link,

@@ -192,17 +192,19 @@ class Model(_core.Model):
         parts: bool = False,
         interval: float | None = None,
         **options: Unpack[LogOptions],
-    ) -> list[dict[str, NDArray[np.float64]]]:
+    ) -> list[dict[str, NDArray[Any]]]:
         """The torque of each trajectory of a log: a list of dicts with t, q, dq, ddq and tau_hat.
 
-        Where the log has torque, tau is it, filtered as the motion. With `parts`, inertia, coriolis,
-        gravity and friction too; with `interval`, a percentage, tau_low and tau_high.
+        outside_range is True where a joint leaves the range of the log that the model is of. Where the
+        log has torque, tau is it, filtered as the motion. With `parts`, inertia, coriolis, gravity and
+        friction too; with `interval`, a percentage, tau_low and tau_high.
         """
         log = read_log(log, **options)
-        found: list[dict[str, NDArray[np.float64]]] = log.trajectories(model=self)
+        found: list[dict[str, NDArray[Any]]] = log.trajectories(model=self)
         for own in found:
             state = own["q"], own["dq"], own["ddq"]
             own["tau_hat"] = self.torque(*state)
+            own["outside_range"] = self.outside_range(*state)
             if parts:
                 own.update(self.parts(*state))
             if interval is not None:

@@ -37,8 +37,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let test = open(&arguments.test)?.prepare_as(train.filter(), Rows::Filtered)?;
     let compared = compare(train.rows(), test.rows(), &options, &watch())?;
     let contenders = [("stepwise", &compared.stepwise), ("sindy", &compared.sindy)];
+    let joints = train.rows().joints();
     let warnings = contenders.iter().flat_map(|(name, contender)| {
-        contender.fit.warnings.iter().map(move |warning| format!("{name}: {warning}"))
+        let useless = joints.iter().zip(&contender.nrmse_percent);
+        let useless: Vec<&str> =
+            useless.filter(|(_, error)| **error > 100.0).map(|(joint, _)| joint.as_str()).collect();
+        let own = contender.fit.warnings.iter().map(ToString::to_string);
+        let of_mean = (!useless.is_empty()).then(|| {
+            format!("the mean torque of the test log tells {} better", useless.join(", "))
+        });
+        own.chain(of_mean).map(move |warning| format!("{name}: {warning}"))
     });
     let rows = contenders.iter().map(|(name, found)| {
         let counts = [found.candidates, found.active_total];
@@ -51,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     });
     Ok(Outcome {
         notes: trained.collect(),
-        text: methods(train.rows().joints(), rows).text(),
+        text: methods(joints, rows).text(),
         warnings: warnings.collect(),
         json: object(&compared),
         ..Outcome::default()

@@ -40,25 +40,53 @@ fn fitted() -> Terminal {
     terminal
 }
 
-#[test]
-fn an_arm_on_a_wall_is_told_from_one_on_the_floor() {
+/// Logs of the arm mounted so, and what a fit says that takes it to stand on a floor.
+///
+/// - `mount`: roll, pitch and yaw of its base
+fn fitted_as_on_a_floor(mount: &str) -> (Terminal, String) {
     let terminal = Terminal::new();
     let floor = robot(0.1);
-    let mount = "<link name=\"wall\"/><joint name=\"mount\" type=\"fixed\"><parent link=\"wall\"/>\
-                 <child link=\"base\"/><origin rpy=\"0 1.5707963 0\"/></joint></robot>";
-    terminal.write("wall.urdf", &floor.replace("</robot>", mount));
+    let mount = format!(
+        "<link name=\"world\"/><joint name=\"mount\" type=\"fixed\"><parent link=\"world\"/>\
+         <child link=\"base\"/><origin rpy=\"{mount}\"/></joint></robot>"
+    );
+    terminal.write("mounted.urdf", &floor.replace("</robot>", &mount));
     terminal.write("floor.urdf", &floor);
     let motion = "--seconds 40 --rate 50 --case 2";
-    terminal.done(&format!("simulate wall.urdf -o log.csv {motion} --seed 1"));
-    terminal.done(&format!("simulate wall.urdf -o test.csv {motion} --seed 2"));
-
+    terminal.done(&format!("simulate mounted.urdf -o log.csv {motion} --seed 1"));
+    terminal.done(&format!("simulate mounted.urdf -o test.csv {motion} --seed 2"));
     let fit = terminal.run("fit log.csv --urdf floor.urdf -o arm.json");
-    let said = terminal.run("fit log.csv --urdf floor.urdf --gravity 1,0,0 -o arm.json");
+    (terminal, fit.stderr)
+}
 
-    assert!(fit.stderr.contains("gravity pulls along ±(1.00, "), "{fit:?}");
-    assert!(!said.stderr.contains("gravity pulls"), "{said:?}");
+fn assert_predicts(terminal: &Terminal) {
     let scores = terminal.json("evaluate arm.json test.csv");
     assert!(each(&scores["joints"], "nrmse_percent").iter().all(|x| *x < 2.0), "{scores}");
+}
+
+#[test]
+fn an_arm_on_a_wall_or_a_ceiling_is_told_from_one_on_the_floor() {
+    for (mount, line, gravity) in
+        [("0 1.5707963 0", "±(1.00, ", "1,0,0"), ("3.1415927 0 0", "(0.00, 0.00, 1.00)", "0,0,1")]
+    {
+        let (terminal, stderr) = fitted_as_on_a_floor(mount);
+        let said =
+            terminal.run(&format!("fit log.csv --urdf floor.urdf --gravity {gravity} -o arm.json"));
+
+        assert!(stderr.contains("gravity pulls along") && stderr.contains(line), "{stderr}");
+        assert!(!said.stderr.contains("gravity pulls"), "{said:?}");
+        assert_predicts(&terminal);
+    }
+}
+
+#[test]
+fn a_base_that_is_not_level_is_told_by_gravity() {
+    let (terminal, stderr) = fitted_as_on_a_floor("0 0.0523599 0");
+
+    assert!(!stderr.contains("gravity pulls"), "{stderr}");
+    let model = terminal.read("arm.json");
+    assert!(model.contains("\"tilted\""));
+    assert_predicts(&terminal);
 }
 
 #[test]

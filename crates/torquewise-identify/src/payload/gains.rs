@@ -142,13 +142,12 @@ impl Gains {
         place: Place,
         mass: f64,
     ) -> Result<Self, IdentifyError> {
-        let apparent = Payload::find(model, recording, place)?.mass;
+        let chain = chain_of(model)?;
+        let passes = Pass::over(model, chain, recording)?;
+        let apparent = Payload::of_passes(&passes, model, recording, place)?.mass;
         if apparent.value < LEAST_T * apparent.std_error {
             return Err(IdentifyError::NoLoad { found: apparent.value, error: apparent.std_error });
         }
-        let chain = chain_of(model)?;
-        model.check_joints(recording.joints())?;
-        let passes = Pass::over(model, chain, recording)?;
         let pass = passes.get(place.link).ok_or(ModelError::NoChain)?;
         let (_, prior, _) = pass.solved(None)?;
         let free = prior.bodies[0];

@@ -44,6 +44,7 @@ impl Pass {
         chain: &RigidChain,
         recording: &(impl Recording + ?Sized),
     ) -> Result<Vec<Self>, IdentifyError> {
+        model.check_joints(recording.joints())?;
         let n = model.n_joints();
         let (weights, mut columns) = (Weights::of(model), Columns::of(chain)?);
         let (most, rows) = STRETCHES;

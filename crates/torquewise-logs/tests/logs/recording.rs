@@ -100,6 +100,30 @@ fn missing_signals_and_ignored_columns_are_told() {
 }
 
 #[test]
+fn accelerations_that_do_not_follow_are_left_out_and_derived() {
+    let files = Files::new();
+    let rows = |ddq: f64| -> String {
+        let row = |k: i32| {
+            let t = 0.01 * f64::from(k);
+            format!("{t},{},{},{},{}\n", t.sin(), t.cos(), -ddq * t.sin(), 0.5 * t)
+        };
+        "t,q1,dq1,ddq1,tau1\n".to_owned() + &(0..2_000).map(row).collect::<String>()
+    };
+    let odd = Logs::open(&[files.add("odd.csv", &rows(-1.0))]).unwrap();
+    let sound = Logs::open(&[files.add("sound.csv", &rows(1.0))]).unwrap();
+
+    let read = |logs: &Logs| logs.read_all().unwrap().remove(0);
+    let (derived, recorded) = (read(&odd), read(&sound));
+
+    assert_eq!((odd.has_dq(), odd.has_ddq(), odd.has_tau()), (true, false, true));
+    assert!(sound.has_ddq() && sound.unit_doubts().is_empty());
+    assert!(odd.unit_doubts()[0].contains("do not follow"), "{:?}", odd.unit_doubts());
+    assert_eq!(derived.tau(), recorded.tau());
+    let apart = derived.ddq() - recorded.ddq();
+    assert!(apart.submatrix(5, 0, 1_990, 1).norm_max() < 1e-3);
+}
+
+#[test]
 fn one_named_file_names_the_joints_of_all() {
     let files = Files::new();
     let plain = files.add("a.csv", ONE_JOINT);
