@@ -3,7 +3,7 @@
 use crate::excitation::{Finding, list};
 use crate::reconstruction::Reconstruction;
 use crate::unseen::geometric_mean;
-use crate::warning::Warning;
+use crate::warning::{Warning, never_move};
 use std::fmt;
 use torquewise_model::Training;
 use torquewise_model::model::GeometryFound;
@@ -140,7 +140,7 @@ pub(crate) fn grave(warnings: &[Warning]) -> Vec<String> {
 /// What keeps a model from being good, whatever its error on held-out rows.
 fn doubts(found: &Reconstruction) -> Vec<String> {
     let at_rest = found.warnings.iter().filter_map(|warning| match warning {
-        Warning::ConstantJoint { joint } => Some(format!("{joint} never moves")),
+        Warning::ConstantJoints { joints } => Some(never_move(joints)),
         Warning::Excitation(Finding::Weightless) => Some("gravity does nothing".to_owned()),
         Warning::Sliding { .. } => Some("joints seem to slide".to_owned()),
         Warning::Gravity { .. } => Some("gravity pulls elsewhere than was said".to_owned()),

@@ -2,7 +2,7 @@
 
 use crate::disagreement::Disagreement;
 use crate::drift::{Drift, logs};
-use crate::excitation::{Finding, findings};
+use crate::excitation::{Finding, findings, list};
 use crate::residual_shape::Shape;
 use crate::unseen::geometric_mean;
 use std::fmt;
@@ -17,10 +17,10 @@ use torquewise_stepwise::survey::Survey;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
-    /// A joint never moves.
-    ConstantJoint {
-        /// Its name.
-        joint: String,
+    /// Joints that never move.
+    ConstantJoints {
+        /// Their names.
+        joints: Vec<String>,
     },
     /// A joint's torque never changes.
     ConstantTorque {
@@ -179,11 +179,9 @@ impl Warning {
     /// What a log leaves open or hardly can be, before anything is fitted to it.
     pub fn of_survey(survey: &Survey) -> Vec<Self> {
         let name = |joint: usize| survey.joints[joint].clone();
-        let mut warnings: Vec<Self> = survey
-            .constant_joints()
-            .into_iter()
-            .map(|joint| Self::ConstantJoint { joint: name(joint) })
-            .collect();
+        let joints: Vec<String> = survey.constant_joints().into_iter().map(name).collect();
+        let mut warnings = Vec::new();
+        warnings.extend((!joints.is_empty()).then_some(Self::ConstantJoints { joints }));
         for joint in 0..survey.joints.len() {
             if survey.torque_std[joint] == 0.0 {
                 warnings.push(Self::ConstantTorque { joint: name(joint) });
@@ -208,6 +206,11 @@ impl Warning {
     }
 }
 
+/// That joints never move.
+pub(crate) fn never_move(joints: &[String]) -> String {
+    format!("{} never move{}", list(joints), if joints.len() == 1 { "s" } else { "" })
+}
+
 /// Whether two logs of a sample hold the same positions and torques.
 fn has_log_twice(sample: &Motion) -> bool {
     let logs = logs(sample.t());
@@ -224,9 +227,10 @@ impl fmt::Display for Warning {
     #[expect(clippy::too_many_lines, reason = "a table of sentences")]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::ConstantJoint { joint } => write!(
+            Self::ConstantJoints { joints } => write!(
                 f,
-                "{joint} never moves: what depends on its motion cannot be found; move it too"
+                "{}: what depends on that motion cannot be found; move all joints",
+                never_move(joints)
             ),
             Self::ConstantTorque { joint } => {
                 write!(f, "the torque of {joint} never changes: is it measured?")

@@ -48,6 +48,8 @@ const SIGNALS: usize = 4;
 
 /// From here on a number, in SI units, is that of a damaged file, not of an arm.
 const LARGEST: f64 = 1e9;
+/// A joint whose position changes by no more \[rad or m\] never moves.
+const AT_REST: f64 = 1e-3;
 
 impl Survey {
     /// Whether its numbers may be those of an arm.
@@ -316,9 +318,12 @@ impl Survey {
         if self.seconds > 0.0 { steps as f64 / self.seconds } else { 0.0 }
     }
 
-    /// Joints whose position never changes.
+    /// Joints whose position never changes, but for quanta of an encoder.
     pub fn constant_joints(&self) -> Vec<usize> {
-        let still = |joint: &usize| self.q_range[*joint][0] >= self.q_range[*joint][1];
+        let still = |joint: &usize| {
+            let [low, high] = self.q_range[*joint];
+            high - low <= AT_REST
+        };
         (0..self.joints.len()).filter(still).collect()
     }
 }

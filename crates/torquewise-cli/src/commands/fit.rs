@@ -142,11 +142,10 @@ pub(crate) fn outcome(
 ) -> Outcome {
     let mut text = Vec::new();
     let flaw = summary.mass_matrix.flaw();
-    let at_rest: Vec<&Warning> = (fit.warnings.iter())
-        .filter(|warning| matches!(warning, Warning::ConstantJoint { .. }))
-        .collect();
+    let at_rest = |warning: &&Warning| matches!(warning, Warning::ConstantJoints { .. });
+    let at_rest = fit.warnings.iter().find(at_rest);
     if let Some(flaw) = flaw {
-        text.extend(at_rest.iter().map(|cause| format!("{cause}\n")));
+        text.extend(at_rest.map(|cause| format!("{cause}\n")));
         text.push(format!("NOT PHYSICAL: {flaw}\n\n"));
     }
     if explain {
@@ -166,8 +165,9 @@ pub(crate) fn outcome(
     }
     let warnings = fit.warnings.iter().filter(|warning| !warning.is_remark());
     let mut warnings: Vec<String> = warnings.map(ToString::to_string).collect();
-    // What comes of a joint at rest stands behind it.
-    warnings.splice(at_rest.len()..at_rest.len(), summary.mass_matrix.warning());
+    // What comes of joints at rest stands behind them.
+    let place = usize::from(at_rest.is_some());
+    warnings.splice(place..place, summary.mass_matrix.warning());
     warnings.extend(fit.log.iter().flat_map(Prepared::warnings));
     let (mut notes, mut json) = (fit.notes(), object(summary));
     let verdict = test.as_ref().map_or_else(|| fit.verdict(), |test| fit.verdict_with(test));

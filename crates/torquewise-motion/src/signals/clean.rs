@@ -8,6 +8,10 @@ use crate::signals::resample::{EVEN, Resampler, Timing, grid, timing};
 /// Jitter up to which stamps may stray in a log that was found even.
 const STRAY: f64 = 100.0 * EVEN;
 
+/// Smallest deviations of q, q̇, q̈ and τ that spikes are told by: below lie the quanta of an encoder at
+/// rest.
+const LEAST_SCALES: [f64; 4] = [1e-6, 1e-4, 0.0, 0.0];
+
 /// Rows of one column that were replaced.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Outliers {
@@ -32,7 +36,9 @@ impl Base {
         let timing = timing(&columns.t)?;
         let mut scales = [const { Vec::new() }; 4];
         for (signal, columns) in columns.present() {
-            scales[signal as usize] = columns.iter().map(|column| spike_scale(column)).collect();
+            let least = LEAST_SCALES[signal as usize];
+            scales[signal as usize] =
+                columns.iter().map(|column| spike_scale(column).max(least)).collect();
         }
         Ok(Self { timing, scales })
     }
