@@ -44,6 +44,8 @@ pub struct Reconstruction {
 const INERTIA_ROWS: usize = 100;
 /// Part of the spread of a torque.
 const MUCH: f64 = 0.2;
+/// A torque that is missed by more than this part may be of the wrong sign, though it shows friction.
+const MOST: f64 = 0.5;
 
 impl Reconstruction {
     /// Result of the steps on a library, with warnings.
@@ -107,10 +109,16 @@ impl Reconstruction {
             self.warnings.push(Warning::Excitation(Finding::Swapped { joints }));
             return Ok(());
         }
+        let training = &self.model.training;
+        let is_lost =
+            |joint: usize| training.residual_rms[joint] > MOST * training.torque_std[joint];
+        let in_doubt: Vec<usize> = (0..self.survey.joints.len())
+            .filter(|joint| doubtful.contains(joint) || is_lost(*joint))
+            .collect();
         if !doubtful.is_empty() {
             // An arm of which no chain is found, for rows or joints, has nothing to compare with.
             let Ok(chain) = chain(&self.survey) else { return Ok(()) };
-            let wrong = chain.wrong_signs(&self.survey.sample, &doubtful, watch)?;
+            let wrong = chain.wrong_signs(&self.survey.sample, &in_doubt, watch)?;
             // Of joints that always move together none is told from the others.
             let is_tied =
                 |own: &Warning| matches!(own, Warning::Excitation(Finding::Together { .. }));

@@ -132,15 +132,22 @@ impl SignTest {
         if is_mirrored && found == all_turned {
             return Ok((0..n).collect());
         }
-        // Of several, each must tell by itself, and not by its friction alone; and be explained once it
-        // is turned round.
+        // Of several, each must tell by itself, and not by friction alone, whatever others are turned;
+        // and be explained once it is turned round.
         let all = |tried: &Tried| (0..n).map(|joint| tried.part(&rows, joint)).product::<f64>();
-        let whole = tried(found, &geometry, &[]);
+        let some: Vec<Tried> = (0..=found)
+            .filter(|signs| signs & !found == 0)
+            .map(|signs| tried(signs, &geometry, &[]))
+            .collect();
+        let Some(whole) = some.last() else { return Ok(Vec::new()) };
         let tells = |&joint: &usize| {
-            let without = tried(found ^ 1 << joint, &geometry, &[]);
-            let is_told =
-                whole.left <= QUARTER * without.left && all(&whole) <= HALF * all(&without);
-            is_told && whole.part(&rows, joint) < HALF
+            let mut without = some.iter().filter(|tried| tried.signs >> joint & 1 == 0);
+            let back = found ^ 1 << joint;
+            whole.part(&rows, joint) < HALF
+                && without.all(|without| {
+                    all(whole) <= HALF * all(without)
+                        && (without.signs != back || whole.left <= QUARTER * without.left)
+                })
         };
         Ok(joints_of(found).filter(tells).collect())
     }

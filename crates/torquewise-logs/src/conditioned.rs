@@ -64,7 +64,14 @@ impl ConditionedLogs {
     fn chosen(logs: Logs, settings: &Conditioning, pieces: &Pieces) -> Result<Self> {
         let (trajectory, longest) = pieces.longest()?;
         let found = condition(longest, settings);
-        let report = found.map_err(|source| signals(&logs, trajectory, source))?.report;
+        let mut report = found.map_err(|source| signals(&logs, trajectory, source))?.report;
+        // Each joint is judged where it moves most: a log may move one of them.
+        for joint in 0..logs.joints().len() {
+            let most = pieces.of_most_motion(joint, longest);
+            if let Some(other) = most.and_then(|most| condition(most, settings).ok()) {
+                report.see_joint(joint, &other.report);
+            }
+        }
         let cutoff = report.cutoff.map_or(Cutoff::Off, Cutoff::Hz);
         let settings = Conditioning { cutoff, ..*settings };
         Ok(Self::of(logs, pieces.clock, settings, report))
@@ -210,7 +217,9 @@ impl RawRecording for RawLogs {
             CutoffFrom::Setting => CutoffFrom::Setting,
             CutoffFrom::Motion | CutoffFrom::HeldOut => CutoffFrom::HeldOut,
         };
-        let report = ConditionReport { cutoff_from, ..found };
+        let mut report = ConditionReport { cutoff_from, ..found };
+        (0..logs.joints().len())
+            .for_each(|joint| report.see_joint(joint, &self.conditioned.report));
         Ok(ConditionedLogs::of(logs.clone(), *clock, settings, report))
     }
 }

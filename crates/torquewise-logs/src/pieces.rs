@@ -3,7 +3,7 @@
 use crate::clock::{ClockLane, ClockRepair};
 use crate::error::{LogError, Result};
 use crate::logs::Logs;
-use torquewise_motion::signals::Raw;
+use torquewise_motion::signals::{Raw, Signal};
 
 /// Rows that a trajectory is planned by, and of a piece.
 pub(crate) const FIRST_ROWS: usize = 1 << 15;
@@ -37,6 +37,19 @@ impl Pieces {
     pub(crate) fn longest(&self) -> Result<(usize, &Raw)> {
         let all = self.trajectories.iter().copied().zip(&self.all);
         all.rev().max_by_key(|(_, piece)| piece.t.len()).ok_or(LogError::NoFiles)
+    }
+
+    /// The piece in which a joint moves farthest, if that is twice as far as in another or more.
+    pub(crate) fn of_most_motion(&self, joint: usize, other: &Raw) -> Option<&Raw> {
+        let range = |piece: &Raw| {
+            let q = piece.of(Signal::Q)[joint].iter();
+            let [low, high] = q.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], q| {
+                [low.min(*q), high.max(*q)]
+            });
+            high - low
+        };
+        let most = self.all.iter().max_by(|a, b| range(a).total_cmp(&range(b)));
+        most.filter(|most| range(most) >= 2.0 * range(other))
     }
 }
 

@@ -50,11 +50,12 @@ pub struct JointGeometry {
     pub point: [f64; 3],
     /// Angle to the axis before \[°\], certain where it was put to a right angle; none of the first.
     pub angle_to_previous_deg: Option<Estimated>,
-    /// Distance of both as lines \[m\]; none of the first, nor where one of them slides.
+    /// Distance of both as lines \[m\], of axes within 6° of parallel that of the point of the one
+    /// before; none of the first, nor where one of them slides.
     pub distance_to_previous_m: Option<Estimated>,
-    /// Distance \[m\], along the axis before, of the places where this one and the one before that
-    /// come nearest to it: the length of a link whose axes meet. None of the first two, nor where one
-    /// of the three slides or is within 6° of parallel to the middle one.
+    /// Distance \[m\], along the axis before, of the places where this one and the last one that is not
+    /// parallel to it come nearest to it: the length of a link whose axes meet. None of the first two,
+    /// nor where one of them slides, or is within 6° of parallel to the axis before.
     pub along_previous_m: Option<Estimated>,
     /// Whether the log tells where it lies: the search found it often enough, its torque on held-out
     /// rows is followed, no other right angle does nearly as well, and its distances are certain.
@@ -86,15 +87,14 @@ pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
         let turns = |joint: usize| chain.kinds.of(joint).turns();
         let has_distance = turns(joint) && joint.checked_sub(1).is_none_or(turns);
         let distance_to_previous_m = if has_distance { relative(distance)? } else { None };
-        let has_length = |first: usize| {
-            let is_across =
-                |k: usize| norm(cross(lines[k].direction, lines[first + 1].direction)) > NEARLY;
-            (first..=joint).all(turns) && is_across(first) && is_across(joint)
-        };
-        let along_previous_m = match joint.checked_sub(2).filter(|&first| has_length(first)) {
+        let before = joint.saturating_sub(1);
+        let is_across =
+            |k: &usize| norm(cross(lines[*k].direction, lines[before].direction)) > NEARLY;
+        let across = (0..before).rev().find(is_across).filter(|_| is_across(&joint));
+        let along_previous_m = match across.filter(|&first| (first..=joint).all(turns)) {
             None => None,
             Some(first) => measured(&|axes| {
-                foot(&axes[joint], &axes[first + 1]) - foot(&axes[first], &axes[first + 1])
+                foot(&axes[joint], &axes[before]) - foot(&axes[first], &axes[before])
             })?,
         };
         let is_found = found.is_none_or(GeometryFound::is_certain);
@@ -175,10 +175,10 @@ fn angle(a: &Axis, b: &Axis) -> f64 {
 fn distance(a: &Axis, b: &Axis) -> f64 {
     let between = [0, 1, 2].map(|k| b.point[k] - a.point[k]);
     let normal = cross(a.direction, b.direction);
-    if norm(normal) > PARALLEL {
+    if norm(normal) > NEARLY {
         dot(between, normal) / norm(normal)
     } else {
-        norm(cross(between, a.direction))
+        norm(cross(between, b.direction))
     }
 }
 
@@ -190,9 +190,8 @@ fn foot(other: &Axis, axis: &Axis) -> f64 {
     (dot(between, axis.direction) - cos * dot(between, other.direction)) / (1.0 - cos * cos)
 }
 
-/// Sine of the angle below which two axes are parallel.
-const PARALLEL: f64 = 1e-6;
-/// No place is where nearly parallel ones come nearest.
+/// Sine of the angle below which two axes are nearly parallel: where they come nearest to each other
+/// says nothing, and may be far off.
 const NEARLY: f64 = 0.1;
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

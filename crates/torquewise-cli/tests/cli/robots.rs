@@ -65,18 +65,13 @@ fn assert_predicts(terminal: &Terminal) {
 }
 
 #[test]
-fn an_arm_on_a_wall_or_a_ceiling_is_told_from_one_on_the_floor() {
-    for (mount, line, gravity) in
-        [("0 1.5707963 0", "±(1.00, ", "1,0,0"), ("3.1415927 0 0", "(0.00, 0.00, 1.00)", "0,0,1")]
-    {
-        let (terminal, stderr) = fitted_as_on_a_floor(mount);
-        let said =
-            terminal.run(&format!("fit log.csv --urdf floor.urdf --gravity {gravity} -o arm.json"));
+fn an_arm_on_a_wall_is_told_from_one_on_the_floor() {
+    let (terminal, stderr) = fitted_as_on_a_floor("0 1.5707963 0");
+    let said = terminal.run("fit log.csv --urdf floor.urdf --gravity 1,0,0 -o arm.json");
 
-        assert!(stderr.contains("gravity pulls along") && stderr.contains(line), "{stderr}");
-        assert!(!said.stderr.contains("gravity pulls"), "{said:?}");
-        assert_predicts(&terminal);
-    }
+    assert!(stderr.contains("gravity pulls along ±(1.00, "), "{stderr}");
+    assert!(!said.stderr.contains("gravity pulls"), "{said:?}");
+    assert_predicts(&terminal);
 }
 
 #[test]

@@ -18,6 +18,7 @@ const WORDS: [(Meaning, &str); 5] = [
 ];
 
 const CURRENT: &str = "current currents cur curr";
+const DEGREES: &str = "deg degrees degree";
 
 /// Words of what was measured, and of what was wanted, worked out or wrong.
 const MEASURED: &str = "meas measured act actual mot";
@@ -105,13 +106,15 @@ fn by_stem(stem: &[String], names: &[String], time: Option<&String>) -> Option<(
 fn grouped(names: &[String]) -> Vec<(String, Vec<String>)> {
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
     for name in names {
-        let prefix = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        let bare = without_unit(name);
+        let numbered = bare.trim_end_matches([']', ')']);
+        let prefix = numbered.trim_end_matches(|c: char| c.is_ascii_digit());
         let last =
-            words(name).into_iter().rfind(|word| meaning(std::slice::from_ref(word)).is_some());
+            words(bare).into_iter().rfind(|word| meaning(std::slice::from_ref(word)).is_some());
         let key = match last {
-            _ if prefix.len() < name.len() && !prefix.is_empty() => prefix.to_owned(),
+            _ if prefix.len() < numbered.len() && !prefix.is_empty() => prefix.to_owned(),
             // arm_1_joint_position and arm_2_joint_position: one group by their last word.
-            Some(word) if name.to_lowercase().ends_with(&word) && name.len() > word.len() => {
+            Some(word) if bare.to_lowercase().ends_with(&word) && bare.len() > word.len() => {
                 format!("… {word}")
             }
             _ => name.clone(),
@@ -124,8 +127,18 @@ fn grouped(names: &[String]) -> Vec<(String, Vec<String>)> {
     groups
 }
 
+/// The name of a column but for a unit in brackets at its end.
+fn without_unit(name: &str) -> &str {
+    let unit = name.strip_suffix([']', ')']).and_then(|rest| rest.rsplit_once(['[', '(']));
+    let unit = unit.filter(|(_, unit)| unit.contains(char::is_alphabetic));
+    unit.map_or(name, |(bare, _)| bare.trim_end())
+}
+
 fn family(mut columns: Vec<String>, key: &str, word: &str) -> Family {
-    let number = |name: &String| name[key.len().min(name.len())..].parse::<usize>().ok();
+    let number = |name: &String| {
+        let bare = without_unit(name).trim_end_matches([']', ')']);
+        bare.get(key.len()..)?.parse::<usize>().ok()
+    };
     let is_numbered = columns.iter().all(|name| name.starts_with(key) && number(name).is_some());
     if is_numbered {
         columns.sort_by_key(number);
@@ -135,12 +148,13 @@ fn family(mut columns: Vec<String>, key: &str, word: &str) -> Family {
     let counted = |list: &str| all.iter().filter(|word| is_in(word, list)).count();
     // What was wanted or worked out comes after anything else.
     let score = if counted(NOT_MEASURED) > 0 { 0 } else { 1 + counted(MEASURED) };
+    let of_degrees = |name: &String| words(name).iter().any(|word| is_in(word, DEGREES));
     Family {
+        is_degrees: columns.first().is_some_and(of_degrees),
         columns,
         prefix: from_one.then(|| key.to_owned()),
         told_by: word.to_owned(),
         is_current: counted(CURRENT) > 0,
-        is_degrees: counted("deg degrees degree") > 0,
         score,
     }
 }
@@ -156,7 +170,7 @@ impl Family {
     /// Names of the joints, if the columns are called `NAME_position` or the like.
     pub(super) fn joints(&self) -> Option<Vec<String>> {
         let joint = |column: &String| {
-            let lower = column.to_lowercase();
+            let lower = without_unit(column).to_lowercase();
             let joint = column.get(..lower.strip_suffix(&self.told_by)?.len())?;
             let joint = joint.trim_matches(|c: char| !c.is_alphanumeric());
             (!joint.is_empty()).then(|| joint.to_owned())

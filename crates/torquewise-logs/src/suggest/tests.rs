@@ -55,6 +55,31 @@ fn measured_columns_are_preferred_and_units_found() {
 }
 
 #[test]
+fn brackets_around_a_number_or_a_unit_hide_no_joint() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("run.csv");
+    let indexed = ["position[1]", "position[2]", "effort[1]", "effort[2]"];
+    let with_units = ["joint 1 angle [deg]", "joint 2 angle [deg]", "tau1 (N.m)", "tau2 (N.m)"];
+    for (columns, degrees) in [(indexed, false), (with_units, true)] {
+        write(&file, &format!("time,{}", columns.join(",")), 800, |k| {
+            let (q, _) = wave(0.005 * k);
+            let q = if degrees { 60.0 * q } else { q };
+            vec![0.005 * k, q, -q, 1.0, 2.0]
+        });
+
+        let (_, profile) = readable(&file);
+
+        let listed = |k: usize| {
+            let names = columns[k..k + 2].iter().map(|name| (*name).to_owned());
+            Some(Columns::Names(names.collect()))
+        };
+        let (q, tau) = (profile.q.unwrap(), profile.tau.unwrap());
+        assert_eq!((q.columns, tau.columns), (listed(0), listed(2)));
+        assert_eq!(q.unit.as_deref() == Some("deg"), degrees);
+    }
+}
+
+#[test]
 fn velocity_in_another_unit_than_position_is_told_by_slopes() {
     let folder = tempfile::tempdir().unwrap();
     for (factor, unit) in

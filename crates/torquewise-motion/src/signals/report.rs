@@ -92,6 +92,23 @@ pub struct ConditionReport {
     pub trimmed: f64,
 }
 
+impl ConditionReport {
+    /// Levels and measured velocity of a joint as they are in another piece, where it moves more.
+    pub fn see_joint(&mut self, joint: usize, other: &Self) {
+        let name = self.signals.get(joint).map(|own| own.joint.clone());
+        let pairs = self.signals.iter_mut().zip(&other.signals);
+        pairs
+            .filter(|(own, _)| Some(&own.joint) == name.as_ref())
+            .for_each(|(own, other)| own.quantisation = other.quantisation);
+        if let (Some(own), Some(other)) = (self.dq_lag.get_mut(joint), other.dq_lag.get(joint)) {
+            *own = *other;
+        }
+        if let (Some(own), Some(other)) = (self.dq_gain.get_mut(joint), other.dq_gain.get(joint)) {
+            *own = *other;
+        }
+    }
+}
+
 impl fmt::Display for ConditionReport {
     /// One line per finding, without a last line break.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
