@@ -54,7 +54,6 @@ impl Mapping {
         1 + self.present.len() * self.n_joints
     }
 
-    /// Leaves a signal out.
     pub(crate) fn forget(&mut self, signal: Signal) {
         if let Some(first) = self.slot(signal) {
             self.slots.drain(first - 1..first - 1 + self.n_joints);
