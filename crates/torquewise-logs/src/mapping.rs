@@ -89,11 +89,6 @@ impl Ranges {
         let of_seconds = place(&self.seconds, seconds)?;
         Some(of_rows * self.seconds.len().max(1) + of_seconds)
     }
-
-    /// The last row that is read, if any row may come after it.
-    pub(crate) fn last_row(&self) -> Option<u64> {
-        self.rows.last().map(|range| range[1])
-    }
 }
 
 fn place<T: PartialOrd + Copy>(ranges: &[[T; 2]], value: T) -> Option<usize> {
