@@ -19,6 +19,8 @@ use torquewise::{Fit as Run, FitOptions, FitResult};
 #[pyclass(module = "torquewise", frozen)]
 pub(crate) struct Fit {
     found: Arc<FitResult>,
+    /// Logs it was fitted to.
+    #[pyo3(get)]
     logs: Vec<String>,
     /// The learned equations of motion.
     #[pyo3(get)]
@@ -157,12 +159,6 @@ impl Fit {
     #[getter]
     fn seconds(&self) -> f64 {
         self.found.seconds
-    }
-
-    /// Logs it was fitted to.
-    #[getter]
-    fn logs(&self) -> Vec<String> {
-        self.logs.clone()
     }
 
     /// All numbers: the JSON of the command line.

@@ -7,8 +7,7 @@ use crate::work::work;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyType};
-use torquewise::identify::rounds;
-use torquewise::identify::{IdentifyError, Summary as Sums};
+use torquewise::identify::{IdentifyError, Summary as Sums, rounds};
 use torquewise::sums::{Solved, solve_sums, sum_up};
 
 /// Sums of logs that add up: picklable, merged in any order, solved for a model.

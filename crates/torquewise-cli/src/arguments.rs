@@ -48,18 +48,14 @@ pub(crate) struct RobotArguments {
     /// Gravity direction in the URDF base frame, normalised; a fit may tilt it [default: 0,0,-1]
     #[arg(long, value_name = "X,Y,Z", requires = "urdf", allow_hyphen_values = true)]
     #[arg(value_parser = direction)]
-    gravity: Option<Direction>,
+    gravity: Option<[f64; 3]>,
 }
-
-#[derive(Clone, Copy, Debug)]
-struct Direction([f64; 3]);
 
 impl RobotArguments {
     /// Where the axes of the joints of a log lie, if a file says so.
     pub(crate) fn geometry(&self, joints: &[String]) -> Result<Option<KnownGeometry>> {
         let Some(file) = &self.urdf else { return Ok(None) };
-        let gravity = self.gravity.map(|Direction(gravity)| gravity);
-        let known = known_geometry(&read_text(file)?, joints, &self.lock, gravity);
+        let known = known_geometry(&read_text(file)?, joints, &self.lock, self.gravity);
         let what = || format!("cannot match {} to the joints of the log", file.display());
         Ok(Some(known.map_err(|error| CliError::from(error).within(what()))?))
     }
@@ -69,18 +65,14 @@ impl RobotArguments {
     }
 }
 
-fn direction(text: &str) -> Result<Direction, String> {
+fn direction(text: &str) -> Result<[f64; 3], String> {
     let numbers: Vec<f64> = text.split(',').filter_map(|x| x.trim().parse().ok()).collect();
     let finite = |numbers: &Vec<f64>| numbers.iter().all(|x: &f64| x.is_finite());
     match Some(numbers).filter(finite).as_deref() {
-        Some(&[x, y, z]) if [x, y, z].iter().any(|x| *x != 0.0) => Ok(Direction([x, y, z])),
+        Some(&[x, y, z]) if [x, y, z].iter().any(|x| *x != 0.0) => Ok([x, y, z]),
         _ => Err("expected three numbers, not all 0, such as 0,0,-1".to_owned()),
     }
 }
-
-/// A number of clusters, or the elbow.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) struct Clusters(Option<usize>);
 
 /// How rows are clustered.
 #[derive(Args, Clone, Copy, Debug, Serialize)]
@@ -91,7 +83,8 @@ pub(crate) struct PatternArguments {
     activation: &'static str,
     /// Number of clusters from 1 to 9, or `auto` for the elbow
     #[arg(long, value_name = "auto|K", default_value = "auto", value_parser = clusters)]
-    clusters: Clusters,
+    // Named in full, since clap takes a plain Option for one that may be left out.
+    clusters: std::option::Option<usize>,
     /// Random seed
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -194,12 +187,18 @@ pub(crate) fn parsed<T: FromStr>(
     text.parse().ok().filter(is_fit).ok_or_else(|| expected.to_owned())
 }
 
-fn clusters(text: &str) -> Result<Clusters, String> {
-    if text == "auto" {
-        return Ok(Clusters(None));
-    }
-    let k = parsed(text, |k| (1..=9).contains(k), "expected `auto` or a number from 1 to 9");
-    k.map(|k| Clusters(Some(k)))
+/// The same, or none for `auto`.
+pub(crate) fn parsed_unless_auto<T: FromStr>(
+    text: &str,
+    is_fit: impl Fn(&T) -> bool,
+    expected: &str,
+) -> Result<Option<T>, String> {
+    if text == "auto" { Ok(None) } else { parsed(text, is_fit, expected).map(Some) }
+}
+
+fn clusters(text: &str) -> Result<Option<usize>, String> {
+    let expected = "expected `auto` or a number from 1 to 9";
+    parsed_unless_auto(text, |k| (1..=9).contains(k), expected)
 }
 
 /// Signal-to-noise ratios of q, q̇ and q̈ \[dB\], separated by commas; `inf` for no noise.

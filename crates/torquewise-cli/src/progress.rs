@@ -46,7 +46,6 @@ impl Shown {
         }
     }
 
-    /// Shows how far the stage is.
     fn measure(&self, length: u64, template: &str) {
         self.bar.set_length(length);
         if let Ok(style) = ProgressStyle::with_template(template) {

@@ -1,6 +1,6 @@
 //! Which log files are read, by which profile, and how their signals are filtered.
 
-use crate::arguments::parsed;
+use crate::arguments::{parsed, parsed_unless_auto};
 use crate::error::Result;
 use crate::files::read_model;
 use clap::Args;
@@ -16,7 +16,7 @@ pub(crate) struct SignalArguments {
     /// What the columns are: units, gears, clock, rows; `torquewise inspect` suggests one, those of
     /// public data sets are built in, such as `ur10`
     #[arg(long, value_name = "FILE.toml|NAME")]
-    profile: Option<PathBuf>,
+    pub(crate) profile: Option<PathBuf>,
     /// Topic of a bag that holds several
     #[arg(long, value_name = "NAME")]
     topic: Option<String>,
@@ -32,14 +32,11 @@ pub(crate) struct SignalArguments {
     /// filtered signals, the one that predicts held-out torque best
     #[arg(help_heading = "Filter", long, value_name = "auto|S", default_value = "auto")]
     #[arg(value_parser = delay, allow_hyphen_values = true)]
-    delay: Delay,
+    // Named in full, since clap takes a plain Option for one that may be left out.
+    delay: std::option::Option<f64>,
 }
 
 impl SignalArguments {
-    pub(crate) fn has_profile(&self) -> bool {
-        self.profile.is_some()
-    }
-
     pub(crate) fn profile(&self) -> Result<Option<Profile>> {
         Ok(self.profile.as_ref().map(|file| Profile::read(file)).transpose()?)
     }
@@ -49,14 +46,10 @@ impl SignalArguments {
         let clock = if self.repair { Clock::Repair } else { Clock::Strict };
         let options = Options { profile, topic: self.topic.clone(), clock };
         let mut log = Log::open_all(paths, &options)?;
-        (log.filter, log.delay) = (self.filter, self.delay.0);
+        (log.filter, log.delay) = (self.filter, self.delay);
         Ok(log)
     }
 }
-
-/// Seconds, if they are not to be estimated.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Delay(Option<f64>);
 
 fn filter(text: &str) -> Result<Filter, String> {
     match text {
@@ -70,12 +63,9 @@ fn filter(text: &str) -> Result<Filter, String> {
     }
 }
 
-fn delay(text: &str) -> Result<Delay, String> {
-    if text == "auto" {
-        return Ok(Delay(None));
-    }
-    let known = parsed(text, |s: &f64| s.abs() <= 1.0, "expected auto, or seconds within ±1");
-    known.map(|s| Delay(Some(s)))
+fn delay(text: &str) -> Result<Option<f64>, String> {
+    let expected = "expected auto, or seconds within ±1";
+    parsed_unless_auto(text, |s: &f64| s.abs() <= 1.0, expected)
 }
 
 /// The same where no model is at hand, or one that says how signals are filtered.

@@ -63,10 +63,6 @@ pub(crate) fn methods<'a>(
     table
 }
 
-pub(crate) fn counts(values: &[usize]) -> String {
-    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -22,15 +22,16 @@ pub(crate) enum Along {
 pub(crate) fn rates(graph: &Graph, roots: &[Id], along: Along) -> Vec<Id> {
     let mut rates: BTreeMap<Id, Id> = BTreeMap::new();
     let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
+    let angle_rate = |multiples: &[i32]| graph.multiple_sum(multiples, Input::Dq);
     for id in graph.reachable(roots) {
         let rate_of = |operand: Id| rates.get(&operand).copied().unwrap_or(zero);
         let rate = match graph.node(id) {
             Node::Sin(_) | Node::Cos(_) if along != Along::Motion => zero,
             Node::Input(Input::Q(joint)) if along == Along::Motion => graph.input(Input::Dq(joint)),
             Node::Input(Input::Dq(joint)) if along == Along::Velocity(joint) => one,
-            Node::Sin(multiples) => graph.mul(graph.cos(&multiples), angle_rate(graph, &multiples)),
+            Node::Sin(multiples) => graph.mul(graph.cos(&multiples), angle_rate(&multiples)),
             Node::Cos(multiples) => {
-                graph.neg(graph.mul(graph.sin(&multiples), angle_rate(graph, &multiples)))
+                graph.neg(graph.mul(graph.sin(&multiples), angle_rate(&multiples)))
             }
             Node::Add(a, b) => graph.add(rate_of(a), rate_of(b)),
             Node::Sub(a, b) => graph.sub(rate_of(a), rate_of(b)),
@@ -41,12 +42,6 @@ pub(crate) fn rates(graph: &Graph, roots: &[Id], along: Along) -> Vec<Id> {
         rates.insert(id, rate);
     }
     roots.iter().map(|root| rates[root]).collect()
-}
-
-fn angle_rate(graph: &Graph, multiples: &[i32]) -> Id {
-    let turning = multiples.iter().enumerate().filter(|&(_, &k)| k != 0);
-    let part = |(joint, &k)| graph.mul(graph.constant(f64::from(k)), graph.input(Input::Dq(joint)));
-    graph.sum(&turning.map(part).collect::<Vec<Id>>())
 }
 
 /// ∂/∂q of Σ weight·node over nodes of q alone, where weights are held fixed.

@@ -239,6 +239,13 @@ impl Graph {
         parts.iter().fold(self.constant(0.0), |sum, &part| self.add(sum, part))
     }
 
+    /// Σ k·input over the joints whose k is not zero.
+    pub(crate) fn multiple_sum(&self, multiples: &[i32], input: fn(usize) -> Input) -> Id {
+        let turning = multiples.iter().enumerate().filter(|&(_, &k)| k != 0);
+        let part = |(joint, &k)| self.mul(self.constant(f64::from(k)), self.input(input(joint)));
+        self.sum(&turning.map(part).collect::<Vec<Id>>())
+    }
+
     pub(crate) fn product(&self, parts: &[Id]) -> Id {
         parts.iter().fold(self.constant(1.0), |product, &part| self.mul(product, part))
     }

@@ -93,7 +93,6 @@ pub(crate) enum Grouping {
     None,
 }
 
-/// Parts from torque equations, each joint on its own.
 pub(crate) fn from_equations(
     graph: &Graph,
     equations: &[Sum],

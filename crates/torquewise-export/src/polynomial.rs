@@ -15,7 +15,6 @@ pub(crate) enum Order {
     Horner,
 }
 
-/// A product of powers of nodes, and its weight.
 #[derive(Clone, Debug)]
 pub(crate) struct Monomial {
     weight: Id,
@@ -51,12 +50,7 @@ fn angle(graph: &Graph, factor: &Factor) -> Id {
     match factor.function {
         Trig::Sin => graph.sin(&multiples),
         Trig::Cos => graph.cos(&multiples),
-        Trig::Position => {
-            let moving = multiples.iter().enumerate().filter(|&(_, &k)| k != 0);
-            let part =
-                |(joint, &k)| graph.mul(graph.constant(f64::from(k)), graph.input(Input::Q(joint)));
-            graph.sum(&moving.map(part).collect::<Vec<Id>>())
-        }
+        Trig::Position => graph.multiple_sum(&multiples, Input::Q),
     }
 }
 

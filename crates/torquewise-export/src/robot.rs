@@ -60,7 +60,6 @@ pub(crate) struct Losses {
 
 /// Radius of the links that are drawn, as a part of the length of the arm, and at least \[m\].
 const RADIUS: (f64, f64) = (0.04, 0.005);
-/// States that the largest torque is looked for at.
 const EFFORT_STATES: usize = 2_000;
 
 impl Robot {

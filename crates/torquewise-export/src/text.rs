@@ -193,7 +193,6 @@ impl Body {
         lines
     }
 
-    /// Which signals and angles it needs.
     fn note(&mut self, node: &Node) {
         match node {
             Node::Input(input) => self.inputs.push(*input),

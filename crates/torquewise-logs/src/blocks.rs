@@ -5,8 +5,7 @@ use crate::error::{LogError, Result};
 use crate::gaps::UsualStep;
 use crate::signal_rows::{Origin, SignalRows};
 use faer::Mat;
-use torquewise_motion::signals::Raw;
-use torquewise_motion::signals::Signal;
+use torquewise_motion::signals::{Raw, Signal};
 use torquewise_motion::{BLOCK_ROWS, HALF_WINDOW, Motion, MotionError, Signals, derivative};
 
 /// The blocks of one log file.

@@ -90,7 +90,6 @@ impl Deref for LogInput {
     }
 }
 
-/// A log file that is being read.
 #[derive(Debug)]
 pub(crate) enum Opened {
     File(File),

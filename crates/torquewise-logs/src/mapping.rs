@@ -54,7 +54,6 @@ impl Mapping {
         1 + self.present.len() * self.n_joints
     }
 
-    /// Leaves a signal out.
     pub(crate) fn forget(&mut self, signal: Signal) {
         if let Some(first) = self.slot(signal) {
             self.slots.drain(first - 1..first - 1 + self.n_joints);
@@ -89,11 +88,6 @@ impl Ranges {
         let of_rows = place(&self.rows, row)?;
         let of_seconds = place(&self.seconds, seconds)?;
         Some(of_rows * self.seconds.len().max(1) + of_seconds)
-    }
-
-    /// The last row that is read, if any row may come after it.
-    pub(crate) fn last_row(&self) -> Option<u64> {
-        self.rows.last().map(|range| range[1])
     }
 }
 

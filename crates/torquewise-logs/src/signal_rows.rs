@@ -101,8 +101,8 @@ impl SignalRows {
     /// All values are finite. Time stamps advance if the clock is repaired.
     pub(crate) fn next(&mut self, row: &mut [f64]) -> Result<Option<Origin>> {
         loop {
-            let last = self.mapping.ranges.last_row();
-            if !self.reads_on && last.is_some_and(|last| self.number >= last) {
+            let last = self.mapping.ranges.rows.last();
+            if !self.reads_on && last.is_some_and(|[_, last]| self.number >= *last) {
                 return Ok(None);
             }
             if !self.rows.next(&mut self.raw)? {

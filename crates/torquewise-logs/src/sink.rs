@@ -26,6 +26,15 @@ impl Column {
     pub fn numbers(names: &[String]) -> Vec<Self> {
         names.iter().map(|name| Self::new(name, Values::Numbers(&[]))).collect()
     }
+
+    /// Columns of t and of signals, each of these with the number of each joint from 1 on.
+    pub fn of_joints(signals: &[&str], n_joints: usize) -> Vec<Self> {
+        let mut names = vec!["t".to_owned()];
+        for signal in signals {
+            names.extend((1..=n_joints).map(|joint| format!("{signal}{joint}")));
+        }
+        Self::numbers(&names)
+    }
 }
 
 /// Some rows of one column.

@@ -110,11 +110,8 @@ impl LogWriter {
     /// As [`TableWriter::create`], and [`LogError::JointName`] if a name cannot be kept.
     pub fn create(file: &Path, joints: &[String], with_tau: bool) -> Result<Self> {
         let signals = if with_tau { &Signal::ALL[..] } else { &Signal::ALL[..3] };
-        let mut names = vec!["t".to_owned()];
-        for signal in signals {
-            names.extend((1..=joints.len()).map(|joint| format!("{}{joint}", signal.name())));
-        }
-        let columns = Column::numbers(&names);
+        let names: Vec<&str> = signals.iter().map(|signal| signal.name()).collect();
+        let columns = Column::of_joints(&names, joints.len());
         let is_named = joints != joints::numbered(joints.len());
         let kept = is_named.then(|| joints::join(joints)).transpose()?;
         let table = TableWriter::start(file, &columns, kept.as_deref())?;

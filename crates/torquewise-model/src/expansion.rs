@@ -139,15 +139,8 @@ impl Grid {
     /// The positions of every point, the last joint running fastest.
     fn points(bases: &[Basis]) -> impl Iterator<Item = Vec<f64>> {
         let count = bases.iter().map(|basis| basis.size()).product();
-        (0..count).map(move |place| {
-            let mut rest = place;
-            let mut q = vec![0.0; bases.len()];
-            for (position, basis) in q.iter_mut().zip(bases).rev() {
-                *position = basis.point(rest % basis.size());
-                rest /= basis.size();
-            }
-            q
-        })
+        let point = move |place| bases.iter().zip(digits(bases, place)).map(|(b, k)| b.point(k));
+        (0..count).map(move |place| point(place).collect())
     }
 
     /// Hands over each coefficient that is more than rounding, with its function.
@@ -155,15 +148,9 @@ impl Grid {
         let coefficients = self.coefficients();
         let largest = coefficients.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
         for (place, &coefficient) in coefficients.iter().enumerate() {
-            if coefficient.abs() <= ROUNDING * largest {
-                continue;
+            if coefficient.abs() > ROUNDING * largest {
+                put(self.function_of(&digits(&self.bases, place)), coefficient);
             }
-            let mut rest = place;
-            let mut digits = vec![0; self.bases.len()];
-            for (digit, basis) in digits.iter_mut().zip(&self.bases).rev() {
-                (*digit, rest) = (rest % basis.size(), rest / basis.size());
-            }
-            put(self.function_of(&digits), coefficient);
         }
     }
 
@@ -214,6 +201,15 @@ impl Grid {
         let factors = self.bases.iter().zip(digits).enumerate();
         factors.fold(one, |term, (joint, (basis, digit))| basis.factor(term, joint, *digit))
     }
+}
+
+/// Which function, or point, of each joint stands at a place of the grid.
+fn digits(bases: &[Basis], mut place: usize) -> Vec<usize> {
+    let mut digits = vec![0; bases.len()];
+    for (digit, basis) in digits.iter_mut().zip(bases).rev() {
+        (*digit, place) = (place % basis.size(), place / basis.size());
+    }
+    digits
 }
 
 impl Basis {

@@ -42,17 +42,11 @@ pub fn angle_functions(n_joints: usize, order: u8) -> Vec<Term> {
     for joint in 0..n_joints {
         let mut longer = Vec::new();
         for (term, used) in functions {
-            for sines in 0..=1 {
-                for cosines in 0..=order.saturating_sub(used + sines) {
-                    if used + sines + cosines <= order {
-                        let grown = term.clone().times(Trig::Sin, joint, 1, sines).times(
-                            Trig::Cos,
-                            joint,
-                            1,
-                            cosines,
-                        );
-                        longer.push((grown, used + sines + cosines));
-                    }
+            for sines in 0..=1.min(order - used) {
+                for cosines in 0..=order - used - sines {
+                    let grown = term.clone().times(Trig::Sin, joint, 1, sines);
+                    let grown = grown.times(Trig::Cos, joint, 1, cosines);
+                    longer.push((grown, used + sines + cosines));
                 }
             }
         }
@@ -62,14 +56,12 @@ pub fn angle_functions(n_joints: usize, order: u8) -> Vec<Term> {
     functions.into_iter().map(|(term, _)| term).collect()
 }
 
-/// F₂ (12) of one degree: monomials in q̇ and q̈ as powers (dq, ddq).
-fn motion_functions(n_joints: usize, degree: Degree) -> Vec<(Vec<u8>, Vec<u8>)> {
-    let velocities = monomials(n_joints, degree.velocity);
+/// F₂ (12) of one degree: monomials in q̇ and q̈.
+fn motion_functions(n_joints: usize, degree: Degree) -> Vec<Term> {
     let accelerations = monomials(n_joints, degree.acceleration);
-    velocities
-        .iter()
-        .flat_map(|dq| accelerations.iter().map(|ddq| (dq.clone(), ddq.clone())))
-        .collect()
+    let with = |dq: Vec<u8>, ddq: &Vec<u8>| Term { factors: vec![], dq, ddq: ddq.clone() };
+    let velocities = monomials(n_joints, degree.velocity).into_iter();
+    velocities.flat_map(|dq| accelerations.iter().map(move |ddq| with(dq.clone(), ddq))).collect()
 }
 
 /// The powers of all monomials of exactly one degree.
@@ -97,16 +89,9 @@ fn monomials(n: usize, degree: u8) -> Vec<Vec<u8>> {
 pub fn product_library(n_joints: usize, trig_order: u8, degrees: &[Degree]) -> Vec<Term> {
     let angles = angle_functions(n_joints, trig_order);
     let motions: Vec<_> = degrees.iter().flat_map(|&d| motion_functions(n_joints, d)).collect();
-    angles
-        .iter()
-        .flat_map(|angle| {
-            motions.iter().map(|(dq, ddq)| Term {
-                factors: angle.factors.clone(),
-                dq: dq.clone(),
-                ddq: ddq.clone(),
-            })
-        })
-        .collect()
+    let product =
+        |angle: &Term, motion: &Term| Term { factors: angle.factors.clone(), ..motion.clone() };
+    angles.iter().flat_map(|angle| motions.iter().map(|motion| product(angle, motion))).collect()
 }
 
 /// The energy library (E4): every function that M(q) and V(q) of a serial arm of revolute joints
@@ -116,26 +101,15 @@ pub fn product_library(n_joints: usize, trig_order: u8, degrees: &[Degree]) -> V
 pub fn energy_library(n_joints: usize, interaction: Option<usize>) -> Vec<EnergyTerm> {
     let limit = interaction.unwrap_or(n_joints);
     let mut library = Vec::new();
-    let everything: Vec<u8> = vec![1; n_joints];
-    for function in harmonic_functions(n_joints, &everything, limit).into_iter().skip(1) {
+    for function in harmonic_functions(&vec![1; n_joints], limit).into_iter().skip(1) {
         library.push(EnergyTerm { place: Place::Potential, function });
     }
     for i in 0..n_joints {
         for j in i..n_joints {
             // Mᵢⱼ is independent of the joints up to i, linear in those between, and quadratic in
             // those beyond j.
-            let harmonics: Vec<u8> = (0..n_joints)
-                .map(|k| {
-                    if k <= i {
-                        0
-                    } else if k <= j {
-                        1
-                    } else {
-                        2
-                    }
-                })
-                .collect();
-            for function in harmonic_functions(n_joints, &harmonics, limit) {
+            let harmonics = (0..n_joints).map(|k| i8::from(k > i) + i8::from(k > j));
+            for function in harmonic_functions(&harmonics.collect::<Vec<_>>(), limit) {
                 library.push(EnergyTerm { place: Place::Inertia(i, j), function });
             }
         }
@@ -204,14 +178,13 @@ fn saturating(products: impl Iterator<Item = (usize, usize)>) -> usize {
 
 /// Products over the joints of {1, cos kq, sin kq : k ≤ harmonics of the joint}, the constant
 /// first, of at most `limit` joints.
-fn harmonic_functions(n_joints: usize, harmonics: &[u8], limit: usize) -> Vec<Term> {
-    let mut functions = vec![Term::one(n_joints)];
+fn harmonic_functions(harmonics: &[i8], limit: usize) -> Vec<Term> {
+    let mut functions = vec![Term::one(harmonics.len())];
     for (joint, &largest) in harmonics.iter().enumerate() {
         let mut longer = Vec::new();
         for term in functions {
             if term.factors.len() < limit {
-                for multiple in 1..=largest.min(2) {
-                    let multiple = if multiple == 1 { 1 } else { 2 };
+                for multiple in 1..=largest {
                     for trig in [Trig::Cos, Trig::Sin] {
                         longer.push(term.clone().times(trig, joint, multiple, 1));
                     }

@@ -31,7 +31,6 @@ impl Links {
         torque.iter_mut().zip(own).for_each(|(torque, own)| *torque += own);
     }
 
-    /// Adds one part of it.
     pub(crate) fn add_part(&self, kind: Kind, state: State<'_, f64>, torque: &mut [f64]) {
         let n = torque.len();
         let rest = &[0.0; MOST_JOINTS][..n];

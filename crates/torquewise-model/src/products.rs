@@ -39,8 +39,7 @@ pub(crate) fn numbered(equations: &[Sum]) -> (Vec<Factor>, Vec<Vec<Product>>) {
         }
         joints.push(products);
     }
-    let mut by_place: Vec<(Factor, usize)> = places.into_iter().collect();
-    by_place.sort_by_key(|(_, place)| *place);
-    let factors = by_place.into_iter().map(|(factor, _)| factor).collect();
+    let mut factors: Vec<Factor> = places.keys().cloned().collect();
+    factors.sort_by_key(|factor| places[factor]);
     (factors, joints)
 }

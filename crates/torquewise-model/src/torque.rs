@@ -385,7 +385,6 @@ impl Torque {
     }
 }
 
-/// The energies of the drives of a chain.
 fn drives(chain: &RigidChain) -> Form {
     let terms = chain.drives.iter().flat_map(Drive::energy_terms);
     Form::Energy(terms.map(|(term, weight)| Weighted::new(term, weight)).collect())

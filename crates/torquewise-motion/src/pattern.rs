@@ -18,7 +18,12 @@ impl Pattern {
     /// The pattern of a row whose dq \[rad/s\] and ddq \[rad/s²\] are known without noise.
     pub fn of(dq: &[f64], ddq: &[f64]) -> Self {
         let active = |rates: &[f64]| rates.iter().any(|&rate| rate != 0.0);
-        match (active(dq), active(ddq)) {
+        Self::when(active(dq), active(ddq))
+    }
+
+    /// The pattern of a row in which joints move or stand still, and accelerate or do not.
+    pub fn when(moves: bool, accelerates: bool) -> Self {
+        match (moves, accelerates) {
             (_, true) => Self::VariableVelocity,
             (true, false) => Self::UniformVelocity,
             (false, false) => Self::Standstill,

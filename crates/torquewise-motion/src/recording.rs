@@ -151,10 +151,8 @@ impl<R: Recording> Recording for [R] {
     }
 
     fn read_log_with_noise(&self, log: usize, seed: u64, visit: VisitPair<'_>) -> ReadResult<bool> {
-        match place_of(self, log) {
-            Some((recording, own)) => recording.read_log_with_noise(own, seed, visit),
-            None => Ok(false),
-        }
+        place_of(self, log)
+            .map_or(Ok(false), |(recording, own)| recording.read_log_with_noise(own, seed, visit))
     }
 }
 

@@ -66,32 +66,6 @@ impl Repairs {
         self.longest_gap = self.longest_gap.max(other.longest_gap);
         self.splits += other.splits;
     }
-
-    /// Rows left out, each kind with its reason.
-    fn left_out(&self) -> Vec<String> {
-        told(&[
-            (self.repeated_stamps, "row", "with the time stamp of the row before"),
-            (self.earlier_stamps, "row", "with an earlier time stamp than a row before"),
-            (self.not_finite, "row", "without a number"),
-            (self.absurd, "row", "with a value far beyond its neighbours"),
-            (self.held_rows, "row", "held by a logger faster than its device"),
-            (self.too_short, "row", "of trajectories too short for the filter"),
-        ])
-    }
-
-    /// What was changed in the rows that stayed.
-    fn changed(&self) -> Vec<String> {
-        let spikes: u64 = self.spikes.values().sum();
-        let by_signal: Vec<String> =
-            self.spikes.iter().map(|(signal, count)| format!("{signal} {count}")).collect();
-        let longest = 1e3 * self.longest_gap;
-        told(&[
-            (spikes, "spike", &format!("replaced ({})", by_signal.join(", "))),
-            (self.gaps, "gap", &format!("bridged (the longest {longest:.1} ms)")),
-            (self.late_stamps, "late time stamp", "put on the clock of the device"),
-            (self.splits, "longer gap", "at which a log was split"),
-        ])
-    }
 }
 
 fn told(counts: &[(u64, &str, &str)]) -> Vec<String> {
@@ -117,7 +91,25 @@ impl<'a> Sum<&'a Self> for Repairs {
 impl fmt::Display for Repairs {
     /// Rows left out, then what was changed in the others; nothing if nothing was done.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let parts = [("left out", self.left_out()), ("repaired", self.changed())];
+        let left_out = told(&[
+            (self.repeated_stamps, "row", "with the time stamp of the row before"),
+            (self.earlier_stamps, "row", "with an earlier time stamp than a row before"),
+            (self.not_finite, "row", "without a number"),
+            (self.absurd, "row", "with a value far beyond its neighbours"),
+            (self.held_rows, "row", "held by a logger faster than its device"),
+            (self.too_short, "row", "of trajectories too short for the filter"),
+        ]);
+        let spikes: u64 = self.spikes.values().sum();
+        let by_signal: Vec<String> =
+            self.spikes.iter().map(|(signal, count)| format!("{signal} {count}")).collect();
+        let longest = 1e3 * self.longest_gap;
+        let repaired = told(&[
+            (spikes, "spike", &format!("replaced ({})", by_signal.join(", "))),
+            (self.gaps, "gap", &format!("bridged (the longest {longest:.1} ms)")),
+            (self.late_stamps, "late time stamp", "put on the clock of the device"),
+            (self.splits, "longer gap", "at which a log was split"),
+        ]);
+        let parts = [("left out", left_out), ("repaired", repaired)];
         let sentence =
             |(what, parts): &(&str, Vec<String>)| format!("{what}: {}", parts.join(", "));
         let any = parts.iter().filter(|(_, parts)| !parts.is_empty());

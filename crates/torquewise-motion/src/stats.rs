@@ -22,8 +22,7 @@ pub fn quantile(values: &mut [f64], share: f64) -> f64 {
     }
     let last = values.len() - 1;
     let place = whole((share * last as f64).round()).min(last);
-    let (_, value, _) = values.select_nth_unstable_by(place, f64::total_cmp);
-    *value
+    *values.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
 /// Correlation of two series of one length; not finite where one of them is constant.

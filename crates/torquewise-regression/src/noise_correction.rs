@@ -1,7 +1,8 @@
 //! Normal equations without what noise in the rows adds to them (E7).
 
 use crate::error::SparseError;
-use faer::{Mat, Side};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Mat, Par, Side};
 
 /// A corrected Gram matrix keeps at least this part of each of its directions: where noise
 /// outweighs a column, a difference of two large numbers would be no information.
@@ -31,13 +32,15 @@ pub fn corrected(gram: &Mat<f64>, bias: &Mat<f64>) -> Result<Mat<f64>, SparseErr
             Mat::from_fn(p, p, |i, j| scaled(gram, i, j) + if i == j { ridge } else { 0.0 });
         whole.llt(Side::Lower).ok()
     };
-    let noise = Mat::from_fn(p, p, |i, j| scaled(bias, i, j));
     let failed = || SparseError::NotSolvable;
     let factor = DEPENDENT.into_iter().find_map(ridged).ok_or_else(failed)?;
     // L⁻¹ B L⁻ᵀ: by what part noise makes each direction larger.
     let lower = factor.L().to_owned();
-    let half = solve_lower(&lower, &noise);
-    let part = solve_lower(&lower, &half.transpose().to_owned());
+    let mut part = Mat::from_fn(p, p, |i, j| scaled(bias, i, j));
+    for _ in 0..2 {
+        solve_lower_triangular_in_place(lower.as_ref(), part.as_mut(), Par::Seq);
+        part = part.transpose().to_owned();
+    }
     let part = Mat::from_fn(p, p, |i, j| 0.5 * (part[(i, j)] + part[(j, i)]));
     let eigen = part.self_adjoint_eigen(Side::Lower).map_err(|_| failed())?;
     let values = eigen.S().column_vector();
@@ -52,16 +55,6 @@ pub fn corrected(gram: &Mat<f64>, bias: &Mat<f64>) -> Result<Mat<f64>, SparseErr
         let symmetric = 0.5 * (bounded[(i, j)] + bounded[(j, i)]);
         gram[(i, j)] - symmetric * scale[i] * scale[j]
     }))
-}
-
-fn solve_lower(lower: &Mat<f64>, right: &Mat<f64>) -> Mat<f64> {
-    let mut out = right.clone();
-    faer::linalg::triangular_solve::solve_lower_triangular_in_place(
-        lower.as_ref(),
-        out.as_mut(),
-        faer::Par::Seq,
-    );
-    out
 }
 
 #[cfg(test)]

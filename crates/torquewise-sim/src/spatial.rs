@@ -39,7 +39,7 @@ pub(crate) fn placement(X_AB: &Pose) -> Placement {
 }
 
 /// Mass distribution of a rigid body, in one frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Body {
     pub(crate) mass: f64,
     /// Centre of mass \[m\].
@@ -49,10 +49,6 @@ pub(crate) struct Body {
 }
 
 impl Body {
-    pub(crate) fn none() -> Self {
-        Self { mass: 0.0, com: Vector3::zeros(), inertia: Matrix3::zeros() }
-    }
-
     /// Moments in the order ixx, iyy, izz, ixy, ixz, iyz.
     pub(crate) fn new(mass: f64, com: [f64; 3], moments: [f64; 6]) -> Self {
         let [xx, yy, zz, xy, xz, yz] = moments;
@@ -82,7 +78,7 @@ impl Body {
     pub(crate) fn welded_to(&self, other: &Self) -> Self {
         let mass = self.mass + other.mass;
         if mass <= 0.0 {
-            return Self { inertia: self.inertia + other.inertia, ..Self::none() };
+            return Self { inertia: self.inertia + other.inertia, ..Self::default() };
         }
         let com = (self.com * self.mass + other.com * other.mass) / mass;
         Self { mass, com, inertia: self.inertia_about(&com) + other.inertia_about(&com) }

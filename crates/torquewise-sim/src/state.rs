@@ -22,10 +22,10 @@ impl State {
     }
 
     /// A share of the way from a pose, and its two derivatives.
-    pub(crate) fn set_on_line(&mut self, from: &[f64], travel: &[f64], [s, ds, dds]: [f64; 3]) {
-        for (i, (from, travel)) in from.iter().zip(travel).enumerate() {
-            (self.q[i], self.dq[i], self.ddq[i]) = (from + s * travel, ds * travel, dds * travel);
-        }
+    pub(crate) fn on_line(from: &[f64], travel: &[f64], [s, ds, dds]: [f64; 3]) -> Self {
+        let times = |rate: f64| travel.iter().map(|travel| rate * travel).collect();
+        let q = from.iter().zip(travel).map(|(from, travel)| from + s * travel).collect();
+        Self { q, dq: times(ds), ddq: times(dds) }
     }
 
     pub(crate) fn of(motion: &Motion, row: usize) -> Self {

@@ -74,7 +74,7 @@ pub fn find_patterns(survey: &Survey, plan: &PatternPlan) -> Result<Patterns, Id
     let inertia: Vec<f64> = clusterings.iter().map(|clustering| clustering.inertia).collect();
     let chosen = plan.clusters.unwrap_or_else(|| elbow(&inertia)).clamp(1, most);
     let centres = clusterings.swap_remove(chosen - 1).centres;
-    let names = centres.iter().map(|centre| named(centre[0] > HALF, centre[1] > HALF)).collect();
+    let names = centres.iter().map(|[dq, ddq]| Pattern::when(*dq > HALF, *ddq > HALF)).collect();
     let switches = (plan.scaling == Scaling::Scaled).then(|| switches(&centres));
     let present = Pattern::ALL.to_vec();
     let mut patterns = Patterns { activation, centres, names, switches, inertia, present };
@@ -82,14 +82,6 @@ pub fn find_patterns(survey: &Survey, plan: &PatternPlan) -> Result<Patterns, Id
     let is_genuine = |&pattern: &Pattern| patterns.is_genuine(survey, &labels, pattern, plan.slow);
     patterns.present = Pattern::ALL.into_iter().filter(is_genuine).collect();
     Ok(patterns)
-}
-
-fn named(moves: bool, accelerates: bool) -> Pattern {
-    match (moves, accelerates) {
-        (_, true) => Pattern::VariableVelocity,
-        (true, false) => Pattern::UniformVelocity,
-        (false, false) => Pattern::Standstill,
-    }
 }
 
 impl Patterns {
@@ -131,7 +123,9 @@ impl Patterns {
     /// nothing.
     pub fn label(&self, motion: &Motion) -> Vec<Pattern> {
         let name = |point: &[f64; 2]| match self.switches {
-            Some([velocity, acceleration]) => named(point[0] > velocity, point[1] > acceleration),
+            Some([velocity, acceleration]) => {
+                Pattern::when(point[0] > velocity, point[1] > acceleration)
+            }
             None => self.nearest(point),
         };
         let genuine = |name| {

@@ -2,9 +2,8 @@
 
 use serde_json::{Value, json};
 use torquewise::log::Prepared;
-use torquewise::model::print;
 use torquewise::model::selection::Selection;
-use torquewise::model::to_json;
+use torquewise::model::{print, to_json};
 use torquewise::observe::Observer;
 use torquewise::page::{LogFile, Origin, page};
 use torquewise::{Error, FitResult};

@@ -70,11 +70,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         bandwidth: arguments.bandwidth,
         false_alarms_per_hour: arguments.false_alarms,
     };
-    let columns = ["tau_external", "threshold"].into_iter();
-    let names =
-        columns.flat_map(|of| (1..=model.n_joints()).map(move |joint| format!("{of}{joint}")));
-    let names: Vec<String> = std::iter::once("t".to_owned()).chain(names).collect();
-    let mut table = TableWriter::create(&staged(&arguments.output)?, &Column::numbers(&names))?;
+    let columns = Column::of_joints(&["tau_external", "threshold"], model.n_joints());
+    let mut table = TableWriter::create(&staged(&arguments.output)?, &columns)?;
     let mut rows = 0;
     let mut curves = vec![<[Growing; 3]>::default(); model.n_joints()];
     let (thresholds, found) =

@@ -8,7 +8,7 @@ use crate::outcome::{Outcome, object};
 use crate::progress::watch;
 use crate::score_table;
 use crate::signal_arguments::SignalArguments;
-use crate::table::{Table, counts};
+use crate::table::Table;
 use chrono::{DateTime, Utc};
 use clap::Args;
 use serde_json::json;
@@ -207,7 +207,9 @@ fn steps(fit: &FitResult) -> String {
     let mut steps = Table::new(["step", "rows", "candidates", "active per joint", "seconds"]);
     for (step, seconds) in fit.steps.iter().zip(&fit.step_seconds) {
         let (rows, candidates) = (step.rows.to_string(), step.candidates.to_string());
-        steps.row(step.name, [rows, candidates, counts(&step.active), format!("{seconds:.3}")]);
+        let active: Vec<String> = step.active.iter().map(ToString::to_string).collect();
+        let cells = [rows, candidates, active.join(" "), format!("{seconds:.3}")];
+        steps.row(step.name, cells);
     }
     steps.text()
 }

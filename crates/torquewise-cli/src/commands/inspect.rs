@@ -53,7 +53,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 
 /// A profile for a log whose columns are not understood.
 fn suggested(arguments: &Arguments) -> Result<Option<Outcome>> {
-    if arguments.filter.signals.has_profile() {
+    if arguments.filter.signals.profile.is_some() {
         return Ok(None);
     }
     let logs: Vec<LogInput> = arguments.logs.iter().map(LogInput::from).collect();

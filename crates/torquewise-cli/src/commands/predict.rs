@@ -201,13 +201,7 @@ impl Written<'_> {
         if self.measured {
             signals.extend(["tau_measured", "residual"]);
         }
-        let numbered = |signal: &&str| {
-            let signal = (*signal).to_owned();
-            (1..=n_joints).map(move |joint| format!("{signal}{joint}"))
-        };
-        let names: Vec<String> =
-            std::iter::once("t".to_owned()).chain(signals.iter().flat_map(numbered)).collect();
-        let mut columns = Column::numbers(&names);
+        let mut columns = Column::of_joints(&signals, n_joints);
         columns.push(Column::new("outside_range", Values::Counts(&[])));
         columns
     }

@@ -2,11 +2,9 @@
 
 use crate::terminal::{Terminal, numbers};
 
-/// Friction of the two joints of the small arm.
 const FRICTION: &str = "[joint1]\ncoulomb = 2.0\nstiction = 3.0\nspeed = 0.1\nviscous = 1.0\n\
     [joint2]\ncoulomb = 0.5\nviscous = 0.2\n";
 
-/// A motion that takes little time.
 const SHORT: &str = "--seconds 4 --period 2";
 
 #[test]

@@ -14,7 +14,6 @@ const URDF: &str = "<robot name='two'>\
     <joint name='elbow' type='continuous'><parent link='upper'/><child link='fore'/>\
     <origin xyz='0 0 0.4'/><axis xyz='0 1 0'/><limit velocity='2' effort='9'/></joint></robot>";
 
-/// A plan that takes little time.
 const QUICK: &str = "--standstill 15 --uniform 40 --variable 30 --tries 3 --rate 50";
 
 #[test]

@@ -55,7 +55,6 @@ fn tree(folder: &Path) -> BTreeMap<PathBuf, u64> {
     found
 }
 
-/// Removes what was not there before.
 fn remove_new(folder: &Path, before: &BTreeMap<PathBuf, u64>) {
     for path in tree(folder).keys().filter(|path| !before.contains_key(*path)) {
         let path = folder.join(path);
@@ -141,7 +140,6 @@ fn c18_c19_c20_signals_at_random_moments_leave_all_or_nothing() {
     }
 }
 
-/// Whether a path lies in a folder of files that are on their way.
 fn is_temporary(path: &Path) -> bool {
     path.iter().any(|name| name.to_string_lossy().starts_with(".torquewise-"))
 }

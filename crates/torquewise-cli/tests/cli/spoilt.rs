@@ -2,7 +2,6 @@
 
 use crate::terminal::{Said, Terminal};
 
-/// Columns of numbers.
 #[derive(Clone)]
 pub(crate) struct Table {
     /// Comments before the header.
@@ -23,7 +22,6 @@ impl Table {
         Self::of(&terminal, "arm.csv")
     }
 
-    /// What stands in a file.
     pub(crate) fn of(terminal: &Terminal, name: &str) -> Self {
         let text = terminal.read(name);
         let (notes, table): (Vec<&str>, Vec<&str>) = text.lines().partition(|l| l.starts_with('#'));

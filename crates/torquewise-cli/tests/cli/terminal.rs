@@ -12,7 +12,6 @@ pub(crate) struct Terminal {
     folder: TempDir,
 }
 
-/// What a line led to.
 #[derive(Debug)]
 pub(crate) struct Said {
     pub(crate) code: i32,
@@ -123,18 +122,15 @@ impl Terminal {
     }
 }
 
-/// The numbers of an array.
 pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
 }
 
-/// A text of each object in an array.
 pub(crate) fn texts(values: &Value, key: &str) -> Vec<String> {
     let objects = values.as_array().unwrap().iter();
     objects.map(|object| object[key].as_str().unwrap().to_owned()).collect()
 }
 
-/// A number of each object in an array.
 pub(crate) fn each(values: &Value, key: &str) -> Vec<f64> {
     values.as_array().unwrap().iter().map(|object| object[key].as_f64().unwrap()).collect()
 }

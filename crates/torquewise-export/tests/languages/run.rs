@@ -33,7 +33,6 @@ pub(crate) fn has(program: &str) -> bool {
     found
 }
 
-/// A text with words replaced.
 fn replaced<const N: usize>(text: &str, words: [(&str, &str); N]) -> String {
     words.iter().fold(text.to_owned(), |text, (word, by)| text.replace(word, by))
 }

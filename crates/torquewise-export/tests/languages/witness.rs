@@ -107,7 +107,6 @@ pub(crate) fn lines(states: &[State]) -> String {
     text
 }
 
-/// Lines of numbers read back.
 pub(crate) fn parsed(text: &str) -> Vec<Vec<f64>> {
     let line = |line: &str| line.split_whitespace().map(|x| x.parse().unwrap()).collect();
     text.lines().map(line).collect()

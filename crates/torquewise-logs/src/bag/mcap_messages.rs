@@ -172,32 +172,27 @@ fn cut_short() -> McapError {
 
 /// A record whose texts lie within it.
 fn whole_record(opcode: u8, data: &[u8]) -> McapResult<Record<'_>> {
-    if has_whole_texts(opcode, data) { parse_record(opcode, data) } else { Err(cut_short()) }
+    check_texts(opcode, data).ok_or_else(cut_short)?;
+    parse_record(opcode, data)
 }
 
-/// Whether the texts of a chunk, a schema or a channel lie within it: a parser takes the memory that a text
-/// claims before it looks for it.
-fn has_whole_texts(opcode: u8, data: &[u8]) -> bool {
-    let whole = |data: &[u8]| -> Option<()> {
-        match opcode {
-            op::CHUNK => after_text(data.get(BEFORE_COMPRESSION..)?).map(drop),
-            op::SCHEMA => {
-                let rest = after_text(after_text(data.get(2..)?)?)?;
-                after_text(rest).map(drop)
+/// Nothing where a text of a chunk, a schema or a channel does not lie within it: a parser takes the
+/// memory that a text claims before it looks for it.
+fn check_texts(opcode: u8, data: &[u8]) -> Option<()> {
+    match opcode {
+        op::CHUNK => after_text(data.get(BEFORE_COMPRESSION..)?).map(drop),
+        op::SCHEMA => after_text(after_text(after_text(data.get(2..)?)?)?).map(drop),
+        op::CHANNEL => {
+            let rest = after_text(after_text(data.get(4..)?)?)?;
+            let (length, rest) = rest.split_first_chunk::<4>()?;
+            let mut pairs = rest.get(..u32::from_le_bytes(*length) as usize)?;
+            while !pairs.is_empty() {
+                pairs = after_text(pairs)?;
             }
-            op::CHANNEL => {
-                let rest = after_text(after_text(data.get(4..)?)?)?;
-                let (length, rest) = rest.split_first_chunk::<4>()?;
-                let mut pairs = rest.get(..u32::from_le_bytes(*length) as usize)?;
-                while !pairs.is_empty() {
-                    pairs = after_text(pairs)?;
-                }
-                Some(())
-            }
-            _ => Some(()),
+            Some(())
         }
-    };
-    whole(data).is_some()
+        _ => Some(()),
+    }
 }
 
 /// What follows a text: four bytes with its length, and so many more.

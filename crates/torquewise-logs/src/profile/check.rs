@@ -2,8 +2,7 @@
 
 use crate::error::{LogError, Result, shown};
 use crate::joints;
-use crate::profile::unit;
-use crate::profile::{Columns, PerJoint, Profile, SignalColumns};
+use crate::profile::{Columns, PerJoint, Profile, SignalColumns, unit};
 use torquewise_motion::signals::Signal;
 
 impl Profile {

@@ -4,7 +4,8 @@ use super::{Suggestion, suggest};
 use crate::logs::Logs;
 use crate::profile::{Columns, Profile};
 use crate::source::Options;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
 
 fn write(file: &Path, header: &str, rows: u32, row: impl Fn(f64) -> Vec<f64>) {
     let line = |k| {
@@ -13,6 +14,14 @@ fn write(file: &Path, header: &str, rows: u32, row: impl Fn(f64) -> Vec<f64>) {
     };
     let lines: String = (0..rows).map(line).collect();
     std::fs::write(file, format!("{header}\n{lines}")).unwrap();
+}
+
+/// The same in a folder of its own.
+fn log(name: &str, header: &str, rows: u32, row: impl Fn(f64) -> Vec<f64>) -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join(name);
+    write(&file, header, rows, row);
+    (folder, file)
 }
 
 /// A suggestion that must read the log it was made for.
@@ -31,11 +40,9 @@ fn wave(t: f64) -> (f64, f64) {
 
 #[test]
 fn measured_columns_are_preferred_and_units_found() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("run.csv");
     let header =
         "time_ms, pos_des1,pos_des2,pos_meas1,pos_meas2,vel_meas1,vel_meas2,tau_meas1,tau_meas2";
-    write(&file, header, 800, |k| {
+    let (_folder, file) = log("run.csv", header, 800, |k| {
         let (q, dq) = wave(0.005 * k);
         let degrees = 60.0 * q;
         vec![5.0 * k, 0.0, 0.0, degrees, -degrees, 60.0 * dq, -60.0 * dq, 1.0, 2.0]
@@ -81,12 +88,10 @@ fn brackets_around_a_number_or_a_unit_hide_no_joint() {
 
 #[test]
 fn velocity_in_another_unit_than_position_is_told_by_slopes() {
-    let folder = tempfile::tempdir().unwrap();
     for (factor, unit) in
         [(1.0, "rad/s"), (180.0 / std::f64::consts::PI, "deg/s"), (9.549_3, "rpm")]
     {
-        let file = folder.path().join("run.csv");
-        write(&file, "t,q0,q1,dq0,dq1", 500, |k| {
+        let (_folder, file) = log("run.csv", "t,q0,q1,dq0,dq1", 500, |k| {
             let (q, dq) = wave(0.01 * k);
             vec![0.01 * k, q, 2.0 * q, factor * dq, 2.0 * factor * dq]
         });
@@ -102,11 +107,8 @@ fn velocity_in_another_unit_than_position_is_told_by_slopes() {
 
 #[test]
 fn joints_named_within_columns_are_found() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("arm.csv");
-    write(&file, "t,- hip_joint_position,- knee_joint_position", 100, |k| {
-        vec![0.01 * k, wave(k).0, 1.0]
-    });
+    let header = "t,- hip_joint_position,- knee_joint_position";
+    let (_folder, file) = log("arm.csv", header, 100, |k| vec![0.01 * k, wave(k).0, 1.0]);
 
     let (_, profile) = readable(&file);
 
@@ -116,9 +118,8 @@ fn joints_named_within_columns_are_found() {
 
 #[test]
 fn what_no_file_tells_is_left_to_be_filled_in() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("run.csv");
-    write(&file, "pos1,pos2,current1,current2", 100, |k| vec![k, 50.0, 2.0, 2.0]);
+    let header = "pos1,pos2,current1,current2";
+    let (_folder, file) = log("run.csv", header, 100, |k| vec![k, 50.0, 2.0, 2.0]);
 
     let suggestion = suggest(&[(&file).into()]).unwrap();
 
@@ -136,9 +137,7 @@ fn what_no_file_tells_is_left_to_be_filled_in() {
 
 #[test]
 fn columns_that_mean_nothing_give_a_draft_and_no_error() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("x.csv");
-    write(&file, "alpha,\"be\"\"ta\"", 10, |k| vec![k, k]);
+    let (_folder, file) = log("x.csv", "alpha,\"be\"\"ta\"", 10, |k| vec![k, k]);
 
     let suggestion = suggest(&[(&file).into()]).unwrap();
 

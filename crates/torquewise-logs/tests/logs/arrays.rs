@@ -1,12 +1,12 @@
 //! Arrays of NumPy and MATLAB: read as columns, time along their longer side.
-use crate::made_mats::{compressed, doubles, element, mat, small_element, structure, variable};
-use crate::with;
+use crate::made_mats::{compressed, doubles, element, mat_of, small_element, structure, variable};
+use crate::{file_of, with};
 use ndarray::{Array1, Array2, ShapeBuilder};
 use ndarray_npy::NpzWriter;
 use std::fs::File;
 use std::io::Write;
-use std::path::{Path, PathBuf};
-use tempfile::TempDir;
+use std::path::Path;
+use tempfile::TempPath;
 use torquewise_logs::{LogError, Logs, Options, Profile};
 use torquewise_motion::Motion;
 
@@ -25,7 +25,6 @@ fn tall(n: usize) -> Array2<f64> {
     Array2::from_shape_fn((ROWS, n), |(row, joint)| value(row, joint))
 }
 
-/// The same as whole numbers.
 fn whole(n: usize) -> Array2<u16> {
     Array2::from_shape_fn((ROWS, n), |(row, joint)| u16::try_from(row + 100 * (joint + 1)).unwrap())
 }
@@ -43,21 +42,24 @@ fn assert_is_read(motion: &Motion, factor: f64) {
     }
 }
 
-fn npz(folder: &TempDir, add: impl FnOnce(&mut NpzWriter<File>)) -> PathBuf {
-    let file = folder.path().join("log.npz");
+fn npz(add: impl FnOnce(&mut NpzWriter<File>)) -> TempPath {
+    let file = file_of(".npz", b"");
     let mut writer = NpzWriter::new_compressed(File::create(&file).unwrap());
     add(&mut writer);
     writer.finish().unwrap();
     file
 }
 
+fn mat(variables: &[Vec<u8>]) -> TempPath {
+    file_of(".mat", &mat_of(variables))
+}
+
 #[test]
 fn arrays_in_any_order_and_type_are_read_as_columns() {
-    let folder = tempfile::tempdir().unwrap();
     let fortran = Array2::from_shape_fn((ROWS, 2).f(), |(row, joint)| value(row, joint));
     let flat = tall(2).reversed_axes();
     for layout in 0..4 {
-        let file = npz(&folder, |file| {
+        let file = npz(|file| {
             file.add_array("t", &t()).unwrap();
             match layout {
                 0 => file.add_array("q", &tall(2)).unwrap(),
@@ -79,8 +81,7 @@ fn arrays_in_any_order_and_type_are_read_as_columns() {
 
 #[test]
 fn a_profile_maps_arrays_and_a_vector_is_a_column_of_its_own() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = npz(&folder, |file| {
+    let file = npz(|file| {
         file.add_array("stamp", &t().mapv(|t| (1e3 * t).round())).unwrap();
         file.add_array("pos", &tall(2)).unwrap();
         file.add_array("first", &tall(1).column(0).to_owned()).unwrap();
@@ -98,8 +99,7 @@ fn a_profile_maps_arrays_and_a_vector_is_a_column_of_its_own() {
 
 #[test]
 fn the_profile_of_the_simulated_arm_reads_what_its_comment_says_to_save() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = npz(&folder, |file| {
+    let file = npz(|file| {
         file.add_array("t", &t()).unwrap();
         for (name, offset) in [("q", 0.0), ("dq", 1.0), ("ddq", 2.0), ("tau", 3.0)] {
             file.add_array(name, &(tall(2) + offset)).unwrap();
@@ -117,8 +117,7 @@ fn the_profile_of_the_simulated_arm_reads_what_its_comment_says_to_save() {
 
 #[test]
 fn arrays_of_another_length_are_refused_if_they_are_used() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = npz(&folder, |file| {
+    let file = npz(|file| {
         file.add_array("t", &t()).unwrap();
         file.add_array("q", &Array2::<f64>::zeros((ROWS + 1, 2))).unwrap();
         file.add_array("gain", &Array1::<f64>::zeros(7)).unwrap();
@@ -130,8 +129,8 @@ fn arrays_of_another_length_are_refused_if_they_are_used() {
 }
 
 /// An archive with one array q whose header is as given.
-fn archive(folder: &TempDir, header: &str, body: &[u8]) -> PathBuf {
-    let file = folder.path().join("lies.npz");
+fn archive(header: &str, body: &[u8]) -> TempPath {
+    let file = file_of(".npz", b"");
     let mut zip = zip::ZipWriter::new(File::create(&file).unwrap());
     zip.start_file("q.npy", zip::write::SimpleFileOptions::default()).unwrap();
     zip.write_all(b"\x93NUMPY\x01\x00").unwrap();
@@ -144,21 +143,19 @@ fn archive(folder: &TempDir, header: &str, body: &[u8]) -> PathBuf {
 
 #[test]
 fn an_array_that_claims_more_than_it_has_allocates_nothing() {
-    let folder = tempfile::tempdir().unwrap();
     let options = with("rate = 100.0\nq = { columns = \"q\" }");
     for shape in ["(4000000000000, 2)", "(18446744073709551615, 2)", "(9, 1)"] {
         let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}}}\n");
-        let refused = read(&archive(&folder, &header, &[0; 64]), &options);
+        let refused = read(&archive(&header, &[0; 64]), &options);
         assert!(matches!(refused, Err(LogError::Array { .. })), "{shape}");
     }
     let deep = format!("{{'descr': {}", "(".repeat(60_000));
-    let refused = read(&archive(&folder, &deep, b""), &Options::default());
+    let refused = read(&archive(&deep, b""), &Options::default());
     assert!(matches!(refused, Err(LogError::Array { .. })), "{refused:?}");
 }
 
 #[test]
 fn a6_names_of_many_arrays_take_no_more_than_stated() {
-    let folder = tempfile::tempdir().unwrap();
     // 100 000 elements of a structure, whose one field has a name of 64 kB.
     let name = vec![b'n'; 65_535];
     let field = variable(6, [2, 1], "", &[element(9, &[0; 16])]);
@@ -167,7 +164,7 @@ fn a6_names_of_many_arrays_take_no_more_than_stated() {
         element(1, &[&name[..], &[0]].concat()),
         field.repeat(100_000),
     ];
-    let long = mat(&folder, &[compressed(&variable(2, [1, 100_000], "s", &content))]);
+    let long = mat(&[compressed(&variable(2, [1, 100_000], "s", &content))]);
     let refused = read(&long, &Options::default());
     assert!(matches!(refused, Err(LogError::NoColumn { .. })), "{refused:?}");
 
@@ -177,31 +174,28 @@ fn a6_names_of_many_arrays_take_no_more_than_stated() {
         element(1, b"field\0\0\0"),
         element(14, b"").repeat(1_100_000),
     ];
-    let fields = mat(&folder, &[compressed(&variable(2, [1, 1_100_000], "c", &content))]);
+    let fields = mat(&[compressed(&variable(2, [1, 1_100_000], "c", &content))]);
     let refused = read(&fields, &Options::default()).unwrap_err();
     assert!(format!("{refused:?}").contains("over 1000000"), "{refused:?}");
 }
 
 #[test]
 fn a8_arrays_of_long_names_and_too_many_columns_are_passed_over_or_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let long = npz(&folder, |file| {
+    let long = npz(|file| {
         for k in 0..50 {
             file.add_array(format!("{k}{}", "n".repeat(60_000)), &t()).unwrap();
         }
     });
-    let many = npz(&folder, |_| {});
     assert!(matches!(
         read(&long, &Options::default()),
         Err(LogError::NoColumn { .. } | LogError::Decode { .. })
     ));
 
-    let file = File::create(&many).unwrap();
-    let mut writer = NpzWriter::new_compressed(file);
-    for k in 0..60 {
-        writer.add_array(format!("a{k}"), &Array2::<f64>::zeros((256, 256))).unwrap();
-    }
-    writer.finish().unwrap();
+    let many = npz(|file| {
+        for k in 0..60 {
+            file.add_array(format!("a{k}"), &Array2::<f64>::zeros((256, 256))).unwrap();
+        }
+    });
     assert!(matches!(read(&many, &Options::default()), Err(LogError::TooManyColumns { .. })));
 }
 
@@ -217,16 +211,16 @@ fn peak_memory() -> usize {
 #[test]
 fn a7_a11_memory_does_not_grow_with_the_rows_of_arrays() {
     const LONG: usize = 8_000_000;
-    let folder = tempfile::tempdir().unwrap();
     let zeros = vec![0; LONG];
-    let archive = npz(&folder, |file| {
+    let archive = npz(|file| {
         file.add_array("q", &Array1::from(zeros.iter().map(|_| 0_i8).collect::<Vec<_>>())).unwrap();
     });
     let matrix = variable(6, [LONG, 1], "q", &[element(1, &zeros)]);
     let packed = compressed(&matrix);
     drop((matrix, zeros));
-    for file in [archive, mat(&folder, &[packed])] {
-        let logs = Logs::open_with(&[file], &with("rate = 1000.0\nq = { columns = \"q\" }"));
+    for file in [archive, mat(&[packed])] {
+        let logs =
+            Logs::open_with(&[file.to_path_buf()], &with("rate = 1000.0\nq = { columns = \"q\" }"));
         // From here on the peak counts, where the system lets it be forgotten.
         let _ = std::fs::write("/proc/self/clear_refs", "5");
         let before = peak_memory();
@@ -247,8 +241,7 @@ fn a7_a11_memory_does_not_grow_with_the_rows_of_arrays() {
 
 #[test]
 fn a_changed_byte_of_an_array_is_noticed() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("stored.npz");
+    let file = file_of(".npz", b"");
     let mut writer = NpzWriter::new(File::create(&file).unwrap());
     writer.add_array("t", &t()).unwrap();
     writer.add_array("q", &tall(2)).unwrap();
@@ -291,24 +284,22 @@ const RECORD: &str = "t = { column = \"rec.time\" }\n\
 
 #[test]
 fn structures_are_read_whether_they_are_compressed_or_not() {
-    let folder = tempfile::tempdir().unwrap();
     let packed: Vec<_> = record().iter().map(|variable| compressed(variable)).collect();
     for variables in [record(), packed] {
-        let motion = read(&mat(&folder, &variables), &with(RECORD)).unwrap();
+        let motion = read(&mat(&variables), &with(RECORD)).unwrap();
 
         assert_is_read(&motion, 1_f64.to_radians());
         let tau = motion.require_tau().unwrap();
         assert_eq!((tau[(9, 0)], tau[(9, 1)]), (9.0, 209.0));
     }
     // Columns of plain names need no profile.
-    let file = mat(&folder, &[doubles("t", &column(&t())), compressed(&doubles("q", &tall(2)))]);
+    let file = mat(&[doubles("t", &column(&t())), compressed(&doubles("q", &tall(2)))]);
     assert_is_read(&read(&file, &Options::default()).unwrap(), 1.0);
 }
 
 #[test]
 fn encodings_that_are_not_read_are_told() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = mat(&folder, &[]);
+    let file = mat(&[]);
     let mut bytes = std::fs::read(&file).unwrap();
     for (version, reason) in
         [([0, 2, b'I', b'M'], "version 7.3"), ([1, 0, b'M', b'I'], "big-endian")]
@@ -319,32 +310,31 @@ fn encodings_that_are_not_read_are_told() {
         assert!(refused.contains(reason), "{refused}");
     }
     let cells = variable(1, [2, 1], "q", &[doubles("", &tall(1)), doubles("", &tall(1))]);
-    let file = mat(&folder, &[cells, doubles("t", &column(&t()))]);
+    let file = mat(&[cells, doubles("t", &column(&t()))]);
     let refused = read(&file, &with("rate = 1.0\nq = { columns = \"q\" }")).unwrap_err();
     assert!(format!("{refused:?}").contains("holds cells"), "{refused:?}");
     // Cells that are not asked for do no harm.
     assert!(read(&file, &with("rate = 1.0\nq = { columns = \"t\" }")).is_ok());
 }
 
-/// Sound files: where each is to stand, its bytes, and how it is read.
-fn sound(folder: &TempDir) -> [(PathBuf, Vec<u8>, Options); 3] {
+/// Sound files: the bytes of each, how it is read, and where it is to stand.
+fn sound() -> [(Vec<u8>, Options, TempPath); 3] {
     let packed: Vec<_> = record().iter().map(|variable| compressed(variable)).collect();
-    let archive = npz(folder, |file| {
+    let archive = npz(|file| {
         file.add_array("t", &t()).unwrap();
         file.add_array("q", &tall(2)).unwrap();
     });
-    let sound = |file: PathBuf, options| (file.clone(), std::fs::read(file).unwrap(), options);
+    let sound = |file: TempPath, options| (std::fs::read(&file).unwrap(), options, file);
     [
-        sound(mat(folder, &record()), with(RECORD)),
-        sound(mat(folder, &packed), with(RECORD)),
+        sound(mat(&record()), with(RECORD)),
+        sound(mat(&packed), with(RECORD)),
         sound(archive, Options::default()),
     ]
 }
 
 #[test]
 fn a_file_cut_short_is_refused_wherever_it_ends() {
-    let folder = tempfile::tempdir().unwrap();
-    for (file, whole, options) in sound(&folder) {
+    for (whole, options, file) in sound() {
         std::fs::write(&file, &whole).unwrap();
         assert!(read(&file, &options).is_ok());
         for end in (0..whole.len()).step_by(64) {

@@ -1,8 +1,8 @@
 //! Bags of ROS 2: what their messages hold is read by joint name and time, whatever the storage.
 use crate::made_bags::{KIND, Made, joint_state, write, write_mcap};
-use crate::with;
+use crate::{file_of, with};
 use mcap::{Compression, WriteOptions};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use torquewise_logs::{Clock, LogError, Logs, Options};
 use torquewise_motion::Motion;
 
@@ -265,20 +265,14 @@ fn a_bag_cut_short_is_refused_wherever_it_ends() {
 
 #[test]
 fn what_is_no_bag_is_told_apart() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = |name: &str, bytes: &[u8]| -> PathBuf {
-        let file = folder.path().join(name);
-        std::fs::write(&file, bytes).unwrap();
-        file
-    };
-    let other = folder.path().join("other.db3");
+    let other = file_of(".db3", b"");
     rusqlite::Connection::open(&other).unwrap().execute_batch("CREATE TABLE topics(a)").unwrap();
-    let view = folder.path().join("view.db3");
+    let view = file_of(".db3", b"");
     let views = "CREATE TABLE a(id); CREATE VIEW topics AS SELECT * FROM a;
         CREATE VIEW messages AS SELECT * FROM a";
     rusqlite::Connection::open(&view).unwrap().execute_batch(views).unwrap();
 
-    let computed = folder.path().join("computed.db3");
+    let computed = file_of(".db3", b"");
     write(&computed, &[(TOPIC, KIND)], &messages(30, plain));
     let generate = "CREATE TABLE made(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER,
             data AS (CAST(x'00010000' || zeroblob(4000000) AS BLOB)));
@@ -287,15 +281,15 @@ fn what_is_no_bag_is_told_apart() {
         ALTER TABLE made RENAME TO messages";
     rusqlite::Connection::open(&computed).unwrap().execute_batch(generate).unwrap();
 
-    for bag in [file("text.db3", b"t,q1\n0,1\n"), other, view, computed] {
+    for bag in [file_of(".db3", b"t,q1\n0,1\n"), other, view, computed] {
         let refused = open(&bag, &Options::default());
         assert!(matches!(refused, Err(LogError::NoBag { .. })), "{}", bag.display());
     }
-    for empty in ["a.db3", "a.mcap"] {
-        let refused = open(&file(empty, b""), &Options::default());
+    for empty in [".db3", ".mcap"] {
+        let refused = open(&file_of(empty, b""), &Options::default());
         assert!(matches!(refused, Err(LogError::Empty { .. })), "{empty}");
     }
-    let refused = open(&file("text.mcap", b"t,q1\n0,1\n"), &Options::default());
+    let refused = open(&file_of(".mcap", b"t,q1\n0,1\n"), &Options::default());
     assert!(matches!(refused, Err(LogError::Decode { .. })));
     assert!(matches!(open(Path::new("no.db3"), &Options::default()), Err(LogError::Read { .. })));
 }
@@ -303,8 +297,7 @@ fn what_is_no_bag_is_told_apart() {
 /// Found by mutation: the parser took the memory that a text claims.
 #[test]
 fn a_text_that_claims_more_than_the_bag_has_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let bag = folder.path().join("bag.mcap");
+    let bag = file_of(".mcap", b"");
     let open_bag = mcap::WriteOptions::default()
         .compression(None)
         .calculate_chunk_crcs(false)
@@ -349,8 +342,7 @@ fn c22_a_bag_that_was_not_closed_is_read_and_nothing_is_left_beside_it() {
 
 #[test]
 fn a14_messages_without_an_index_are_read_as_recorded() {
-    let folder = tempfile::tempdir().unwrap();
-    let bag = folder.path().join("bag.db3");
+    let bag = file_of(".db3", b"");
     let mut made = messages(5_000, plain);
     made.swap(100, 150);
     write(&bag, &[(TOPIC, KIND)], &made);

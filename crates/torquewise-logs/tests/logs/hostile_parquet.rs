@@ -79,7 +79,6 @@ fn numbers(name: &str, values: &[f64]) -> Foreign {
     foreign::<DoubleType>(name, None, &values)
 }
 
-/// A valid file to be damaged.
 static VALID: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("log.parquet");

@@ -11,7 +11,6 @@ use std::path::Path;
 
 pub(crate) const KIND: &str = "sensor_msgs/msg/JointState";
 
-/// A message to be put into a bag.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Made {
     pub(crate) topic: &'static str,

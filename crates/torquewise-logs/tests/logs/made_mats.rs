@@ -4,8 +4,6 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use ndarray::Array2;
 use std::io::Write;
-use std::path::PathBuf;
-use tempfile::TempDir;
 
 /// An element of a MAT file: tag, body, padding.
 pub(crate) fn element(kind: u32, body: &[u8]) -> Vec<u8> {
@@ -60,12 +58,6 @@ pub(crate) fn compressed(variable: &[u8]) -> Vec<u8> {
     let body = encoder.finish().unwrap();
     let length = u32::try_from(body.len()).unwrap();
     [15_u32.to_le_bytes().to_vec(), length.to_le_bytes().to_vec(), body].concat()
-}
-
-pub(crate) fn mat(folder: &TempDir, variables: &[Vec<u8>]) -> PathBuf {
-    let file = folder.path().join("log.mat");
-    std::fs::write(&file, mat_of(variables)).unwrap();
-    file
 }
 
 pub(crate) fn mat_of(variables: &[Vec<u8>]) -> Vec<u8> {

@@ -15,9 +15,8 @@ mod shared;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use torquewise_logs::{LogError, LogInput, Logs, Options, Profile};
-use torquewise_motion::Motion;
+use torquewise_motion::{Motion, Recording};
 
-/// A folder with text files.
 struct Files(tempfile::TempDir);
 
 impl Files {
@@ -32,6 +31,24 @@ impl Files {
     }
 }
 
+/// A file of some ending with these bytes; gone once it is dropped.
+fn file_of(ending: &str, bytes: &[u8]) -> tempfile::TempPath {
+    let file = tempfile::Builder::new().suffix(ending).tempfile().unwrap();
+    std::fs::write(&file, bytes).unwrap();
+    file.into_temp_path()
+}
+
+/// What there is to see of each block of a recording, and of the number of its trajectory.
+fn seen<T>(recording: &impl Recording, of: impl Fn(usize, &Motion) -> T) -> Vec<T> {
+    let mut seen = Vec::new();
+    let read = recording.read(&mut |trajectory, block| {
+        seen.push(of(trajectory, block));
+        Ok(())
+    });
+    read.unwrap();
+    seen
+}
+
 /// All rows of a file, which are the same, or refused with the same words, from its bytes in memory;
 /// a bag in SQLite is read from a disk alone.
 fn read_both(file: &Path, options: &Options) -> Result<Vec<Motion>, LogError> {
@@ -44,7 +61,6 @@ fn read_both(file: &Path, options: &Options) -> Result<Vec<Motion>, LogError> {
     from_disk
 }
 
-/// To read logs by a profile.
 fn with(profile: &str) -> Options {
     Options { profile: Some(Profile::from_toml(profile).unwrap()), ..Options::default() }
 }

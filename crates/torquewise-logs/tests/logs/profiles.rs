@@ -7,7 +7,6 @@ use torquewise_motion::Motion;
 use torquewise_motion::signals::{Raw, Signal};
 
 impl Files {
-    /// A file with a header and rows of formatted numbers.
     fn add_rows(
         &self,
         name: &str,

@@ -1,5 +1,5 @@
 //! Several files are one recording, and what does not belong together is refused.
-use crate::Files;
+use crate::{Files, seen};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
@@ -17,12 +17,7 @@ fn each_file_and_each_part_between_gaps_is_a_trajectory() {
     let logs = Logs::open(&[files.add("a.csv", gap), files.add("b.csv", ONE_JOINT)]).unwrap();
 
     assert_eq!(logs.file_of(0), None, "nothing was read yet");
-    let mut rows = Vec::new();
-    logs.read(&mut |trajectory, block| {
-        rows.push((trajectory, block.n_rows(), block.tau().is_some()));
-        Ok(())
-    })
-    .unwrap();
+    let rows = seen(&logs, |number, block| (number, block.n_rows(), block.tau().is_some()));
     let whole: Vec<_> = logs.read_all().unwrap().iter().map(|part| part.t().to_vec()).collect();
 
     assert_eq!(rows, [(0, 4, false), (1, 2, false), (2, 2, true)]);
@@ -43,13 +38,7 @@ fn trajectories_too_short_to_filter_leave_the_others_their_numbers() {
     let logs = Logs::open(&[a, b.clone()]).unwrap();
     let conditioned = ConditionedLogs::new(logs, &Conditioning::default()).unwrap();
 
-    let mut numbers = Vec::new();
-    conditioned
-        .read(&mut |trajectory, _| {
-            numbers.push(trajectory);
-            Ok(())
-        })
-        .unwrap();
+    let mut numbers = seen(&conditioned, |trajectory, _| trajectory);
 
     numbers.dedup();
     assert_eq!(numbers, [0, 2]);
@@ -214,7 +203,6 @@ fn noisy_swing(rows: usize) -> String {
     format!("t,q1,tau1\n{}", (0..rows).zip(unit).map(row).collect::<String>())
 }
 
-/// Rows of a log, and their noise.
 fn rows_and_noise(logs: &ConditionedLogs, log: usize, seed: u64) -> [Vec<[f64; 4]>; 2] {
     let mut found = [Vec::new(), Vec::new()];
     let row = |m: &torquewise_motion::Motion, k: usize| {

@@ -1,10 +1,11 @@
 //! What is written is read back to the same bits, in either format.
 
+use crate::{file_of, seen};
 use faer::Mat;
 use proptest::prelude::*;
 use std::path::Path;
 use torquewise_logs::{Column, LogError, LogWriter, Logs, TableWriter, Values, write_motion};
-use torquewise_motion::{Motion, Recording, Signals};
+use torquewise_motion::{Motion, Signals};
 
 const FORMATS: [&str; 2] = ["log.csv", "log.parquet"];
 
@@ -54,21 +55,15 @@ fn a_long_motion_comes_back_whole_and_in_blocks() {
         assert_eq!(bits(&read[0]), bits(&written));
     }
     let logs = Logs::open(&files).unwrap();
-    let mut cuts = Vec::new();
-    logs.read(&mut |trajectory, block| {
-        cuts.push((trajectory, block.n_rows()));
-        Ok(())
-    })
-    .unwrap();
+    let cuts = seen(&logs, |trajectory, block| (trajectory, block.n_rows()));
     let of_one = |k| (0..39).map(move |_| (k, 1024)).chain([(k, 64)]);
     assert_eq!(cuts, of_one(0).chain(of_one(1)).collect::<Vec<_>>());
 }
 
 #[test]
 fn a_motion_without_torque_cannot_fill_a_log_with_torque() {
-    let folder = tempfile::tempdir().unwrap();
     let without = motion(&["a"], 10, &[1.0], false);
-    let file = folder.path().join("log.csv");
+    let file = file_of(".csv", b"");
 
     let mut writer = LogWriter::create(&file, without.joints(), true).unwrap();
     let refused = writer.append(&without);
@@ -82,8 +77,7 @@ fn a_motion_without_torque_cannot_fill_a_log_with_torque() {
 
 #[test]
 fn a_csv_table_holds_shortest_numbers_and_quoted_text() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("out.csv");
+    let file = file_of(".csv", b"");
     let columns = [
         Column::new("row", Values::Counts(&[])),
         Column::new("pattern", Values::Texts(&[])),

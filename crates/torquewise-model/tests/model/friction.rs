@@ -2,6 +2,7 @@
 
 #![expect(clippy::float_cmp, reason = "the same bits are meant")]
 
+use torquewise_model::checks::driving_friction;
 use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::model::{Candidate, Choice};
 use torquewise_model::{
@@ -29,6 +30,13 @@ pub(crate) fn model(friction: Vec<Weighted<FrictionTerm>>) -> Model {
         friction,
         ..Model::default()
     }
+}
+
+/// The model with a step before that found the same but for this friction.
+fn after_a_step(mut model: Model, friction: Vec<Weighted<FrictionTerm>>) -> Model {
+    let (name, form) = ("uniform".into(), model.form.clone());
+    model.stages = vec![Stage { name, rows: 7, candidates: 9, form, friction }];
+    model
 }
 
 pub(crate) const EXACT: FrictionLaw = FrictionLaw::Coulomb { width: 0.0 };
@@ -143,13 +151,8 @@ fn friction_is_a_part_of_its_own() {
 fn a_saved_model_keeps_friction_steps_and_choices() {
     let mut whole = model(all_laws());
     whole.friction[1].coefficient = 0.1 + 0.2;
-    whole.stages = vec![Stage {
-        name: "uniform".into(),
-        rows: 7,
-        candidates: 9,
-        form: whole.form.clone(),
-        friction: vec![whole.friction[2].clone()],
-    }];
+    let friction = vec![whole.friction[2].clone()];
+    let mut whole = after_a_step(whole, friction);
     let candidate = |label: &str, error, complexity| Candidate {
         label: label.into(),
         error,
@@ -225,14 +228,7 @@ fn friction_that_cannot_be_is_refused() {
     assert!(to_json(&model(vec![good.clone()])).is_ok());
     for broken in hostile {
         let place = format!("{broken:?}");
-        let mut staged = model(vec![]);
-        staged.stages = vec![Stage {
-            name: "uniform".into(),
-            rows: 7,
-            candidates: 9,
-            form: staged.form.clone(),
-            friction: vec![broken.clone()],
-        }];
+        let staged = after_a_step(model(vec![]), vec![broken.clone()]);
         assert!(to_json(&staged).is_err(), "{place}");
         assert!(to_json(&model(vec![broken])).is_err(), "{place}");
     }
@@ -259,14 +255,7 @@ fn a_tampered_file_is_refused_with_the_place() {
 
 #[test]
 fn another_reversal_changes_friction_at_reversal_alone() {
-    let mut smooth = model(all_laws());
-    smooth.stages = vec![Stage {
-        name: "slow".into(),
-        rows: 9,
-        candidates: 1,
-        form: smooth.form.clone(),
-        friction: all_laws(),
-    }];
+    let smooth = after_a_step(model(all_laws()), all_laws());
 
     let sharp = smooth.with_reversal(1e-4);
 
@@ -278,4 +267,36 @@ fn another_reversal_changes_friction_at_reversal_alone() {
     let grown = at(&sharp, -0.005)[1] - at(&smooth, -0.005)[1];
     assert!((grown + 0.7 * (1.0 - 0.5_f64.tanh())).abs() < 1e-12, "{grown}");
     assert_eq!(at(&sharp.after_step(1).unwrap(), -0.005), at(&sharp, -0.005));
+}
+
+#[test]
+fn friction_under_load_follows_the_gravity_of_its_joint() {
+    let loaded = directed(EXACT, Direction::Both).under_load();
+    assert_eq!(
+        [loaded.name(), loaded.latex()].concat(),
+        "sign(dq2)*|G2|\
+        \\operatorname{sign}(\\dot q_{2})\\,|G_{2}|"
+    );
+    let knee = Weighted::new(Term::one(2).times(Trig::Sin, 1, 1, 1), -4.0);
+    let mut rubbing = model(vec![weighted(loaded, 0.1)]);
+    let Form::Torque(equations) = &mut rubbing.form else { unreachable!() };
+    equations[1].push(knee);
+    let torque = Torque::new(&rubbing);
+    let (q, dq, ddq) = ([0.3, 0.5], [1.0, -0.2], [0.0, 3.0]);
+
+    let friction = torque.friction(&q, &dq).unwrap();
+
+    assert_eq!(friction[0], 0.0);
+    assert!((friction[1] + 0.1 * 4.0 * 0.5_f64.sin()).abs() < 1e-15, "{friction:?}");
+    let bare = Torque::new(&Model { friction: vec![], ..rubbing.clone() });
+    let whole = torque.at(&q, &dq, &ddq).unwrap()[1] - bare.at(&q, &dq, &ddq).unwrap()[1];
+    assert!((whole - friction[1]).abs() < 1e-14);
+    assert!(driving_friction(&rubbing).is_none());
+    rubbing.friction[0].coefficient = -0.1;
+    assert!(driving_friction(&rubbing).is_some());
+
+    let shared = FrictionTerm { shaft: vec![1.0, 1.0], ..rubbing.friction[0].term.clone() };
+    rubbing.friction[0].term = shared;
+    let refused = to_json(&rubbing).unwrap_err();
+    assert!(refused.to_string().contains("of one joint"), "{refused}");
 }

@@ -3,7 +3,6 @@
 
 mod chain;
 mod friction;
-mod friction_load;
 mod model;
 mod physics;
 mod rigid_chain;

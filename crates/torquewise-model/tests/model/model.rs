@@ -30,16 +30,13 @@ fn two_link() -> (Arm, Model) {
         weighted(inertia(1, 1, &one), bent[(1, 1)]),
     ];
     // τ₁ = ∂V/∂q₁ at two states gives the two weights of the potential.
-    for (first, second) in
-        [(Trig::Sin, None), (Trig::Sin, Some(Trig::Cos)), (Trig::Cos, Some(Trig::Sin))]
-    {
-        let mut function = one.clone().times(first, 0, 1, 1);
-        if let Some(second) = second {
-            function = function.times(second, 1, 1, 1);
-        }
-        let folded = arm.gravity_torque(&[0.0, std::f64::consts::PI])[0];
-        let out = arm.gravity_torque(&[0.0, 0.0])[0];
-        let weight = if second.is_some() { 0.5 * (out - folded) } else { 0.5 * (out + folded) };
+    let [out, folded] = [0.0, std::f64::consts::PI].map(|q2| arm.gravity_torque(&[0.0, q2])[0]);
+    let [sin1, cos1] = [Trig::Sin, Trig::Cos].map(|trig| one.clone().times(trig, 0, 1, 1));
+    for (function, weight) in [
+        (sin1.clone(), 0.5 * (out + folded)),
+        (sin1.times(Trig::Cos, 1, 1, 1), 0.5 * (out - folded)),
+        (cos1.times(Trig::Sin, 1, 1, 1), 0.5 * (out - folded)),
+    ] {
         terms.push(weighted(EnergyTerm { place: Place::Potential, function }, weight));
     }
     let stage = Stage {

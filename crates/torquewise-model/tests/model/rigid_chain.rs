@@ -128,7 +128,6 @@ fn only_bodies_that_can_be_are_feasible() {
     }));
 }
 
-/// A model that is the chain, with friction.
 fn model(chain: RigidChain) -> Model {
     let terms = chain.energy_terms().unwrap();
     Model {

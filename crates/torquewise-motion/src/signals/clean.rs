@@ -28,7 +28,7 @@ pub struct Outliers {
 pub(crate) struct Base {
     pub(crate) timing: Timing,
     /// Of each signal and joint, empty where there is no such signal or nothing to be looked for.
-    scales: [Vec<f64>; 4],
+    pub(crate) scales: [Vec<f64>; 4],
 }
 
 impl Base {
@@ -41,11 +41,6 @@ impl Base {
                 columns.iter().map(|column| spike_scale(column).max(least)).collect();
         }
         Ok(Self { timing, scales })
-    }
-
-    /// Looks for spikes in no signal; rows are cut as before.
-    pub(crate) fn keep_spikes(&mut self) {
-        self.scales = [const { Vec::new() }; 4];
     }
 
     /// Rows to each side on which a cleaned row depends, to rounding.

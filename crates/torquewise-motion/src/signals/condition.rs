@@ -5,7 +5,7 @@ use crate::error::{MotionError, Result};
 use crate::signals::clean::Even;
 use crate::signals::delay::{Shift, lag};
 use crate::signals::noise::{quantisation, standstill, white_noise};
-use crate::signals::plan::{Conditioning, Cutoff, Plan};
+use crate::signals::plan::{Conditioning, Cutoff, Plan, keep_every};
 use crate::signals::raw::{Raw, Signal};
 use crate::signals::report::{ConditionReport, CutoffFrom, SignalReport};
 use crate::signals::resample::timing;
@@ -46,7 +46,7 @@ pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned> {
         rows_out: motion.n_rows(),
         timing: timing(&raw.t)?,
         resampled: !plan.base.timing.is_even(),
-        rate_out: plan.rate_out(),
+        rate_out: plan.rate / plan.keep_every as f64,
         cutoff: plan.cutoff,
         cutoff_from: match plan.settings.cutoff {
             Cutoff::Auto => CutoffFrom::Motion,
@@ -57,7 +57,7 @@ pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned> {
         dq_lag: lags(&dq, &filtered, &plan)?,
         dq_gain: gains(&dq, &filtered, &plan),
         delay: plan.settings.delay,
-        trimmed: plan.trimmed(),
+        trimmed: plan.trim as f64 / plan.rate,
     };
     Ok(Conditioned { motion, report })
 }
@@ -108,7 +108,7 @@ fn gains(dq: &Mat<f64>, filtered: &Raw, plan: &Plan) -> Vec<Option<f64>> {
 
 /// Lag of each joint's measured velocity, on rows thinned out as far as the filter allows.
 fn lags(dq: &Mat<f64>, filtered: &Raw, plan: &Plan) -> Result<Vec<Option<Shift>>> {
-    let every = plan.keep_every_for_lag();
+    let every = keep_every(plan.cutoff, plan.rate);
     let rows = plan.trim..dq.nrows().saturating_sub(plan.trim);
     let thin = |x: &[f64]| -> Vec<f64> {
         let kept = x.get(rows.clone()).unwrap_or_default();

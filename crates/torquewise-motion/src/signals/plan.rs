@@ -98,8 +98,6 @@ impl Plan {
         if let Some(cutoff) = cutoff {
             low_pass(cutoff, rate)?;
         }
-        let kept = cutoff.filter(|_| settings.thins);
-        let keep_every = kept.map_or(1, |cutoff| rows(rate / (OVERSAMPLING * cutoff)));
         let span = columns.t[columns.t.len() - 1] - columns.t[0];
         let mut plan = Self {
             joints: columns.joints.clone(),
@@ -107,7 +105,7 @@ impl Plan {
             settings: *settings,
             rate,
             cutoff,
-            keep_every: keep_every.max(1),
+            keep_every: keep_every(cutoff.filter(|_| settings.thins), rate),
             trim: 0,
         };
         plan.trim = plan.trimmed_rows(span);
@@ -118,21 +116,8 @@ impl Plan {
     /// done to that part when the whole is conditioned. Nothing of it is taken for a spike.
     #[must_use]
     pub fn for_part(mut self) -> Self {
-        self.base.keep_spikes();
+        self.base.scales = [const { Vec::new() }; 4];
         self
-    }
-
-    pub(crate) fn rate_out(&self) -> f64 {
-        self.rate / self.keep_every as f64
-    }
-
-    pub(crate) fn trimmed(&self) -> f64 {
-        self.trim as f64 / self.rate
-    }
-
-    /// Of so many rows one is enough to compare filtered signals.
-    pub(crate) fn keep_every_for_lag(&self) -> usize {
-        self.cutoff.map_or(1, |cutoff| rows(self.rate / (OVERSAMPLING * cutoff)).max(1))
     }
 
     fn trimmed_rows(&self, span: f64) -> usize {
@@ -158,6 +143,11 @@ impl Plan {
     pub(crate) fn check(&self, columns: &Raw) -> Result<()> {
         if columns.joints == self.joints { Ok(()) } else { Err(MotionError::Block) }
     }
+}
+
+/// Of so many rows one is enough once signals are filtered.
+pub(crate) fn keep_every(cutoff: Option<f64>, rate: f64) -> usize {
+    cutoff.map_or(1, |cutoff| rows(rate / (OVERSAMPLING * cutoff)).max(1))
 }
 
 fn rows(x: f64) -> usize {

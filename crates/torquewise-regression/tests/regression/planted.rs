@@ -55,7 +55,6 @@ impl Rows {
         problem(&self.features, &self.response)
     }
 
-    /// Columns that carry a weight.
     pub(crate) fn support(&self) -> Vec<usize> {
         (0..self.truth.len()).filter(|&j| self.truth[j] != 0.0).collect()
     }

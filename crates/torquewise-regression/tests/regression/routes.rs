@@ -4,6 +4,7 @@ use crate::random_design::{RandomDesign, any_design, samples};
 use faer::Mat;
 use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;
+use std::slice::from_ref;
 use torquewise_regression::error::SparseError;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::row_sums::{Prepared, Route, RowAdder, RowSums};
@@ -11,12 +12,10 @@ use torquewise_regression::samples::Samples;
 
 const ROUTES: [Route; 2] = [Route::Moments, Route::Direct];
 
-fn row_sums(prepared: &Prepared, blocks: &[Samples]) -> RowSums {
+fn row_sums(prepared: &Prepared, blocks: &[Samples]) -> Result<RowSums, SparseError> {
     let mut adder = RowAdder::new(prepared);
-    for block in blocks {
-        adder.push(block.clone()).expect("blocks of the shape of the design");
-    }
-    adder.finish().expect("sums within range")
+    blocks.iter().try_for_each(|block| adder.push(block.clone()))?;
+    adder.finish()
 }
 
 /// Angles and variables are bounded, so an entry is a sum of m products of at most bᵢ·bⱼ: each
@@ -94,13 +93,13 @@ proptest! {
         expected.iter_mut().zip(&more).for_each(|(sum, more)| sum.add(more, 1.0).unwrap());
         for route in ROUTES {
             let prepared = random.prepared(route);
-            let mut merged = row_sums(&prepared, &blocks[..1]);
-            merged.merge(&row_sums(&prepared, &blocks[1..])).unwrap();
+            let mut merged = row_sums(&prepared, &blocks[..1]).unwrap();
+            merged.merge(&row_sums(&prepared, &blocks[1..]).unwrap()).unwrap();
             let whole = merged.all_grams(&prepared);
 
             let subset = random.design().subset(&columns);
             let prepared = Prepared::new(&subset, random.n_responses(), route);
-            let part = row_sums(&prepared, &blocks).all_grams(&prepared);
+            let part = row_sums(&prepared, &blocks).unwrap().all_grams(&prepared);
 
             assert_eq!((whole.len(), part.len()), (expected.len(), expected.len()));
             for (equation, expected) in expected.iter().enumerate() {
@@ -121,7 +120,7 @@ fn sums_have_the_same_bits_at_any_number_of_threads() {
         let prepared = random.prepared(route);
         let sum = |threads| {
             let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| row_sums(&prepared, &blocks).all_grams(&prepared))
+            pool.install(|| row_sums(&prepared, &blocks).unwrap().all_grams(&prepared))
         };
 
         let alone = sum(1);
@@ -154,14 +153,10 @@ fn blocks_of_another_shape_are_refused_by_both_routes() {
     ];
     for route in ROUTES {
         let prepared = random.prepared(route);
-        let sum = |block: &Samples| {
-            let mut adder = RowAdder::new(&prepared);
-            adder.push(block.clone())?;
-            adder.finish()
-        };
         for block in &bad {
-            assert!(matches!(sum(block), Err(SparseError::Shape { .. })), "{route:?}");
+            let refused = row_sums(&prepared, from_ref(block));
+            assert!(matches!(refused, Err(SparseError::Shape { .. })), "{route:?}");
         }
-        assert!(sum(&good).is_ok());
+        assert!(row_sums(&prepared, from_ref(&good)).is_ok());
     }
 }

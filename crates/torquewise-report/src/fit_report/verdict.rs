@@ -39,8 +39,7 @@ fn verdict(findings: &Findings<'_>) -> Item {
         Grade::Unusable => (Tone::Warning, "Unusable"),
     };
     let lines = because.iter().map(|reason| sentence(reason)).collect();
-    let callout = Callout { tone, heading: heading.into(), lines };
-    Item::Callout(callout)
+    Item::Callout(Callout { tone, heading: heading.into(), lines })
 }
 
 pub(crate) fn next(findings: &Findings<'_>) -> Section {

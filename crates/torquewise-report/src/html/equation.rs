@@ -186,7 +186,6 @@ mod tests {
         Equation { name, left: math(r"\tau_{2}="), note, terms, ..Equation::default() }
     }
 
-    /// As it stands on a page.
     fn drawn(equation: Equation) -> String {
         let section = Section { heading: String::new(), items: vec![Item::Equation(equation)] };
         let page = Page { sections: vec![section], ..Page::default() }.to_html().unwrap();

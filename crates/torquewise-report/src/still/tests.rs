@@ -38,12 +38,10 @@ fn with(series: Series) -> Chart {
     Chart { series: vec![series], ..Chart::default() }
 }
 
-/// The picture of one chart.
 fn drawn(chart: Chart) -> String {
     chart_figure("", &[chart], 1).unwrap()
 }
 
-/// All numbers of an attribute of an element.
 fn numbers(svg: &str, element: &str, attribute: &str) -> Vec<f64> {
     let elements = svg.split('<').filter(|text| text.starts_with(element));
     let values = elements.filter_map(|text| text.split(&format!(" {attribute}=\"")).nth(1));
@@ -93,7 +91,6 @@ fn numbers_of_any_size_are_drawn() {
     }
 }
 
-/// Least and greatest of some numbers.
 fn ends(numbers: impl IntoIterator<Item = f64>) -> [f64; 2] {
     let start = [f64::INFINITY, f64::NEG_INFINITY];
     numbers.into_iter().fold(start, |[low, high], n| [low.min(n), high.max(n)])

@@ -40,12 +40,11 @@ impl Law {
     }
 }
 
-/// A controller at work.
 struct Controller<'a> {
     law: Law,
     known: &'a dyn Knowledge,
     gains: &'a Gains,
-    /// Commands are kept within the limits of its drives, velocities below the cut-off of its sensors.
+    /// Integrals stop at the limits of its drives, velocities are below the cut-off of its sensors.
     plant: &'a Plant,
     period: f64,
     /// The way of the desired motion.
@@ -78,7 +77,7 @@ impl<'a> Controller<'a> {
     fn command(&mut self, wanted: &State, measured: &[f64]) -> Result<Vec<f64>> {
         if self.law == Law::HandGuiding {
             let still = vec![0.0; measured.len()];
-            return Ok(self.within(self.known.rigid(measured, &still, &still)?));
+            return self.known.rigid(measured, &still, &still);
         }
         self.path.step(&wanted.q);
         let error: Vec<f64> = sum(wanted.q.clone(), -1.0, measured);
@@ -99,7 +98,7 @@ impl<'a> Controller<'a> {
                 self.integral[joint] = before[joint];
             }
         }
-        Ok(self.within(command))
+        Ok(command)
     }
 
     fn unlimited(
@@ -130,13 +129,6 @@ impl<'a> Controller<'a> {
             _ => vec![0.0; error.len()],
         };
         Ok(sum(feedback.collect(), 1.0, &forward))
-    }
-
-    fn within(&self, mut command: Vec<f64>) -> Vec<f64> {
-        for (tau, &limit) in command.iter_mut().zip(&self.plant.drive.limit) {
-            *tau = tau.clamp(-limit, limit);
-        }
-        command
     }
 }
 
@@ -199,12 +191,13 @@ pub fn track(
             q[(row, i)] = moving.q()[i];
             dq[(row, i)] = moving.dq()[i];
             error[(row, i)] = target.q[i] - moving.q()[i];
-            tau[(row, i)] = command[i];
+            let limit = plant.drive.limit[i];
+            tau[(row, i)] = command[i].clamp(-limit, limit);
             led[(row, i)] = pull[i];
-            saturated[i] += f64::from(u8::from(command[i].abs() >= plant.drive.limit[i]));
+            saturated[i] += f64::from(u8::from(command[i].abs() >= limit));
         }
         if row + 1 < m {
-            moving.hold(command, &pull, controller.period)?;
+            moving.hold(&command, &pull, controller.period)?;
         }
     }
     let saturated = saturated.into_iter().map(|ticks| ticks / m as f64).collect();

@@ -35,7 +35,6 @@ impl Gains {
         }
     }
 
-    /// Whether they are for n joints and can be.
     pub(crate) fn check(&self, n_joints: usize) -> Result<()> {
         check_between("the bandwidth [rad/s]", self.bandwidth, [1e-3, 1e4], "0.001 to 10000")?;
         for gains in [&self.proportional, &self.integral, &self.derivative] {

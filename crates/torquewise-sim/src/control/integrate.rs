@@ -106,10 +106,10 @@ impl Integrator {
             let allowed = self.tolerance * (1.0 + before.abs().max(after.abs()));
             let share = (h * wrong / allowed).abs();
             // `max` would pass over NaN.
-            largest = if share.is_nan() { f64::NAN } else { largest.max(share) };
-            if largest.is_nan() {
-                break;
+            if share.is_nan() {
+                return f64::NAN;
             }
+            largest = largest.max(share);
         }
         largest
     }

@@ -74,13 +74,16 @@ impl<'a> Moving<'a> {
     /// `external` \[N·m\] acts on the joints as well; returns the drives' mean torque \[N·m\].
     pub(crate) fn hold(
         &mut self,
-        command: Vec<f64>,
+        command: &[f64],
         external: &[f64],
         period: f64,
     ) -> Result<Vec<f64>> {
         let delay = self.plant.drive.delay;
         let periods = (delay / period + 1e-9).floor();
         let late = (delay - periods * period).max(0.0);
+        let limits = self.plant.drive.limit.iter();
+        let command: Vec<f64> =
+            command.iter().zip(limits).map(|(c, &limit)| c.clamp(-limit, limit)).collect();
         if self.commands.is_empty() {
             // Before the first command the drives hold what it will be.
             self.commands = VecDeque::from(vec![command.clone(); whole(periods) + 1]);
@@ -88,7 +91,7 @@ impl<'a> Moving<'a> {
         self.commands.push_back(command);
         let mut mean = vec![0.0; external.len()];
         for (seconds, place) in [(late, 0), (period - late, 1)] {
-            let tau: Vec<f64> = self.limited(place);
+            let tau = self.commands.get(place).cloned().unwrap_or_default();
             for (mean, tau) in mean.iter_mut().zip(&tau) {
                 *mean += tau * seconds / period;
             }
@@ -96,12 +99,6 @@ impl<'a> Moving<'a> {
         }
         self.commands.pop_front();
         Ok(mean)
-    }
-
-    fn limited(&self, place: usize) -> Vec<f64> {
-        let command = self.commands.get(place).map_or(&[][..], Vec::as_slice);
-        let limits = &self.plant.drive.limit;
-        command.iter().zip(limits).map(|(c, &limit)| c.clamp(-limit, limit)).collect()
     }
 
     fn move_under(&mut self, tau: &[f64], external: &[f64], seconds: f64) -> Result<()> {
@@ -163,7 +160,7 @@ mod tests {
         plant.drive.limit = vec![limit];
         let mut moving = Moving::new(&plant, &[0.0], &[0.0]).unwrap();
         let speed_after = |&command: &f64| {
-            moving.hold(vec![command], &[0.0], 0.01).unwrap();
+            moving.hold(&[command], &[0.0], 0.01).unwrap();
             moving.dq()[0]
         };
         commands.iter().map(speed_after).collect()

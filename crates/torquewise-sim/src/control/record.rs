@@ -46,10 +46,10 @@ pub fn record(plant: &Plant, wanted: &Motion, bandwidth: f64) -> Result<Raw> {
                 if tau.abs() <= limit || tau * missing[i] < 0.0 {
                     integral[i] = grown;
                 }
-                tau.clamp(-limit, limit)
+                tau
             })
             .collect();
-        let after = moving.hold(command, &vec![0.0; n], period)?;
+        let after = moving.hold(&command, &vec![0.0; n], period)?;
         let around = match &before {
             Some(before) => (0..n).map(|i| f64::midpoint(before[i], after[i])).collect(),
             None => after.clone(),

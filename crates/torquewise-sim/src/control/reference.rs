@@ -127,10 +127,7 @@ pub(crate) fn period(motion: &Motion) -> Result<f64> {
     let (t, rows) = (motion.t(), motion.n_rows());
     let [first, .., last] = t else { return Err(SimError::TooFewRows { rows }) };
     let period = (last - first) / (rows - 1) as f64;
-    let uneven = |pair: &[f64]| {
-        let step = pair.iter().copied().reduce(|before, after| after - before);
-        step.is_none_or(|step| (step - period).abs() > SLACK * period.abs())
-    };
+    let uneven = |pair: &[f64]| (pair[1] - pair[0] - period).abs() > SLACK * period.abs();
     match t.windows(2).position(uneven) {
         Some(row) => Err(SimError::Uneven { row: row + 1 }),
         None if period > 0.0 => Ok(period),

@@ -13,6 +13,7 @@ use faer::Mat;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use torquewise_motion::stats::median;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Effort {
@@ -109,8 +110,7 @@ impl Task<'_> {
                 drawn.push((part, (seconds - before).max(f64::MIN_POSITIVE)));
             }
         }
-        let best = self.best(information, drawn)?;
-        Ok(best.map(|(chosen, _)| chosen))
+        Ok(self.best(information, drawn)?.map(|(chosen, _)| chosen))
     }
 
     fn improve(
@@ -243,9 +243,7 @@ impl Task<'_> {
             TAU * (limits.position[1] - limits.position[0]) / 2.0 / limits.velocity
         };
         let mut periods: Vec<f64> = self.limits.iter().map(period).collect();
-        periods.sort_by(f64::total_cmp);
-        let middle = periods.get(periods.len() / 2).copied().unwrap_or(PERIOD[0]);
         let room = 0.7 * self.seconds / PERIOD_SHARE[1];
-        middle.clamp(PERIOD[0], PERIOD[1]).min(room)
+        median(&mut periods).clamp(PERIOD[0], PERIOD[1]).min(room)
     }
 }

@@ -74,24 +74,14 @@ impl Criterion {
         let mut gram = Mat::zeros(p, p);
         add_gram(&mut gram, rows, 1.0 / seconds);
         let eigenvalues = eigenvalues(&gram);
-        let information = if is_regular(&eigenvalues) {
-            (eigenvalues.iter().map(|x| x.ln()).sum::<f64>() / p as f64).exp()
-        } else {
-            0.0
-        };
-        let condition = match (eigenvalues.first(), eigenvalues.last()) {
-            (Some(least), Some(most)) if is_regular(&eigenvalues) => (most / least).sqrt(),
-            _ => f64::INFINITY,
+        let (condition, information) = match (eigenvalues.first(), eigenvalues.last()) {
+            (Some(least), Some(most)) if *least > ROUNDINGS * p as f64 * most => {
+                let logarithms = eigenvalues.iter().map(|x| x.ln());
+                ((most / least).sqrt(), (logarithms.sum::<f64>() / p as f64).exp())
+            }
+            _ => (f64::INFINITY, 0.0),
         };
         Self { columns: p, condition, information }
-    }
-}
-
-fn is_regular(eigenvalues: &[f64]) -> bool {
-    let p = eigenvalues.len() as f64;
-    match (eigenvalues.first(), eigenvalues.last()) {
-        (Some(least), Some(most)) => *least > ROUNDINGS * p * most,
-        _ => false,
     }
 }
 

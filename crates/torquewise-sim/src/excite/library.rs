@@ -8,6 +8,7 @@ use crate::state::State;
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use torquewise_model::friction::FrictionLaw;
 use torquewise_model::library::energy_library_size;
 use torquewise_regression::design::Design;
 use torquewise_regression::samples::Samples;
@@ -126,12 +127,13 @@ impl Library {
                 let out = &mut rows.col_as_slice_mut(j)[joint * m..][..m];
                 out.copy_from_slice(values.col_as_slice(j));
             }
-            let laws: [fn(f64) -> f64; 3] = [|_| 1.0, |dq| dq, sign];
+            let dry = FrictionLaw::Coulomb { width: 0.0 };
+            let laws = [FrictionLaw::Offset, FrictionLaw::Viscous, dry];
             let used = laws.iter().zip(self.friction).filter(|(_, used)| *used);
             for (place, (law, _)) in used.enumerate() {
                 let out = rows.col_as_slice_mut(first + place * n + joint);
                 for (row, out) in out[joint * m..][..m].iter_mut().enumerate() {
-                    *out = law(at[row].dq[joint]);
+                    *out = law.value(at[row].dq[joint]);
                 }
             }
         }
@@ -142,10 +144,6 @@ impl Library {
         }
         Ok(rows)
     }
-}
-
-fn sign(dq: f64) -> f64 {
-    if dq == 0.0 { 0.0 } else { dq.signum() }
 }
 
 /// States all over the limits, the same for every plan: what columns are measured by.

@@ -79,7 +79,7 @@ impl Part {
         rng: &mut ChaCha8Rng,
     ) -> Option<Self> {
         let lead = (limits.len() as f64 * between(rng, [0.0, 1.0])).floor();
-        let speeds: Vec<f64> = limits
+        let mut speeds: Vec<f64> = limits
             .iter()
             .enumerate()
             .map(|(i, limits)| {
@@ -96,7 +96,6 @@ impl Part {
                 share * direction(rng) * limits.velocity
             })
             .collect();
-        let mut speeds = speeds;
         for (speed, limits) in speeds.iter_mut().zip(limits) {
             // What can be reached, kept for a while and left within the range.
             let way = limits.position[1] - limits.position[0];
@@ -207,12 +206,7 @@ impl Part {
             }
         }
         let segments = self.segments();
-        let anchor = self.anchor();
-        let at = times.iter().map(|(segment, t, _)| {
-            let mut state = State::at_rest(&anchor);
-            segments[*segment].state_at(*t, &mut state);
-            state
-        });
+        let at = times.iter().map(|(segment, t, _)| segments[*segment].state_at(*t));
         States { at: at.collect(), seconds: times.iter().map(|(_, _, step)| *step).collect() }
     }
 }

@@ -74,15 +74,11 @@ impl Planned {
 
     /// The state at a time \[s\]; at rest at home before and after the recording.
     pub fn state_at(&self, t: f64) -> State {
-        let mut state = State::at_rest(&self.home);
         let next = self.segments.partition_point(|(start, _)| *start <= t);
-        if let Some((start, segment)) =
-            next.checked_sub(1).and_then(|place| self.segments.get(place))
-            && t < self.seconds
-        {
-            segment.state_at(t - start, &mut state);
+        match next.checked_sub(1).and_then(|place| self.segments.get(place)) {
+            Some((start, segment)) if t < self.seconds => segment.state_at(t - start),
+            _ => State::at_rest(&self.home),
         }
-        state
     }
 
     /// Times \[s\] between which the motion is smooth, the first and last instant among them.

@@ -76,16 +76,16 @@ impl Segment {
         if let Self::Sines(sines) = self { sines.harmonics() } else { 1 }
     }
 
-    pub(crate) fn state_at(&self, t: f64, state: &mut State) {
+    pub(crate) fn state_at(&self, t: f64) -> State {
         match self {
-            Self::Hold { at, .. } => state.set_on_line(at, at, [0.0; 3]),
+            Self::Hold { at, .. } => State::on_line(at, at, [0.0; 3]),
             Self::Glide { from, travel, seconds } => {
-                state.set_on_line(from, travel, quintic(t, *seconds));
+                State::on_line(from, travel, quintic(t, *seconds))
             }
             Self::Stroke { from, travel, ramp, cruise } => {
-                state.set_on_line(from, travel, trapezoid(t, *ramp, *cruise));
+                State::on_line(from, travel, trapezoid(t, *ramp, *cruise))
             }
-            Self::Sines(sines) => sines.state_at(t, state),
+            Self::Sines(sines) => sines.state_at(t),
         }
     }
 }
@@ -145,15 +145,9 @@ mod tests {
         Bounds { position: [-3.0, 3.0], velocity: 2.0, acceleration: 1.0 },
     ];
 
-    fn state(segment: &Segment, t: f64) -> State {
-        let mut state = State::at_rest(&[0.0; 2]);
-        segment.state_at(t, &mut state);
-        state
-    }
-
     /// Peaks of speed and acceleration of a joint over a fine grid.
     fn peaks(segment: &Segment, joint: usize) -> [f64; 2] {
-        let states = (0..=10_000).map(|k| state(segment, segment.seconds() * f64::from(k) / 1e4));
+        let states = (0..=10_000).map(|k| segment.state_at(segment.seconds() * f64::from(k) / 1e4));
         states.fold([0.0, 0.0], |[speed, acceleration], state| {
             [speed.max(state.dq[joint].abs()), acceleration.max(state.ddq[joint].abs())]
         })
@@ -179,6 +173,6 @@ mod tests {
         let segment = glide(&[0.3, 0.4], &[0.3, 0.4], &LIMITS);
 
         assert!(segment.seconds() <= 0.0);
-        assert_eq!(state(&segment, 0.0), State::at_rest(&[0.3, 0.4]));
+        assert_eq!(segment.state_at(0.0), State::at_rest(&[0.3, 0.4]));
     }
 }

@@ -76,13 +76,15 @@ impl Sines {
         self.joints.iter().map(|series| series.waves.len()).max().unwrap_or(0)
     }
 
-    pub(crate) fn state_at(&self, t: f64, state: &mut State) {
+    pub(crate) fn state_at(&self, t: f64) -> State {
         let w = TAU / self.seconds;
         let turn = (w * t).sin_cos();
+        let mut state = State::at_rest(&vec![0.0; self.joints.len()]);
         for (i, series) in self.joints.iter().enumerate() {
             let [q, dq, ddq] = series.value(turn);
             (state.q[i], state.dq[i], state.ddq[i]) = (q, w * dq, w * w * ddq);
         }
+        state
     }
 
     pub(crate) fn ends(&self) -> Vec<f64> {
@@ -194,19 +196,13 @@ mod tests {
         Bounds { position: [0.2, 0.5], velocity: 2.0, acceleration: 9.0 },
     ];
 
-    fn state(sines: &Sines, t: f64) -> State {
-        let mut state = State::at_rest(&[0.0; 2]);
-        sines.state_at(t, &mut state);
-        state
-    }
-
     #[test]
     fn some_limit_is_used_to_the_share_that_was_drawn() {
         let sines = Sines::draw(8.0, &LIMITS, &mut ChaCha8Rng::seed_from_u64(3));
 
         for (i, limits) in LIMITS.iter().enumerate() {
             let states: Vec<State> =
-                (0..2000).map(|k| state(&sines, 8.0 * f64::from(k) / 2000.0)).collect();
+                (0..2000).map(|k| sines.state_at(8.0 * f64::from(k) / 2000.0)).collect();
             let peak = |of: fn(&State) -> &[f64]| {
                 states.iter().map(|state| of(state)[i].abs()).fold(0.0, f64::max)
             };

@@ -126,15 +126,12 @@ impl Torques {
     /// Largest torque of each joint on a way, or of holding it in each pose of the way, n.
     fn peaks(&self, segments: &[Segment], still: bool) -> Vec<f64> {
         let mut peaks = vec![0.0; self.joints.len()];
-        let mut state = State::at_rest(&peaks);
         for segment in segments {
             let (seconds, points) = (segment.seconds(), segment.pieces() * POINTS);
             let even = (0..=points).map(|k| seconds * k as f64 / points as f64);
             for t in even.chain(segment.breaks()) {
-                segment.state_at(t, &mut state);
-                if still {
-                    state = State::at_rest(&state.q);
-                }
+                let state = segment.state_at(t);
+                let state = if still { State::at_rest(&state.q) } else { state };
                 self.raise(&mut peaks, &state);
             }
         }

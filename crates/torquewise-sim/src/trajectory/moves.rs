@@ -64,7 +64,7 @@ impl Moves {
         let next = self.moves.partition_point(|m| m.start <= t);
         let Some(current) = self.moves.get(next.saturating_sub(1)) else { return };
         let progress = current.phases.progress(t - current.start);
-        state.set_on_line(&current.from, &current.travel, progress);
+        *state = State::on_line(&current.from, &current.travel, progress);
     }
 }
 

@@ -171,7 +171,7 @@ impl UrdfJoint {
             [&|_| true, &|link| !link.is_fixed, &|_| false];
         for stay in stays {
             let kept = others.iter().filter(|link| stay(link)).filter_map(|link| link.body);
-            let kept = kept.fold(Body::none(), |sum, body| sum.welded_to(&body));
+            let kept = kept.fold(Body::default(), |sum, body| sum.welded_to(&body));
             let rest = whole.without(&kept);
             let is_last = !others.iter().any(stay);
             if !(is_last || torquewise_rigid::inertia::is_feasible(&rest.inertial_parameters())) {

@@ -85,7 +85,7 @@ impl<'a> Tree<'a> {
     }
 
     pub(crate) fn body(&self, welded: &Welded<'a>) -> Result<Body> {
-        let mut body = Body::none();
+        let mut body = Body::default();
         for (link, X_GL, _) in &welded.links {
             if let Some(link) = self.links.get(link) {
                 body = body.welded_to(&body_of(link)?.seen_from(X_GL));
@@ -216,7 +216,7 @@ fn only_root<'a>(robot: &'a Robot, links: &HashMap<&str, &Link>) -> Result<&'a s
 
 /// Mass of a link in the link's frame; a link without `<inertial>` has none.
 fn body_of(link: &Link) -> Result<Body> {
-    let Some((body, origin)) = &link.inertial else { return Ok(Body::none()) };
+    let Some((body, origin)) = &link.inertial else { return Ok(Body::default()) };
     check_body(&link.name, body)?;
     Ok(body.seen_from(&checked(&link.name, *origin)?))
 }

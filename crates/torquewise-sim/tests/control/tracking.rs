@@ -25,7 +25,6 @@ fn wanted(plant: &Plant) -> Motion {
     periodic(&plant.arm, &Periodic::default()).unwrap()
 }
 
-/// By a controller that knows the plant.
 fn run(plant: &Plant, law: Law, wanted: &Motion) -> Tracking {
     let gains = Gains::critically_damped(15.0, &mean_inertia(plant, wanted).unwrap());
     track(plant, law, plant, &gains, wanted).unwrap()

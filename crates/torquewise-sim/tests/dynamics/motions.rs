@@ -16,7 +16,6 @@ static PUMA: LazyLock<[Simulation; 3]> = LazyLock::new(|| {
     KINDS.map(|kind| simulate(&arm, &plan(kind)).unwrap())
 });
 
-/// Share of the rows that show a pattern.
 fn share(simulation: &Simulation, pattern: Pattern) -> f64 {
     let rows = simulation.truth.iter().filter(|&&found| found == pattern).count();
     rows as f64 / simulation.truth.len() as f64
