@@ -1,6 +1,7 @@
 //! Logs ready to be read, as they are or filtered, and what is known of their signals.
 
 use std::collections::BTreeMap;
+use torquewise_identify::excitation::list;
 use torquewise_logs::conditioned::RawLogs;
 use torquewise_logs::{ConditionedLogs, Logs};
 use torquewise_model::model::Filter;
@@ -90,35 +91,43 @@ impl Prepared {
 
     /// What should be known of torques of few levels, units, odd velocities and rows left out.
     pub fn warnings(&self) -> Vec<String> {
-        let coarse = self.report().into_iter().flat_map(|report| &report.signals);
-        coarse
-            .filter(|signal| signal.signal == "tau" && signal.is_coarse())
-            .map(|signal| {
-                format!(
-                    "the torque of {} has few levels for its size: its sensor is too coarse for \
-                     what the joint does, expect a poor fit",
-                    signal.joint
-                )
-            })
-            .chain(self.logs().unit_doubts())
-            .chain(self.odd_velocities())
-            .chain(dropped(self.logs()))
-            .collect()
+        let doubts = self.logs().unit_doubts().into_iter();
+        let own = doubts.chain(self.odd_velocities()).chain(dropped(self.logs()));
+        self.coarse_torques().into_iter().chain(own).collect()
     }
 
-    fn odd_velocities(&self) -> Vec<String> {
+    fn coarse_torques(&self) -> Option<String> {
+        let signals = self.report().into_iter().flat_map(|report| &report.signals);
+        let coarse = signals.filter(|signal| signal.signal == "tau" && signal.is_coarse());
+        let joints: Vec<String> = coarse.map(|signal| signal.joint.clone()).collect();
+        let names = list(&joints);
+        match joints.len() {
+            0 => None,
+            1 => Some(format!(
+                "the torque of {names} has few levels for its size: its sensor is too coarse for what \
+                 the joint does, expect a poor fit"
+            )),
+            _ => Some(format!(
+                "the torques of {names} have few levels for their size: their sensors are too coarse \
+                 for what the joints do, expect a poor fit"
+            )),
+        }
+    }
+
+    fn odd_velocities(&self) -> Option<String> {
         let gains = self.report().into_iter().flat_map(|report| &report.dq_gain);
         let odd = |gain: &f64| !(LEAST_GAIN..1.0 / LEAST_GAIN).contains(gain);
         let joints = self.logs().joints().iter().zip(gains);
-        joints
-            .filter_map(|(joint, gain)| Some((joint, gain.filter(odd)?)))
-            .map(|(joint, gain)| {
-                format!(
-                    "the measured velocity of {joint} is {gain:.3} times the slope of its \
-                     position: check units, scales, signs and the clock of the log"
-                )
-            })
-            .collect()
+        let (joints, gains): (Vec<String>, Vec<String>) = joints
+            .filter_map(|(joint, gain)| Some((joint.clone(), format!("{:.3}", gain.filter(odd)?))))
+            .unzip();
+        let (names, gains) = (list(&joints), list(&gains));
+        let odd = match joints.len() {
+            0 => return None,
+            1 => format!("velocity of {names} is {gains} times the slope of its position"),
+            _ => format!("velocities of {names} are {gains} times the slopes of their positions"),
+        };
+        Some(format!("the measured {odd}: check units, scales, signs and the clock of the log"))
     }
 }
 

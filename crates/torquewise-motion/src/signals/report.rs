@@ -153,7 +153,8 @@ impl fmt::Display for ConditionReport {
         if !seconds.is_empty() {
             let bound = if lags().any(|lag| lag.at_end) { "at least " } else { "" };
             let median = 1e3 * median(&mut seconds);
-            write!(f, "\nmeasured dq lags d(q)/dt by {bound}{median:.1} ms")?;
+            let (way, size) = if median < 0.0 { ("leads", -median) } else { ("lags", median) };
+            write!(f, "\nmeasured dq {way} d(q)/dt by {bound}{size:.1} ms")?;
         }
         Ok(())
     }
