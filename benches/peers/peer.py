@@ -12,13 +12,11 @@ import sys
 import warnings
 from pathlib import Path
 
-import energy
 import numpy as np
-from trial import GAP, candidates, evaluated, lasso, nrmse, path_gap, rows, sindy, timed
+from trial import candidates, evaluated, lasso, nrmse, path_gap, rows, sindy, timed
 
 warnings.filterwarnings("ignore")
 JOINT = 1  # the joint that the LASSO explains
-MOST_REFITTED = 1_200  # columns of six joints; more would take minutes for each penalty
 
 
 def library(peer, folder, order="3612"):
@@ -81,45 +79,6 @@ def steps(peer, folder):
             "default_errors": found[0.1][0]}
 
 
-def energy_library(peer, folder, task, joints):
-    """One regression of all joints: least squares, or the path of a LASSO."""
-    q, dq, ddq, tau = rows(folder / f"{task}.f64", joints)
-    spread = tau.std(axis=0)
-    y, terms = energy.stacked(tau, spread), energy.library(folder / f"{task}.json")
-    spent, x = timed(lambda: energy.columns(terms, q, dq, ddq))
-    energy.divide(x, spread)
-    test = rows(folder / f"{task}_test.f64", joints)
-    found = {"library_seconds": spent, "candidates": len(terms)}
-    if peer == "lstsq":
-        found["seconds"], w = timed(lambda: np.linalg.lstsq(x, y, rcond=None)[0])
-        return {**found, "active": len(terms), **energy.judged({"all": w}, terms, test)}
-    size = np.sqrt((x**2).mean(axis=0))
-    x /= size
-    most = np.abs(x.T @ y).max() / len(y)
-    if joints == 3:
-        lambdas, tol = np.fromfile(folder / f"{task}_lambdas.f64"), GAP
-        longer = np.geomspace(most, 1e-6 * most, 100)
-    else:
-        lambdas, tol = np.geomspace(most, 1e-5 * most, 30), 1e-4
-        longer = None
-    path = lasso(peer, tol)
-    found["seconds"], w = timed(lambda: path(x, y, lambdas))
-    found["gap"] = path_gap(x, y, w, lambdas)
-    if longer is not None:
-        # The path that is timed ends where ours does; the test may like a weaker penalty.
-        lambdas, w = longer, path(x, y, longer)
-    # In favour of the peer: of its penalties, and of least squares on what each of them keeps, the
-    # one that does best in the test.
-    ways = {f"penalty {a / most:.1e}": own / size for a, own in zip(lambdas, w)}
-    for a, own in zip(lambdas, w):
-        kept = np.flatnonzero(own)
-        if 0 < len(kept) <= MOST_REFITTED:
-            refit = np.zeros_like(own)
-            refit[kept] = np.linalg.lstsq(x[:, kept], y, rcond=None)[0]
-            ways[f"least squares after penalty {a / most:.1e}"] = refit / size
-    return {**found, **energy.judged(ways, terms, test)}
-
-
 def many(peer, folder, repeats):
     """Time over rows, 196 candidates: the same 10 000 rows again and again."""
     *signals, tau = (np.tile(x, (repeats, 1)) for x in rows(folder / "many.f64"))
@@ -138,8 +97,6 @@ def run(task, peer, folder):
         return library(peer, folder, task.removeprefix("candidates"))
     if task == "steps":
         return steps(peer, folder)
-    if task.startswith("energy"):
-        return energy_library(peer, folder, task, int(task[-1]))
     return many(peer, folder, int(task.removeprefix("rows")) // 10_000)
 
 

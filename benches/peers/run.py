@@ -21,14 +21,10 @@ ROWS = ["rows10000", "rows100000", "rows1000000"]  # ten times more do not fit a
 TASKS = {
     "library": ["lstsq", "pysindy", "celer", "skglm", "sklearn", "lars"],
     "steps": ["pysindy"],
-    "energy3": ["lstsq", "celer", "sklearn"],
-    "energy6": ["celer"],
 } | {task: ["lstsq", "pysindy"] for task in SIZES + ROWS}
 TITLES = {
     "library": "the whole library of SINDy, 20 000 rows",
     "steps": "the three steps of the paper, 20 000 rows",
-    "energy3": "energy library of three joints, 20 000 rows",
-    "energy6": "energy library of six joints, 4 000 rows",
 }
 SECONDS = 3600  # longer than this no peer is waited for
 
@@ -47,7 +43,7 @@ def peer(python, folder, task, name):
 
 def own_seconds(own, task, name):
     """Our seconds at what a peer does at a task."""
-    if task in ("steps", "energy6"):
+    if task == "steps":
         return own[task]["fit"]
     own = own[task]
     if task == "library":

@@ -6,8 +6,6 @@
 
 #[path = "peers/trial.rs"]
 mod trial;
-#[path = "peers/energy.rs"]
-mod energy;
 #[path = "peers/library.rs"]
 mod library;
 #[path = "peers/rows.rs"]
@@ -20,13 +18,8 @@ use std::path::{Path, PathBuf};
 
 type Task = fn(&Path) -> Value;
 
-const TASKS: [(&str, Task); 5] = [
-    ("library", library::run),
-    ("steps", steps::run),
-    ("energy3", energy::three_joints),
-    ("energy6", energy::six_joints),
-    ("rows", rows::run),
-];
+const TASKS: [(&str, Task); 3] =
+    [("library", library::run), ("steps", steps::run), ("rows", rows::run)];
 
 fn main() {
     let mut words = std::env::args().skip(1).filter(|word| !word.starts_with('-'));

@@ -16,7 +16,7 @@ use torquewise_regression::select::stlsq::Stlsq;
 use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_stepwise::candidates::{Candidates, Terms};
 
-/// Joints of the arm of all tasks but one.
+/// Joints of the arm of all tasks.
 pub(crate) const N: usize = 3;
 /// Samples per second of all logs \[Hz\].
 const RATE: f64 = 100.0;
