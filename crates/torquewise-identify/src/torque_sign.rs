@@ -132,24 +132,8 @@ impl SignTest {
         if is_mirrored && found == all_turned {
             return Ok((0..n).collect());
         }
-        // Of several, each must tell by itself, and not by friction alone, whatever others are turned;
-        // and be explained once it is turned round.
-        let all = |tried: &Tried| (0..n).map(|joint| tried.part(&rows, joint)).product::<f64>();
-        let some: Vec<Tried> = (0..=found)
-            .filter(|signs| signs & !found == 0)
-            .map(|signs| tried(signs, &geometry, &[]))
-            .collect();
-        let Some(whole) = some.last() else { return Ok(Vec::new()) };
-        let tells = |&joint: &usize| {
-            let mut without = some.iter().filter(|tried| tried.signs >> joint & 1 == 0);
-            let back = found ^ 1 << joint;
-            whole.part(&rows, joint) < HALF
-                && without.all(|without| {
-                    all(whole) <= HALF * all(without)
-                        && (without.signs != back || whole.left <= QUARTER * without.left)
-                })
-        };
-        Ok(joints_of(found).filter(tells).collect())
+        let of_found = (0..=found).filter(|signs| signs & !found == 0);
+        Ok(told(&of_found.map(|signs| tried(signs, &geometry, &[])).collect::<Vec<_>>(), &rows))
     }
 
     /// The signs that leave least; where others fit alike, those of fewer joints, and of a set and
@@ -266,6 +250,24 @@ impl Tried {
         let rms = self.chain.as_ref().and_then(|chain| chain.residual_rms.get(joint));
         rms.map_or(f64::INFINITY, |rms| rms / rows.deviation_of(joint).max(f64::MIN_POSITIVE))
     }
+}
+
+/// Of joints that were turned round, those that tell so by themselves, and not by friction alone,
+/// whatever others of them are turned; and that are explained once they are.
+///
+/// - `some`: all sets of them, the whole last
+fn told(some: &[Tried], rows: &Rows) -> Vec<usize> {
+    let Some(whole) = some.last() else { return Vec::new() };
+    let all = |tried: &Tried| (0..rows.n_joints()).map(|k| tried.part(rows, k)).product::<f64>();
+    let tells = |&joint: &usize| {
+        let mut without = some.iter().filter(|tried| tried.signs >> joint & 1 == 0);
+        whole.part(rows, joint) < HALF
+            && without.all(|own| {
+                let is_all_else = own.signs == whole.signs ^ 1 << joint;
+                all(whole) <= HALF * all(own) && (!is_all_else || whole.left <= QUARTER * own.left)
+            })
+    };
+    joints_of(whole.signs).filter(tells).collect()
 }
 
 /// What leaves least first, then what turns fewer joints.

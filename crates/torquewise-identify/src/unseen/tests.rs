@@ -44,10 +44,11 @@ fn several_logs_are_held_out_whole_and_one_in_blocks_of_time() {
 #[test]
 fn short_motion_is_held_out_in_blocks_of_four_rows_and_more() {
     for (rows, count) in [(3, 1), (24, 6), (95, 23), (96, 24)] {
-        let blocks = even_blocks(&motion(&(0..rows).map(f64::from).collect::<Vec<_>>()));
+        let t: Vec<f64> = (0..rows).map(f64::from).collect();
+        let blocks = even_blocks(&motion(&t));
 
         assert_eq!(blocks.len(), count);
-        assert!(rows_of(&blocks).into_iter().eq(0..rows as usize));
+        assert!(rows_of(&blocks).into_iter().eq(0..t.len()));
         assert!(blocks.iter().all(|block| block.rows.len() >= 3));
     }
 }
