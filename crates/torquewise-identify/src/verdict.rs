@@ -11,8 +11,8 @@ use torquewise_model::model::GeometryFound;
 /// Held-out error over the spread of the torque up to which a model is good, geometric mean of the
 /// joints.
 const GOOD: f64 = 0.1;
-/// From here a prediction is no better than the mean.
-const USELESS: f64 = 1.0;
+/// From here a prediction is hardly better than the mean: four fifths of the squares are left.
+const USELESS: f64 = 0.9;
 
 /// May a model be used?
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,7 +66,7 @@ impl Verdict {
         };
         let mut because = grave(&found.warnings);
         let is_useless = |error: f64| error.is_nan() || error >= USELESS;
-        because.extend(missed(&is_useless, "predicted no better than by its mean"));
+        because.extend(missed(&is_useless, "predicted hardly better than by its mean"));
         let how = format!("missed by more than {:.0} % of its spread", 100.0 * Training::POOR);
         let poor = missed(&|error| (Training::POOR..USELESS).contains(&error), &how);
         let doubts = doubts(found);

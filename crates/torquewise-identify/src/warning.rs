@@ -286,7 +286,8 @@ impl fmt::Display for Warning {
             Self::Refit { ratio } => write!(
                 f,
                 "the fit to all rows leaves {ratio:.2} times the torque that the search left on a \
-                 sample of them: the log disagrees with itself, or with physics"
+                 sample of them: the log disagrees with itself, or with physics; check signs and units of \
+                 the torque, and axes and gravity where they were given"
             ),
             Self::Units { joint, what: [what, taken, may_be], largest } => write!(
                 f,
