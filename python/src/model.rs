@@ -218,7 +218,7 @@ impl Model {
         Ok(range.warnings(&self.model))
     }
 
-    /// Which states leave that range with any joint: a bool for each.
+    /// Whether a state leaves that range with any joint; of several, a bool for each.
     fn outside_range<'py>(
         &self,
         py: Python<'py>,
@@ -226,8 +226,14 @@ impl Model {
         dq: Rows<'py>,
         ddq: Rows<'py>,
     ) -> Answer<'py> {
-        let motion = self.motion([&q, &dq, &ddq])?;
-        Ok(PyArray1::from_vec(py, MotionRange::outside(&self.model, &motion)).into_any())
+        let inputs = [&q, &dq, &ddq];
+        let found = MotionRange::outside(&self.model, &self.motion(inputs)?);
+        Ok(match found[..] {
+            [one] if inputs.iter().all(|own| matches!(own, Rows::One(_))) => {
+                one.into_pyobject(py)?.to_owned().into_any()
+            }
+            _ => PyArray1::from_vec(py, found).into_any(),
+        })
     }
 
     /// What friction remembers, to be fed every sample of q.

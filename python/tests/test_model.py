@@ -111,7 +111,7 @@ def test_predict_gives_the_rows_of_the_log(model, test):
     assert np.allclose(own["tau_hat"], own["tau"], atol=1e-3)
     assert np.allclose(own["gravity"], model.gravity(own["q"]))
     assert own["outside_range"].shape == (len(own["q"]),) and not own["outside_range"].all()
-    assert model.outside_range([99.0, 0.0], [0.0, 0.0], [0.0, 0.0]).all()
+    assert model.outside_range([99.0, 0.0], [0.0, 0.0], [0.0, 0.0]) is True
 
 
 def test_intervals_of_a_chain_hold_the_torque(chain):

@@ -44,8 +44,10 @@ pub struct Reconstruction {
 const INERTIA_ROWS: usize = 100;
 /// Part of the spread of a torque.
 const MUCH: f64 = 0.2;
-/// A torque that is missed by more than this part may be of the wrong sign, though it shows friction.
-const MOST: f64 = 0.5;
+/// Beside a joint whose torque shows no friction of its own, one that is missed by more than this part
+/// may be of the wrong sign too; of so many joints at most all signs are tried.
+const LOST: f64 = 0.5;
+const MOST_IN_DOUBT: usize = 8;
 
 impl Reconstruction {
     /// Result of the steps on a library, with warnings.
@@ -87,9 +89,19 @@ impl Reconstruction {
         chain: impl FnOnce(&Survey) -> Result<SignTest, IdentifyError>,
     ) -> Result<(), IdentifyError> {
         let training = &self.model.training;
-        let left = training.residual_rms.iter().zip(&training.torque_std).enumerate();
-        let missed: Vec<usize> =
-            left.filter(|(_, (rms, std))| **rms > MUCH * **std).map(|(joint, _)| joint).collect();
+        let left: Vec<[f64; 2]> = training
+            .residual_rms
+            .iter()
+            .copied()
+            .zip(&training.torque_std)
+            .map(|(rms, std)| [rms, *std])
+            .collect();
+        let beyond = |part: f64| {
+            let of =
+                move |(joint, [rms, std]): (usize, &[f64; 2])| (*rms > part * std).then_some(joint);
+            left.iter().enumerate().filter_map(of).collect::<Vec<usize>>()
+        };
+        let missed = beyond(MUCH);
         let clipped: Vec<Warning> = (missed.iter())
             .filter_map(|&joint| {
                 let share = clipped(&self.survey.sample, joint)?;
@@ -102,22 +114,19 @@ impl Reconstruction {
         if is_clipped || missed.is_empty() && !self.has_negative_inertia()? {
             return Ok(());
         }
-        // What shows the friction of its own shaft is that joint's torque, and its sign is right.
+        // What shows the friction of its own shaft is that joint's torque.
         let doubtful = doubtful(&self.survey.sample);
         if let Ok(Some(pair)) = swapped(&self.survey.sample, (&missed, &doubtful), seed, watch) {
             let joints = pair.map(|joint| self.survey.joints[joint].clone());
             self.warnings.push(Warning::Excitation(Finding::Swapped { joints }));
             return Ok(());
         }
-        let training = &self.model.training;
-        let is_lost =
-            |joint: usize| training.residual_rms[joint] > MOST * training.torque_std[joint];
-        let in_doubt: Vec<usize> = (0..self.survey.joints.len())
-            .filter(|joint| doubtful.contains(joint) || is_lost(*joint))
-            .collect();
         if !doubtful.is_empty() {
             // An arm of which no chain is found, for rows or joints, has nothing to compare with.
             let Ok(chain) = chain(&self.survey) else { return Ok(()) };
+            let lost = beyond(LOST).into_iter().filter(|joint| !doubtful.contains(joint));
+            let in_doubt: Vec<usize> =
+                doubtful.iter().copied().chain(lost).take(MOST_IN_DOUBT).collect();
             let wrong = chain.wrong_signs(&self.survey.sample, &in_doubt, watch)?;
             // Of joints that always move together none is told from the others.
             let is_tied =

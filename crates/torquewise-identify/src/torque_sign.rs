@@ -132,8 +132,37 @@ impl SignTest {
         if is_mirrored && found == all_turned {
             return Ok((0..n).collect());
         }
-        let of_found = (0..=found).filter(|signs| signs & !found == 0);
-        Ok(told(&of_found.map(|signs| tried(signs, &geometry, &[])).collect::<Vec<_>>(), &rows))
+        let parts: Vec<u32> = (0..found).filter(|signs| signs & !found == 0).collect();
+        let parts =
+            parts.into_par_iter().map(|signs| tried(signs, &geometry, &[])).collect::<Vec<_>>();
+        let whole = tried(found, &geometry, &[]);
+        Ok(joints_of(found).filter(|joint| self.tells(*joint, &whole, &parts, &rows)).collect())
+    }
+
+    /// Whether one of several joints that were turned round tells so by itself, not by friction alone, and
+    /// is explained: turned back alone, the rest fits worse, by torque as by friction; and whatever others
+    /// are turned, by one of the two, if all its friction brakes.
+    ///
+    /// - `parts`: all other sets of the joints that `whole` turns
+    fn tells(&self, joint: usize, whole: &Tried, parts: &[Tried], rows: &Rows) -> bool {
+        let all =
+            |tried: &Tried| (0..rows.n_joints()).map(|k| tried.part(rows, k)).product::<f64>();
+        let brakes = whole.chain.as_ref().is_some_and(|chain| {
+            let own = |drive: &DriveTerm| drive.resists().is_some_and(|shaft| shaft[joint] != 0.0);
+            let mut own = self.drive.iter().zip(&chain.drive).filter(|(drive, _)| own(drive));
+            own.all(|(_, coefficient)| *coefficient >= 0.0)
+        });
+        let is_worse = |part: &Tried| {
+            let by_torque = all(whole) <= HALF * all(part);
+            let by_friction = whole.left <= QUARTER * part.left;
+            if part.signs == whole.signs ^ 1 << joint {
+                by_torque && by_friction
+            } else {
+                by_torque || by_friction && brakes
+            }
+        };
+        let mut parts = parts.iter().filter(|part| part.signs >> joint & 1 == 0);
+        whole.part(rows, joint) < HALF && parts.all(is_worse)
     }
 
     /// The signs that leave least; where others fit alike, those of fewer joints, and of a set and
@@ -250,24 +279,6 @@ impl Tried {
         let rms = self.chain.as_ref().and_then(|chain| chain.residual_rms.get(joint));
         rms.map_or(f64::INFINITY, |rms| rms / rows.deviation_of(joint).max(f64::MIN_POSITIVE))
     }
-}
-
-/// Of joints that were turned round, those that tell so by themselves, and not by friction alone,
-/// whatever others of them are turned; and that are explained once they are.
-///
-/// - `some`: all sets of them, the whole last
-fn told(some: &[Tried], rows: &Rows) -> Vec<usize> {
-    let Some(whole) = some.last() else { return Vec::new() };
-    let all = |tried: &Tried| (0..rows.n_joints()).map(|k| tried.part(rows, k)).product::<f64>();
-    let tells = |&joint: &usize| {
-        let mut without = some.iter().filter(|tried| tried.signs >> joint & 1 == 0);
-        whole.part(rows, joint) < HALF
-            && without.all(|own| {
-                let is_all_else = own.signs == whole.signs ^ 1 << joint;
-                all(whole) <= HALF * all(own) && (!is_all_else || whole.left <= QUARTER * own.left)
-            })
-    };
-    joints_of(whole.signs).filter(tells).collect()
 }
 
 /// What leaves least first, then what turns fewer joints.

@@ -10,6 +10,8 @@ const WINDOW: usize = 11;
 /// Correlation below which rates are no slopes, or mostly noise; and slopes that it takes.
 const LEAST: f64 = 0.7;
 const LEAST_SLOPES: usize = 100;
+/// Slopes and rates count up to so many times the upper tenth of those that are not zero.
+const MOST: f64 = 4.0;
 
 /// Velocities and accelerations against the slopes of positions and velocities.
 #[derive(Default)]
@@ -30,29 +32,32 @@ impl Pairs {
                 let last = first + WINDOW - 1;
                 let slope = (value[last] - value[first]) / (t[last] - t[first]);
                 let mean = (first..=last).map(|row| rate[row]).sum::<f64>() / WINDOW as f64;
-                self.0.extend([[slope, mean]].iter().filter(|pair| pair[0].is_finite()));
+                if slope.is_finite() && mean.is_finite() {
+                    self.0.push([slope, mean]);
+                }
             }
         }
     }
 
-    /// Σ w sgn(slope) sgn(rate) / Σ w, where w is |slope|, at most its upper tenth: as a correlation
-    /// is, whatever a few wrong numbers are. Nothing where there are too few slopes.
+    /// Of slopes and rates that are cut off at some times their upper tenth, so that a few wrong numbers
+    /// count little. Nothing where there are too few slopes.
     fn correlation(&self) -> Option<f64> {
-        let mut sizes: Vec<f64> = self.0.iter().map(|[slope, _]| slope.abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        let most = *sizes.get(sizes.len() * 9 / 10)?;
-        let agreed = self.0.iter().map(|&[slope, rate]| {
-            let sign = if rate > 0.0 {
-                1.0
-            } else if rate < 0.0 {
-                -1.0
-            } else {
-                0.0
-            };
-            slope.clamp(-most, most) * sign
-        });
-        let all = sizes.iter().map(|size| size.min(most)).sum::<f64>();
-        (sizes.len() >= LEAST_SLOPES && all > 0.0).then(|| agreed.sum::<f64>() / all)
+        let most = |of: usize| {
+            let sizes = self.0.iter().map(|pair| pair[of].abs());
+            let mut sizes: Vec<f64> = sizes.filter(|size| *size > 0.0).collect();
+            sizes.sort_by(f64::total_cmp);
+            sizes.get(sizes.len() * 9 / 10).map_or(0.0, |tenth| MOST * tenth)
+        };
+        let most = [most(0), most(1)];
+        let (mut slopes, mut rates, mut products) = (0.0, 0.0, 0.0);
+        for pair in &self.0 {
+            let [slope, rate] = [0, 1].map(|k| pair[k].clamp(-most[k], most[k]));
+            slopes += slope * slope;
+            rates += rate * rate;
+            products += slope * rate;
+        }
+        let is_known = self.0.len() >= LEAST_SLOPES && slopes > 0.0;
+        is_known.then(|| if rates > 0.0 { products / (slopes * rates).sqrt() } else { 0.0 })
     }
 }
 
@@ -121,6 +126,24 @@ mod tests {
         // One file whose accelerations follow keeps those of all.
         let files = [sine(|_, _| 0.0), sine(measured)].map(|file| file.correlation());
         assert_eq!(Accelerations::odd(files.into_iter()), None);
+    }
+
+    #[test]
+    fn joints_at_rest_tell_nothing() {
+        let still = |row: usize, _| [0.0, 2e-3 * noise(row), 5e-2 * noise(row + 1)];
+        let mut seen = sine(|_, t| 3.0 * (3.0 * t).cos());
+        let own = seen.correlation();
+        for _ in 0..6 {
+            let Accelerations { velocity, acceleration, .. } = self::seen(still);
+            seen.velocity.0.extend(velocity.0);
+            seen.acceleration.0.extend(acceleration.0);
+        }
+        let resting = (0..20_000).map(|_| [0.0, 0.0]);
+        let mut odd = sine(|_, t| -3.0 * (3.0 * t).cos());
+        odd.acceleration.0.extend(resting);
+
+        assert!(own.zip(seen.correlation()).is_some_and(|(own, all)| own > 0.99 && all > 0.95));
+        assert!(odd.correlation().is_some_and(|found| found < -0.9));
     }
 
     #[test]

@@ -66,10 +66,11 @@ impl ConditionedLogs {
         let found = condition(longest, settings);
         let mut report = found.map_err(|source| signals(&logs, trajectory, source))?.report;
         // Each joint is judged where it moves most: a log may move one of them.
-        for joint in 0..logs.joints().len() {
-            let most = pieces.of_most_motion(joint, longest);
-            if let Some(other) = most.and_then(|most| condition(most, settings).ok()) {
-                report.see_joint(joint, &other.report);
+        for (piece, joints) in pieces.of_most_motion(longest) {
+            if let Ok(other) = condition(piece, settings) {
+                for joint in joints {
+                    report.see_joint(joint, &other.report);
+                }
             }
         }
         let cutoff = report.cutoff.map_or(Cutoff::Off, Cutoff::Hz);
@@ -218,8 +219,10 @@ impl RawRecording for RawLogs {
             CutoffFrom::Motion | CutoffFrom::HeldOut => CutoffFrom::HeldOut,
         };
         let mut report = ConditionReport { cutoff_from, ..found };
-        (0..logs.joints().len())
-            .for_each(|joint| report.see_joint(joint, &self.conditioned.report));
+        let seen = &self.conditioned.report;
+        for joint in &seen.seen_elsewhere {
+            report.see_joint(*joint, seen);
+        }
         Ok(ConditionedLogs::of(logs.clone(), *clock, settings, report))
     }
 }

@@ -39,17 +39,25 @@ impl Pieces {
         all.rev().max_by_key(|(_, piece)| piece.t.len()).ok_or(LogError::NoFiles)
     }
 
-    /// The piece in which a joint moves farthest, if that is twice as far as in another or more.
-    pub(crate) fn of_most_motion(&self, joint: usize, other: &Raw) -> Option<&Raw> {
-        let range = |piece: &Raw| {
-            let q = piece.of(Signal::Q)[joint].iter();
-            let [low, high] = q.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], q| {
-                [low.min(*q), high.max(*q)]
-            });
-            high - low
-        };
-        let most = self.all.iter().max_by(|a, b| range(a).total_cmp(&range(b)));
-        most.filter(|most| range(most) >= 2.0 * range(other))
+    /// Pieces in which some joints move twice as far as in another, or more, and farthest; with these.
+    pub(crate) fn of_most_motion(&self, other: &Raw) -> Vec<(&Raw, Vec<usize>)> {
+        let mut found: Vec<(&Raw, Vec<usize>)> =
+            self.all.iter().map(|piece| (piece, Vec::new())).collect();
+        for joint in 0..other.joints.len() {
+            let range = |piece: &Raw| {
+                let mut q = piece.of(Signal::Q)[joint].clone();
+                q.sort_by(f64::total_cmp);
+                // A few wrong positions are no motion.
+                let end = q.len() / 20;
+                q.get(end..q.len() - end).map_or(0.0, |q| q[q.len() - 1] - q[0])
+            };
+            let most = found.iter_mut().max_by(|a, b| range(a.0).total_cmp(&range(b.0)));
+            if let Some((_, joints)) = most.filter(|most| range(most.0) > 2.0 * range(other)) {
+                joints.push(joint);
+            }
+        }
+        found.retain(|(_, joints)| !joints.is_empty());
+        found
     }
 }
 

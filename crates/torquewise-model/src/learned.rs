@@ -50,12 +50,12 @@ pub struct JointGeometry {
     pub point: [f64; 3],
     /// Angle to the axis before \[°\], certain where it was put to a right angle; none of the first.
     pub angle_to_previous_deg: Option<Estimated>,
-    /// Distance of both as lines \[m\], of axes within 6° of parallel that of the point of the one
-    /// before; none of the first, nor where one of them slides.
+    /// Distance of both as lines \[m\]; for axes within 6° of parallel, that of the point of the axis
+    /// before from this axis. None of the first, nor where one of them slides.
     pub distance_to_previous_m: Option<Estimated>,
     /// Distance \[m\], along the axis before, of the places where this one and the last one that is not
-    /// parallel to it come nearest to it: the length of a link whose axes meet. None of the first two,
-    /// nor where one of them slides, or is within 6° of parallel to the axis before.
+    /// parallel to it come nearest to it: the length of a link whose axes meet. None where there is no
+    /// such axis, this one is within 6° of parallel to the axis before, or one from there on slides.
     pub along_previous_m: Option<Estimated>,
     /// Whether the log tells where it lies: the search found it often enough, its torque on held-out
     /// rows is followed, no other right angle does nearly as well, and its distances are certain.
@@ -308,21 +308,29 @@ mod tests {
     #[test]
     fn a_length_along_an_axis_is_told_where_others_meet_it() {
         // Each axis in the frame before: across and met by it, 0.4 m along and 0.07 m off, parallel.
-        let joints =
-            [[FRAC_PI_2, 0.0, 0.0, 0.0], [-FRAC_PI_2, 0.0, 0.07, 0.4], [1e-3, 0.0, 0.1, 0.2]];
+        let joints = [
+            [FRAC_PI_2, 0.0, 0.0, 0.0],
+            [-FRAC_PI_2, 0.0, 0.07, 0.4],
+            [1e-3, 0.0, 0.1, 0.2],
+            [FRAC_PI_2, 0.0, 0.0, 0.0],
+        ];
         let geometry = [0.0, 0.0].into_iter().chain(joints.concat()).collect();
-        let chain = RigidChain { geometry, links: vec![[1.0; 10]; 4], ..RigidChain::default() };
-        let joints = ["a", "b", "c", "d"].map(str::to_owned).to_vec();
+        let chain = RigidChain { geometry, links: vec![[1.0; 10]; 5], ..RigidChain::default() };
+        let joints = ["a", "b", "c", "d", "e"].map(str::to_owned).to_vec();
         let model = Model { joints, chain: Some(chain), ..Model::default() };
 
         let found = joint_geometry(&model).unwrap();
 
         let lengths = found.iter().map(|own| own.along_previous_m.map(|length| length.value));
-        let [None, None, Some(length), None] = lengths.collect::<Vec<_>>()[..] else {
+        let [None, None, Some(length), None, Some(across)] = lengths.collect::<Vec<_>>()[..] else {
             panic!("{found:?}")
         };
+        // Past the parallel axis c: from the foot of b.
+        assert_abs_diff_eq!(across, 0.2, epsilon = 1e-3);
         assert_abs_diff_eq!(length, 0.4, epsilon = 1e-12);
-        let distance = found[2].distance_to_previous_m.map(|distance| distance.value);
-        assert_abs_diff_eq!(distance.unwrap(), 0.07, epsilon = 1e-12);
+        let distance = |joint: usize| found[joint].distance_to_previous_m.unwrap().value;
+        assert_abs_diff_eq!(distance(2), 0.07, epsilon = 1e-12);
+        // Not where lines that are not quite parallel come nearest.
+        assert_abs_diff_eq!(distance(3), 0.1, epsilon = 1e-3);
     }
 }

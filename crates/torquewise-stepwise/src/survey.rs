@@ -48,9 +48,8 @@ const SIGNALS: usize = 4;
 
 /// From here on a number, in SI units, is that of a damaged file, not of an arm.
 const LARGEST: f64 = 1e9;
-/// A joint whose position changes by no more \[rad, m\], or that is never faster \[rad/s, m/s\], never
-/// moves.
-const AT_REST: [f64; 2] = [1e-3, 5e-3];
+/// A joint whose position changes by no more \[rad or m\] never moves.
+const AT_REST: f64 = 1e-3;
 
 impl Survey {
     /// Whether its numbers may be those of an arm.
@@ -319,11 +318,11 @@ impl Survey {
         if self.seconds > 0.0 { steps as f64 / self.seconds } else { 0.0 }
     }
 
-    /// Joints that never move, but for quanta of an encoder, or from log to log.
+    /// Joints whose position never changes, but for quanta of an encoder.
     pub fn constant_joints(&self) -> Vec<usize> {
         let still = |joint: &usize| {
             let [low, high] = self.q_range[*joint];
-            high - low <= AT_REST[0] || self.dq_peak[*joint] <= AT_REST[1]
+            high - low <= AT_REST
         };
         (0..self.joints.len()).filter(still).collect()
     }

@@ -9,6 +9,7 @@ use crate::table::methods;
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::compare::compare;
+use torquewise::identify::excitation::list;
 use torquewise::log::Rows;
 
 /// Compare stepwise reconstruction with one-shot SINDy
@@ -39,12 +40,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let contenders = [("stepwise", &compared.stepwise), ("sindy", &compared.sindy)];
     let joints = train.rows().joints();
     let warnings = contenders.iter().flat_map(|(name, contender)| {
-        let useless = joints.iter().zip(&contender.nrmse_percent);
-        let useless: Vec<&str> =
-            useless.filter(|(_, error)| **error > 100.0).map(|(joint, _)| joint.as_str()).collect();
+        let useless: Vec<String> = (joints.iter().zip(&contender.nrmse_percent))
+            .filter(|(_, error)| **error > 100.0 && error.is_finite())
+            .map(|(joint, _)| joint.clone())
+            .collect();
         let own = contender.fit.warnings.iter().map(ToString::to_string);
         let of_mean = (!useless.is_empty()).then(|| {
-            format!("the mean torque of the test log tells {} better", useless.join(", "))
+            format!("test torque of {} is predicted no better than by its mean", list(&useless))
         });
         own.chain(of_mean).map(move |warning| format!("{name}: {warning}"))
     });

@@ -21,7 +21,7 @@ const ORDER: u8 = 4;
 
 /// Times at each order of the library.
 pub(crate) fn run(folder: &Path) -> Value {
-    let motion = moves("puma560-3", ROWS, 3);
+    let motion = moves(ROWS);
     write_motion(&folder.join("rows.f64"), &motion);
     let mut sizes = Map::new();
     for order in 1..=ORDER {

@@ -14,7 +14,7 @@ const REPEATS: [usize; 4] = [1, 10, 100, 1_000];
 
 /// Seconds from rows in memory to weights, for each number of rows.
 pub(crate) fn run(folder: &Path) -> Value {
-    let motion = moves("puma560-3", ROWS, 3);
+    let motion = moves(ROWS);
     let library = LibraryKind::Product { gravity_order: 1, trig_order: 1 };
     let candidates =
         Candidates::new(N, library, Regression::OneShot, Vec::new()).expect("a library");

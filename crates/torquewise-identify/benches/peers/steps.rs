@@ -11,7 +11,7 @@ const ROWS: usize = 20_000;
 
 /// Times of a whole fit: patterns, sums, selection, bias of the noise, refit, standard errors.
 pub(crate) fn run(folder: &Path) -> Value {
-    let (motion, test) = (moves("puma560-3", ROWS, 3), test("puma560-3"));
+    let (motion, test) = (moves(ROWS), test());
     let options = LibraryOptions { bags: 0, ..LibraryOptions::product() };
     let candidates =
         Candidates::new(N, options.library, options.regression, Vec::new()).expect("a library");

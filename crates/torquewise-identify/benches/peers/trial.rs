@@ -21,20 +21,20 @@ pub(crate) const N: usize = 3;
 /// Samples per second of all logs \[Hz\].
 const RATE: f64 = 100.0;
 
-/// Positioning moves of an arm with the noise of a case.
-pub(crate) fn moves(arm: &str, rows: usize, case: u8) -> Motion {
-    let noise = Noise::case(case).expect("cases 1 to 3");
-    let clean = simulated(arm, MotionKind::Moves, rows, 1);
+/// Positioning moves of the arm with the noise of case 3.
+pub(crate) fn moves(rows: usize) -> Motion {
+    let noise = Noise::case(3).expect("cases 1 to 3");
+    let clean = simulated(MotionKind::Moves, rows, 1);
     add_noise(&clean, &noise, 1).expect("a motion that moves")
 }
 
 /// Sines of the same arm, without noise, to be judged by.
-pub(crate) fn test(arm: &str) -> Motion {
-    simulated(arm, MotionKind::Sines, 2_000, 99)
+pub(crate) fn test() -> Motion {
+    simulated(MotionKind::Sines, 2_000, 99)
 }
 
-fn simulated(arm: &str, kind: MotionKind, rows: usize, seed: u64) -> Motion {
-    let arm = Arm::builtin(arm).expect("a built-in arm");
+fn simulated(kind: MotionKind, rows: usize, seed: u64) -> Motion {
+    let arm = Arm::builtin("puma560-3").expect("a built-in arm");
     let plan = MotionPlan { kind, seconds: rows as f64 / RATE, rate: RATE, seed };
     simulate(&arm, &plan).expect("a plan within bounds").motion
 }

@@ -49,7 +49,7 @@ fn short_motion_is_held_out_in_blocks_of_four_rows_and_more() {
 
         assert_eq!(blocks.len(), count);
         assert!(rows_of(&blocks).into_iter().eq(0..t.len()));
-        assert!(blocks.iter().all(|block| block.rows.len() >= 3));
+        assert!(blocks.iter().all(|block| block.rows.len() >= t.len().min(LEAST_ROWS)));
     }
 }
 

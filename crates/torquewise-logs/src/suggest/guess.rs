@@ -106,7 +106,7 @@ fn by_stem(stem: &[String], names: &[String], time: Option<&String>) -> Option<(
 fn grouped(names: &[String]) -> Vec<(String, Vec<String>)> {
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
     for name in names {
-        let bare = without_unit(name);
+        let (bare, unit) = parted(name);
         let numbered = bare.trim_end_matches([']', ')']);
         let prefix = numbered.trim_end_matches(|c: char| c.is_ascii_digit());
         let last =
@@ -119,7 +119,10 @@ fn grouped(names: &[String]) -> Vec<(String, Vec<String>)> {
             }
             _ => name.clone(),
         };
-        match groups.iter_mut().find(|(known, _)| *known == key) {
+        let is_same = |(known, columns): &&mut (String, Vec<String>)| {
+            *known == key && columns.first().is_some_and(|first| parted(first).1 == unit)
+        };
+        match groups.iter_mut().find(is_same) {
             Some((_, columns)) => columns.push(name.clone()),
             None => groups.push((key, vec![name.clone()])),
         }
@@ -127,16 +130,16 @@ fn grouped(names: &[String]) -> Vec<(String, Vec<String>)> {
     groups
 }
 
-/// The name of a column but for a unit in brackets at its end.
-fn without_unit(name: &str) -> &str {
-    let unit = name.strip_suffix([']', ')']).and_then(|rest| rest.rsplit_once(['[', '(']));
-    let unit = unit.filter(|(_, unit)| unit.contains(char::is_alphabetic));
-    unit.map_or(name, |(bare, _)| bare.trim_end())
+/// The name of a column but for a unit, or what else stands in brackets at its end, and that.
+fn parted(name: &str) -> (&str, &str) {
+    let closed = name.strip_suffix([']', ')']).and_then(|rest| rest.rsplit_once(['[', '(']));
+    let unit = closed.filter(|(_, unit)| unit.contains(|c: char| !c.is_ascii_digit()));
+    unit.map_or((name, ""), |(bare, unit)| (bare.trim_end(), unit))
 }
 
 fn family(mut columns: Vec<String>, key: &str, word: &str) -> Family {
     let number = |name: &String| {
-        let bare = without_unit(name).trim_end_matches([']', ')']);
+        let bare = parted(name).0.trim_end_matches([']', ')']);
         bare.get(key.len()..)?.parse::<usize>().ok()
     };
     let is_numbered = columns.iter().all(|name| name.starts_with(key) && number(name).is_some());
@@ -144,17 +147,17 @@ fn family(mut columns: Vec<String>, key: &str, word: &str) -> Family {
         columns.sort_by_key(number);
     }
     let from_one = columns.iter().zip(1..).all(|(name, joint)| *name == format!("{key}{joint}"));
-    let all = words(key);
+    let first = columns.first().cloned().unwrap_or_default();
+    let all = words(&first);
     let counted = |list: &str| all.iter().filter(|word| is_in(word, list)).count();
     // What was wanted or worked out comes after anything else.
     let score = if counted(NOT_MEASURED) > 0 { 0 } else { 1 + counted(MEASURED) };
-    let of_degrees = |name: &String| words(name).iter().any(|word| is_in(word, DEGREES));
     Family {
-        is_degrees: columns.first().is_some_and(of_degrees),
         columns,
         prefix: from_one.then(|| key.to_owned()),
         told_by: word.to_owned(),
         is_current: counted(CURRENT) > 0,
+        is_degrees: counted(DEGREES) > 0 || parted(&first).1.contains('°'),
         score,
     }
 }
@@ -170,7 +173,7 @@ impl Family {
     /// Names of the joints, if the columns are called `NAME_position` or the like.
     pub(super) fn joints(&self) -> Option<Vec<String>> {
         let joint = |column: &String| {
-            let lower = without_unit(column).to_lowercase();
+            let lower = parted(column).0.to_lowercase();
             let joint = column.get(..lower.strip_suffix(&self.told_by)?.len())?;
             let joint = joint.trim_matches(|c: char| !c.is_alphanumeric());
             (!joint.is_empty()).then(|| joint.to_owned())

@@ -67,19 +67,21 @@ fn brackets_around_a_number_or_a_unit_hide_no_joint() {
     let file = folder.path().join("run.csv");
     let indexed = ["position[1]", "position[2]", "effort[1]", "effort[2]"];
     let with_units = ["joint 1 angle [deg]", "joint 2 angle [deg]", "tau1 (N.m)", "tau2 (N.m)"];
-    for (columns, degrees) in [(indexed, false), (with_units, true)] {
-        write(&file, &format!("time,{}", columns.join(",")), 800, |k| {
+    let signs = ["q1 [°]", "q2 [°]", "tau1 (measured)", "tau2 (measured)"];
+    for (columns, degrees) in [(indexed, false), (with_units, true), (signs, true)] {
+        let columns = columns.map(str::to_owned);
+        let beside = columns.each_ref().map(|name| name.replace("measured", "desired"));
+        let beside = if beside == columns { String::new() } else { beside[2..].join(",") + "," };
+        write(&file, &format!("time,{beside}{}", columns.join(",")), 800, |k| {
             let (q, _) = wave(0.005 * k);
             let q = if degrees { 60.0 * q } else { q };
-            vec![0.005 * k, q, -q, 1.0, 2.0]
+            let wanted = if beside.is_empty() { vec![] } else { vec![0.0, 0.0] };
+            [vec![0.005 * k], wanted, vec![q, -q, 1.0, 2.0]].concat()
         });
 
         let (_, profile) = readable(&file);
 
-        let listed = |k: usize| {
-            let names = columns[k..k + 2].iter().map(|name| (*name).to_owned());
-            Some(Columns::Names(names.collect()))
-        };
+        let listed = |k: usize| Some(Columns::Names(columns[k..k + 2].to_vec()));
         let (q, tau) = (profile.q.unwrap(), profile.tau.unwrap());
         assert_eq!((q.columns, tau.columns), (listed(0), listed(2)));
         assert_eq!(q.unit.as_deref() == Some("deg"), degrees);

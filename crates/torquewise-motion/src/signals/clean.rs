@@ -8,8 +8,8 @@ use crate::signals::resample::{EVEN, Resampler, Timing, grid, timing};
 /// Jitter up to which stamps may stray in a log that was found even.
 const STRAY: f64 = 100.0 * EVEN;
 
-/// Smallest deviations of q, q̇, q̈ and τ that spikes are told by: below lie the quanta of an encoder at
-/// rest.
+/// Smallest deviations of q, q̇, q̈ and τ that spikes are told by: smaller ones, as quanta of a fine
+/// encoder at rest, harm nothing.
 const LEAST_SCALES: [f64; 4] = [1e-6, 1e-4, 0.0, 0.0];
 
 /// Rows of one column that were replaced.

@@ -56,6 +56,7 @@ pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned> {
         outliers: even.outliers,
         dq_lag: lags(&dq, &filtered, &plan)?,
         dq_gain: gains(&dq, &filtered, &plan),
+        seen_elsewhere: Vec::new(),
         delay: plan.settings.delay,
         trimmed: plan.trim as f64 / plan.rate,
     };

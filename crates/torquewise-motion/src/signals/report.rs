@@ -86,6 +86,8 @@ pub struct ConditionReport {
     /// Measured velocity of each joint over the derivative of its position, by least squares, n;
     /// empty if no velocity was measured, `None` for a joint that does not move.
     pub dq_gain: Vec<Option<f64>>,
+    /// Joints whose levels and velocity are those of another piece, where they move more.
+    pub seen_elsewhere: Vec<usize>,
     /// Seconds by which the torque was advanced.
     pub delay: f64,
     /// Seconds dropped at each end.
@@ -95,17 +97,25 @@ pub struct ConditionReport {
 impl ConditionReport {
     /// Levels and measured velocity of a joint as they are in another piece, where it moves more.
     pub fn see_joint(&mut self, joint: usize, other: &Self) {
-        let name = self.signals.get(joint).map(|own| own.joint.clone());
-        let pairs = self.signals.iter_mut().zip(&other.signals);
-        pairs
-            .filter(|(own, _)| Some(&own.joint) == name.as_ref())
-            .for_each(|(own, other)| own.quantisation = other.quantisation);
-        if let (Some(own), Some(other)) = (self.dq_lag.get_mut(joint), other.dq_lag.get(joint)) {
-            *own = *other;
+        for own in &mut self.signals {
+            let is_same =
+                |other: &&SignalReport| (other.signal, &other.joint) == (own.signal, &own.joint);
+            let is_of_joint = other.signals.get(joint).is_some_and(|q| q.joint == own.joint);
+            if let Some(other) = other.signals.iter().find(is_same).filter(|_| is_of_joint) {
+                own.quantisation = other.quantisation;
+            }
         }
-        if let (Some(own), Some(other)) = (self.dq_gain.get_mut(joint), other.dq_gain.get(joint)) {
-            *own = *other;
+        if let (Some(own), Some(Some(other))) =
+            (self.dq_lag.get_mut(joint), other.dq_lag.get(joint))
+        {
+            *own = Some(*other);
         }
+        if let (Some(own), Some(Some(other))) =
+            (self.dq_gain.get_mut(joint), other.dq_gain.get(joint))
+        {
+            *own = Some(*other);
+        }
+        self.seen_elsewhere.push(joint);
     }
 }
 
