@@ -312,7 +312,7 @@ mod tests {
             [FRAC_PI_2, 0.0, 0.0, 0.0],
             [-FRAC_PI_2, 0.0, 0.07, 0.4],
             [1e-3, 0.0, 0.1, 0.2],
-            [FRAC_PI_2, 0.0, 0.0, 0.0],
+            [FRAC_PI_2, 0.0, 0.0, 0.3],
         ];
         let geometry = [0.0, 0.0].into_iter().chain(joints.concat()).collect();
         let chain = RigidChain { geometry, links: vec![[1.0; 10]; 5], ..RigidChain::default() };
@@ -326,11 +326,11 @@ mod tests {
             panic!("{found:?}")
         };
         // Past the parallel axis c: from the foot of b.
-        assert_abs_diff_eq!(across, 0.2, epsilon = 1e-3);
+        assert_abs_diff_eq!(across, 0.3, epsilon = 1e-3);
         assert_abs_diff_eq!(length, 0.4, epsilon = 1e-12);
         let distance = |joint: usize| found[joint].distance_to_previous_m.unwrap().value;
         assert_abs_diff_eq!(distance(2), 0.07, epsilon = 1e-12);
         // Not where lines that are not quite parallel come nearest.
-        assert_abs_diff_eq!(distance(3), 0.1, epsilon = 1e-3);
+        assert_abs_diff_eq!(distance(3), 0.1_f64.hypot(0.2), epsilon = 1e-3);
     }
 }
