@@ -91,14 +91,8 @@ pub(crate) fn slow(model: &Model) -> Vec<f64> {
 struct Logs {
     torque: Torque,
     slow: Vec<f64>,
-    each: Vec<(String, Vec<OfJoint>)>,
-}
-
-/// Sums of a joint in one log, and its largest speed there.
-#[derive(Clone)]
-struct OfJoint {
-    sums: Stretches,
-    peak: f64,
+    /// Of each joint its sums, and its largest speed.
+    each: Vec<(String, Vec<(Stretches, f64)>)>,
 }
 
 impl Logs {
@@ -106,7 +100,7 @@ impl Logs {
         // Blocks of a log follow one another.
         let known = self.each.iter().rposition(|(known, _)| *known == name);
         if known.is_none() && self.each.len() < MOST_LOGS {
-            let none = OfJoint { sums: Stretches::new(COLUMNS, MOST_BATCHES, 1), peak: 0.0 };
+            let none = (Stretches::new(COLUMNS, MOST_BATCHES, 1), 0.0_f64);
             self.each.push((name, vec![none; self.slow.len()]));
             return Some(self.each.len() - 1);
         }
@@ -116,7 +110,7 @@ impl Logs {
     fn add(&mut self, place: usize, block: &Motion) -> Result<(), torquewise_motion::ReadError> {
         let (tau, parts) = (block.require_tau()?, self.torque.parts(block)?);
         let tau_hat = parts.total();
-        for (joint, OfJoint { sums, peak }) in self.each[place].1.iter_mut().enumerate() {
+        for (joint, (sums, peak)) in self.each[place].1.iter_mut().enumerate() {
             for row in 0..block.n_rows() {
                 let dq = block.dq()[(row, joint)];
                 *peak = peak.max(dq.abs());
@@ -133,9 +127,10 @@ impl Logs {
         let mut found: Vec<Disagreement> = Vec::new();
         for (joint, name) in joints.iter().enumerate() {
             // A joint at rest may be held by a brake or by its friction.
-            let slope_in = |(log, (_, joints)): (usize, &(String, Vec<OfJoint>))| {
-                let OfJoint { sums, peak } = &joints[joint];
-                (*peak > self.slow[joint]).then(|| slope(sums)).flatten().map(|own| (log, own))
+            let slope_in = |(log, (_, joints)): (usize, &(String, Vec<(Stretches, f64)>))| {
+                let (sums, peak) = &joints[joint];
+                let own = (*peak > self.slow[joint]).then(|| slope(sums))??;
+                Some((log, own))
             };
             let slopes: Vec<(usize, Slope)> =
                 self.each.iter().enumerate().filter_map(slope_in).collect();

@@ -100,18 +100,13 @@ impl Prepared {
         let signals = self.report().into_iter().flat_map(|report| &report.signals);
         let coarse = signals.filter(|signal| signal.signal == "tau" && signal.is_coarse());
         let joints: Vec<String> = coarse.map(|signal| signal.joint.clone()).collect();
-        let names = list(&joints);
-        match joints.len() {
-            0 => None,
-            1 => Some(format!(
-                "the torque of {names} has few levels for its size: its sensor is too coarse for what \
-                 the joint does, expect a poor fit"
-            )),
-            _ => Some(format!(
-                "the torques of {names} have few levels for their size: their sensors are too coarse \
-                 for what the joints do, expect a poor fit"
-            )),
-        }
+        (!joints.is_empty()).then(|| {
+            format!(
+                "the torque of {} has few levels for its size: its sensor is too coarse for what the \
+                 joint does, expect a poor fit",
+                list(&joints)
+            )
+        })
     }
 
     fn odd_velocities(&self) -> Option<String> {
@@ -121,13 +116,14 @@ impl Prepared {
         let (joints, gains): (Vec<String>, Vec<String>) = joints
             .filter_map(|(joint, gain)| Some((joint.clone(), format!("{:.3}", gain.filter(odd)?))))
             .unzip();
-        let (names, gains) = (list(&joints), list(&gains));
-        let odd = match joints.len() {
-            0 => return None,
-            1 => format!("velocity of {names} is {gains} times the slope of its position"),
-            _ => format!("velocities of {names} are {gains} times the slopes of their positions"),
-        };
-        Some(format!("the measured {odd}: check units, scales, signs and the clock of the log"))
+        (!joints.is_empty()).then(|| {
+            format!(
+                "the measured velocity of {} is {} times the slope of its position: check units, scales, \
+                 signs and the clock of the log",
+                list(&joints),
+                list(&gains)
+            )
+        })
     }
 }
 

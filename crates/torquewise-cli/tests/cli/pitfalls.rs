@@ -7,7 +7,7 @@ use crate::spoilt::{Table, assert_tells, assert_warns, noise};
 use crate::terminal::Terminal;
 
 const TORQUE_WORDS: [&str; 5] =
-    ["does not follow", "falls as it", "gravity compensation", "few levels", "measured velocit"];
+    ["does not follow", "falls as it", "gravity compensation", "few levels", "measured velocity"];
 
 #[test]
 fn a_sound_log_is_not_suspected() {
@@ -43,7 +43,7 @@ fn what_spoils_a_log_is_told() {
     let cases: [(Table, &[&str], &[&str]); 7] = [
         (with("t", &|row, t, _| t + 2e-3 * noise(row)), &[], &["made even: jitter"]),
         (with("tau1", &spikes), &[], &["tau of joint1: 3 outliers replaced"]),
-        (rpm, &["measured velocities of joint1 and joint2 are 9.549 and 9.549 times"], &[]),
+        (rpm, &["measured velocity of joint1 and joint2 is 9.549 and 9.549 times"], &[]),
         (hand, led, &[]),
         (with("tau2", &|row, _, _| 0.02 * noise(row)), off, &[]),
         (
