@@ -127,13 +127,14 @@ impl Logs {
         let mut found: Vec<Disagreement> = Vec::new();
         for (joint, name) in joints.iter().enumerate() {
             // A joint at rest may be held by a brake or by its friction.
-            let slope_in = |(log, (_, joints)): (usize, &(String, Vec<(Stretches, f64)>))| {
-                let (sums, peak) = &joints[joint];
-                let own = (*peak > self.slow[joint]).then(|| slope(sums))??;
-                Some((log, own))
-            };
-            let slopes: Vec<(usize, Slope)> =
-                self.each.iter().enumerate().filter_map(slope_in).collect();
+            let logs = self.each.iter().enumerate();
+            let slopes: Vec<(usize, Slope)> = logs
+                .filter_map(|(log, (_, joints))| {
+                    let (sums, peak) = &joints[joint];
+                    let own = (*peak > self.slow[joint]).then(|| slope(sums))??;
+                    Some((log, own))
+                })
+                .collect();
             let Some([(one, a), (other, b)]) = most_apart(&slopes) else { continue };
             let logs = [one, other].map(|log| self.each[log].0.clone());
             let at_odds = JointAtOdds {
