@@ -43,6 +43,8 @@ const LEAST_SHARE: f64 = 0.2;
 const LEAST_FREE: f64 = 1e-3;
 /// Of two logs, gravity must make this part of the squares in one that it makes in the other.
 const LEAST_SIZE: f64 = 0.01;
+/// A joint that is never faster in a log than this part of its peak speed is at rest there.
+const AT_REST: f64 = 0.1;
 /// Dry friction is taken as fully there at some of these parts of the peak speed.
 const SLOW: f64 = 0.02;
 
@@ -131,7 +133,8 @@ impl Logs {
             let slopes: Vec<(usize, Slope)> = logs
                 .filter_map(|(log, (_, joints))| {
                     let (sums, peak) = &joints[joint];
-                    let own = (*peak > self.slow[joint]).then(|| slope(sums))??;
+                    let own =
+                        (*peak > AT_REST / SLOW * self.slow[joint]).then(|| slope(sums))??;
                     Some((log, own))
                 })
                 .collect();

@@ -49,11 +49,12 @@ impl Pieces {
                 q.sort_by(f64::total_cmp);
                 // A few wrong positions are no motion.
                 let end = q.len() / 20;
-                q.get(end..q.len() - end).map_or(0.0, |q| q[q.len() - 1] - q[0])
+                q.get(q.len().saturating_sub(end + 1)).zip(q.get(end)).map_or(0.0, |(b, a)| b - a)
             };
-            let most = found.iter_mut().max_by(|a, b| range(a.0).total_cmp(&range(b.0)));
-            if let Some((_, joints)) = most.filter(|most| range(most.0) > 2.0 * range(other)) {
-                joints.push(joint);
+            let ranges = self.all.iter().map(range).enumerate();
+            let most = ranges.max_by(|a, b| a.1.total_cmp(&b.1));
+            if let Some((piece, _)) = most.filter(|(_, most)| *most > 2.0 * range(other)) {
+                found[piece].1.push(joint);
             }
         }
         found.retain(|(_, joints)| !joints.is_empty());
