@@ -204,7 +204,7 @@ class Model(_core.Model):
         for own in found:
             state = own["q"], own["dq"], own["ddq"]
             own["tau_hat"] = self.torque(*state)
-            own["outside_range"] = self.outside_range(*state)
+            own["outside_range"] = np.asarray(self.outside_range(*state))
             if parts:
                 own.update(self.parts(*state))
             if interval is not None:
