@@ -43,8 +43,6 @@ const LEAST_SHARE: f64 = 0.2;
 const LEAST_FREE: f64 = 1e-3;
 /// Of two logs, gravity must make this part of the squares in one that it makes in the other.
 const LEAST_SIZE: f64 = 0.01;
-/// A joint that is never faster in a log than this part of its peak speed is at rest there.
-const AT_REST: f64 = 0.1;
 /// Dry friction is taken as fully there at some of these parts of the peak speed.
 const SLOW: f64 = 0.02;
 
@@ -93,8 +91,7 @@ pub(crate) fn slow(model: &Model) -> Vec<f64> {
 struct Logs {
     torque: Torque,
     slow: Vec<f64>,
-    /// Of each joint its sums, and its largest speed.
-    each: Vec<(String, Vec<(Stretches, f64)>)>,
+    each: Vec<(String, Vec<Stretches>)>,
 }
 
 impl Logs {
@@ -102,7 +99,7 @@ impl Logs {
         // Blocks of a log follow one another.
         let known = self.each.iter().rposition(|(known, _)| *known == name);
         if known.is_none() && self.each.len() < MOST_LOGS {
-            let none = (Stretches::new(COLUMNS, MOST_BATCHES, 1), 0.0_f64);
+            let none = Stretches::new(COLUMNS, MOST_BATCHES, 1);
             self.each.push((name, vec![none; self.slow.len()]));
             return Some(self.each.len() - 1);
         }
@@ -112,14 +109,13 @@ impl Logs {
     fn add(&mut self, place: usize, block: &Motion) -> Result<(), torquewise_motion::ReadError> {
         let (tau, parts) = (block.require_tau()?, self.torque.parts(block)?);
         let tau_hat = parts.total();
-        for (joint, (sums, peak)) in self.each[place].1.iter_mut().enumerate() {
+        for (joint, batches) in self.each[place].1.iter_mut().enumerate() {
             for row in 0..block.n_rows() {
                 let dq = block.dq()[(row, joint)];
-                *peak = peak.max(dq.abs());
                 let sign = (dq / self.slow[joint]).tanh();
                 let (gravity, inertia) = (parts.gravity[(row, joint)], parts.inertia[(row, joint)]);
                 let residual = tau[(row, joint)] - tau_hat[(row, joint)];
-                sums.add(&[gravity, inertia, 1.0, dq, sign], residual, 1.0);
+                batches.add(&[gravity, inertia, 1.0, dq, sign], residual, 1.0);
             }
         }
         Ok(())
@@ -128,15 +124,9 @@ impl Logs {
     fn compared(&self, joints: &[String]) -> Vec<Disagreement> {
         let mut found: Vec<Disagreement> = Vec::new();
         for (joint, name) in joints.iter().enumerate() {
-            // A joint at rest may be held by a brake or by its friction.
-            let logs = self.each.iter().enumerate();
-            let slopes: Vec<(usize, Slope)> = logs
-                .filter_map(|(log, (_, joints))| {
-                    let (sums, peak) = &joints[joint];
-                    let own =
-                        (*peak > AT_REST / SLOW * self.slow[joint]).then(|| slope(sums))??;
-                    Some((log, own))
-                })
+            let slopes = self.each.iter().enumerate();
+            let slopes: Vec<(usize, Slope)> = slopes
+                .filter_map(|(log, (_, own))| Some((log, slope(&own[joint], self.slow[joint])?)))
                 .collect();
             let Some([(one, a), (other, b)]) = most_apart(&slopes) else { continue };
             let logs = [one, other].map(|log| self.each[log].0.clone());
@@ -185,10 +175,12 @@ struct Slope {
     size: f64,
 }
 
-/// `None` if gravity hardly changes, or too little was recorded.
-fn slope(of: &Stretches) -> Option<Slope> {
+/// `None` if gravity hardly changes, or too little was recorded; or the joint is at rest, RMS slower than
+/// `slow`: a brake may hold it, or its friction.
+fn slope(of: &Stretches, slow: f64) -> Option<Slope> {
     let total = of.total();
-    if of.count() < LEAST_BATCHES || total.rows < 4.0 * COLUMNS as f64 {
+    let is_at_rest = total.gram[(3, 3)] < total.rows * slow * slow;
+    if is_at_rest || of.count() < LEAST_BATCHES || total.rows < 4.0 * COLUMNS as f64 {
         return None;
     }
     let solved = of.solved()?;
@@ -240,7 +232,8 @@ mod tests {
             let mut batches = Stretches::new(COLUMNS, MOST_BATCHES, 1);
             (0..rows).for_each(|row| batches.add(&x(row), residual(row), 1.0));
 
-            let slope = slope(&batches).unwrap();
+            assert!(slope(&batches, 1.0).is_none());
+            let slope = slope(&batches, 0.0).unwrap();
 
             let columns = Mat::from_fn(rows.unsigned_abs() as usize, 5, |row, i| {
                 x(i32::try_from(row).unwrap())[i]
@@ -270,6 +263,6 @@ mod tests {
             batches.add(&[2.0, 0.0, 1.0, 0.0, 0.0], 0.1 * f64::from(row).sin(), 1.0);
         }
 
-        assert!(slope(&batches).is_none());
+        assert!(slope(&batches, 0.0).is_none());
     }
 }
