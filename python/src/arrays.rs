@@ -205,13 +205,18 @@ pub(crate) fn motion(
     Motion::new(signals).map_err(value_error)
 }
 
+/// Whether each of some inputs is of one state.
+pub(crate) fn is_one_state<const K: usize>(inputs: [&Rows<'_>; K]) -> bool {
+    inputs.iter().all(|own| matches!(own, Rows::One(_)))
+}
+
 /// Rows of a result: n numbers where all inputs were of one state.
 pub(crate) fn rows_of<'py, const K: usize>(
     py: Python<'py>,
     mat: MatRef<'_, f64>,
     inputs: [&Rows<'_>; K],
 ) -> Bound<'py, PyAny> {
-    if inputs.iter().all(|own| matches!(own, Rows::One(_))) {
+    if is_one_state(inputs) {
         return PyArray1::from_iter(py, mat.row(0).iter().copied()).into_any();
     }
     array(py, mat).into_any()

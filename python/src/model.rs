@@ -1,6 +1,6 @@
 //! The learned equations of motion.
 
-use crate::arrays::{Rows, array, motion, rows_of, same_rows};
+use crate::arrays::{Rows, array, is_one_state, motion, rows_of, same_rows};
 use crate::errors::{choice, model_error, raised, value_error, wrong};
 use crate::friction_state::FrictionState;
 use crate::log::Log;
@@ -117,7 +117,7 @@ impl Model {
         follow: bool,
     ) -> Answer<'py> {
         let inputs = [&q, &dq, &ddq];
-        if !follow || !self.has_memory() || inputs.iter().all(|own| matches!(own, Rows::One(_))) {
+        if !follow || !self.has_memory() || is_one_state(inputs) {
             let named = [("q", &q), ("dq", &dq), ("ddq", &ddq)];
             return self.at_each(py, named, |torque, [q, dq, ddq]| torque.at(q, dq, ddq));
         }
@@ -229,9 +229,7 @@ impl Model {
         let inputs = [&q, &dq, &ddq];
         let found = MotionRange::outside(&self.model, &self.motion(inputs)?);
         Ok(match found[..] {
-            [one] if inputs.iter().all(|own| matches!(own, Rows::One(_))) => {
-                one.into_pyobject(py)?.to_owned().into_any()
-            }
+            [one] if is_one_state(inputs) => one.into_pyobject(py)?.to_owned().into_any(),
             _ => PyArray1::from_vec(py, found).into_any(),
         })
     }

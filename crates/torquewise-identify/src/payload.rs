@@ -117,16 +117,15 @@ impl Payload {
         place: Place,
     ) -> Result<Self, IdentifyError> {
         let chain = chain_of(model)?;
-        Self::of_passes(&Pass::over(model, chain, recording)?, model, recording, place)
+        Self::of_passes(&Pass::over(model, chain, recording)?, (model, chain), recording, place)
     }
 
     fn of_passes(
         passes: &[Pass],
-        model: &Model,
+        (model, chain): (&Model, &RigidChain),
         recording: &(impl Recording + ?Sized),
         Place { link, center }: Place,
     ) -> Result<Self, IdentifyError> {
-        let chain = chain_of(model)?;
         let pass = passes.get(link).ok_or(ModelError::NoChain)?;
         let robot = chain.robot.as_ref();
         let frame = robot.and_then(|robot| robot.frames.get(link)).map(placed);

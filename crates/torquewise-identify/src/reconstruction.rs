@@ -89,17 +89,9 @@ impl Reconstruction {
         chain: impl FnOnce(&Survey) -> Result<SignTest, IdentifyError>,
     ) -> Result<(), IdentifyError> {
         let training = &self.model.training;
-        let left: Vec<[f64; 2]> = training
-            .residual_rms
-            .iter()
-            .copied()
-            .zip(&training.torque_std)
-            .map(|(rms, std)| [rms, *std])
-            .collect();
-        let beyond = |part: f64| {
-            let of =
-                move |(joint, [rms, std]): (usize, &[f64; 2])| (*rms > part * std).then_some(joint);
-            left.iter().enumerate().filter_map(of).collect::<Vec<usize>>()
+        let beyond = |part: f64| -> Vec<usize> {
+            let left = training.residual_rms.iter().zip(&training.torque_std).enumerate();
+            left.filter(|(_, (rms, std))| **rms > part * **std).map(|(joint, _)| joint).collect()
         };
         let missed = beyond(MUCH);
         let clipped: Vec<Warning> = (missed.iter())

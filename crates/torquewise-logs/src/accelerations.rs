@@ -2,6 +2,7 @@
 
 use faer::MatRef;
 use torquewise_motion::Motion;
+use torquewise_motion::stats::quantile;
 
 /// Rows that are looked at in a file.
 const ROWS: usize = 20_000;
@@ -48,8 +49,7 @@ impl Pairs {
             let most = |of: usize| {
                 let sizes = pairs.iter().map(|pair| pair[of].abs());
                 let mut sizes: Vec<f64> = sizes.filter(|size| *size > 0.0).collect();
-                sizes.sort_by(f64::total_cmp);
-                sizes.get(sizes.len() * 9 / 10).map_or(0.0, |tenth| MOST * tenth)
+                MOST * quantile(&mut sizes, 0.9)
             };
             let most = [most(0), most(1)];
             for pair in pairs {

@@ -4,6 +4,7 @@ use crate::clock::{ClockLane, ClockRepair};
 use crate::error::{LogError, Result};
 use crate::logs::Logs;
 use torquewise_motion::signals::{Raw, Signal};
+use torquewise_motion::stats::quantile;
 
 /// Rows that a trajectory is planned by, and of a piece.
 pub(crate) const FIRST_ROWS: usize = 1 << 15;
@@ -46,10 +47,9 @@ impl Pieces {
         for joint in 0..other.joints.len() {
             let range = |piece: &Raw| {
                 let mut q = piece.of(Signal::Q)[joint].clone();
-                q.sort_by(f64::total_cmp);
                 // A few wrong positions are no motion.
-                let end = q.len() / 20;
-                q.get(q.len().saturating_sub(end + 1)).zip(q.get(end)).map_or(0.0, |(b, a)| b - a)
+                let [low, high] = [0.05, 0.95].map(|share| quantile(&mut q, share));
+                high - low
             };
             let ranges = self.all.iter().map(range).enumerate();
             let most = ranges.max_by(|a, b| a.1.total_cmp(&b.1));

@@ -144,7 +144,7 @@ impl Gains {
     ) -> Result<Self, IdentifyError> {
         let chain = chain_of(model)?;
         let passes = Pass::over(model, chain, recording)?;
-        let apparent = Payload::of_passes(&passes, model, recording, place)?.mass;
+        let apparent = Payload::of_passes(&passes, (model, chain), recording, place)?.mass;
         if apparent.value < LEAST_T * apparent.std_error {
             return Err(IdentifyError::NoLoad { found: apparent.value, error: apparent.std_error });
         }

@@ -97,25 +97,25 @@ pub struct ConditionReport {
 impl ConditionReport {
     /// Levels and measured velocity of a joint as they are in another piece, where it moves more.
     pub fn see_joint(&mut self, joint: usize, other: &Self) {
-        for own in &mut self.signals {
-            let is_same =
-                |other: &&SignalReport| (other.signal, &other.joint) == (own.signal, &own.joint);
-            let is_of_joint = other.signals.get(joint).is_some_and(|q| q.joint == own.joint);
-            if let Some(other) = other.signals.iter().find(is_same).filter(|_| is_of_joint) {
+        // The first are those of positions.
+        let name = other.signals.get(joint).map(|q| &q.joint);
+        for own in self.signals.iter_mut().filter(|own| Some(&own.joint) == name) {
+            let of =
+                |other: &&SignalReport| other.signal == own.signal && Some(&other.joint) == name;
+            if let Some(other) = other.signals.iter().find(of) {
                 own.quantisation = other.quantisation;
             }
         }
-        if let (Some(own), Some(Some(other))) =
-            (self.dq_lag.get_mut(joint), other.dq_lag.get(joint))
-        {
-            *own = Some(*other);
-        }
-        if let (Some(own), Some(Some(other))) =
-            (self.dq_gain.get_mut(joint), other.dq_gain.get(joint))
-        {
-            *own = Some(*other);
-        }
+        see(&mut self.dq_lag, &other.dq_lag, joint);
+        see(&mut self.dq_gain, &other.dq_gain, joint);
         self.seen_elsewhere.push(joint);
+    }
+}
+
+/// What is known of a joint elsewhere takes the place of its own.
+fn see<T: Copy>(own: &mut [Option<T>], other: &[Option<T>], joint: usize) {
+    if let (Some(own), Some(Some(other))) = (own.get_mut(joint), other.get(joint)) {
+        *own = Some(*other);
     }
 }
 
