@@ -6,6 +6,7 @@
 #![expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
 
 mod arrays;
+mod control;
 mod errors;
 mod fit;
 mod friction_state;
@@ -25,6 +26,8 @@ mod _core {
 
     #[pymodule_export]
     use crate::arrays::ArrayFrame;
+    #[pymodule_export]
+    use crate::control::control;
     #[pymodule_export]
     use crate::errors::{FitError, Interrupted, LogError, ModelError, TorquewiseError, UsageError};
     #[pymodule_export]

@@ -24,7 +24,7 @@ pub(crate) enum ArmSource<'py> {
     Name(String),
 }
 
-fn arm_of(
+pub(crate) fn arm_of(
     source: &ArmSource<'_>,
     lock: &[String],
 ) -> PyResult<(Arm, Option<Arc<torquewise::Model>>)> {

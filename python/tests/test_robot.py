@@ -33,6 +33,48 @@ def test_a_twin_moves_as_its_model_says(chain):
     assert own["joints"] == chain.joints
 
 
+def test_control_tracks_better_the_more_a_model_knows(chain):
+    found = torquewise.control(chain, "puma560-3", seconds=2, perfect=True)
+
+    errors = {name: own.rms_error.max() for name, own in found.items()}
+    assert list(found) == ["pid", "controller1", "controller2", "controller1_perfect", "controller2_perfect"]
+    assert errors["controller2_perfect"] < errors["controller2"] < 0.1 * errors["controller1"]
+    assert errors["controller1"] < errors["pid"]
+    own = found["pid"]
+    late = own.t >= own.t[-1] / 2
+    assert np.allclose(own.rms_error, np.sqrt((own.error[late] ** 2).mean(axis=0)))
+    assert own.to_frame().shape == (len(own.t), 9)
+
+
+def test_control_follows_a_motion_of_ones_own_within_the_limits_of_drives(chain):
+    wanted = torquewise.simulate("puma560-3", motion="sines", seconds=1, rate=1000, seed=3)
+
+    found = torquewise.control(chain, chain, wanted, controllers=["pid"], torque_limit=5.0, settle=0)
+    tau, saturated = found["pid"].tau, found["pid"].saturated
+    assert len(tau) == len(wanted["t"]) and np.abs(tau).max() <= 5.0
+    assert np.allclose(saturated, (np.abs(tau) >= 5.0).mean(axis=0)) and saturated.max() > 0
+
+    free = torquewise.control(chain, chain, wanted, controllers=["pid"], settle=0)["pid"]
+    assert np.allclose(free.q + free.error, wanted["q"])
+
+
+@pytest.mark.parametrize(
+    "wrong, named",
+    [
+        (dict(arm="planar-2"), "expected 3 joints, as the model has, not 2"),
+        (dict(controllers=["fast"]), "controllers"),
+        (dict(settle=1), "settle=1 leaves nothing of 1 s"),
+        (dict(delay=9), "delay"),
+        (dict(rotor=[0.1, 0.1]), "rotor"),
+        (dict(motion={"t": [0, 1]}), "q is missing"),
+        (dict(noise=float("nan")), "noise"),
+    ],
+)
+def test_control_refuses_what_cannot_be(chain, wrong, named):
+    with pytest.raises(ValueError, match=named):
+        torquewise.control(chain, **{"arm": "puma560-3", "seconds": 1, **wrong})
+
+
 def test_arms_are_listed_and_unknown_ones_refused():
     assert torquewise.arms()["planar-2"] == 2
     with pytest.raises(ValueError, match="no arm is called"):

@@ -89,7 +89,9 @@ def wheel(tools: Path, archive: Path) -> Path:
     (unpacked,) = place.iterdir()
     path = os.pathsep.join([str(program(tools, "python").parent), os.environ["PATH"]])
     build = (program(tools, "maturin"), "build", "--release", *ZIG, "--out", DIST)
-    call(*build, folder=unpacked, PATH=path, CARGO_TARGET_DIR=str(FOLDER / "target"))
+    page = ROOT / "web/dist"  # of `cargo xtask web`
+    own = {"TORQUEWISE_PAGE": str(page)} if page.exists() else {}
+    call(*build, folder=unpacked, PATH=path, CARGO_TARGET_DIR=str(FOLDER / "target"), **own)
     (found,) = DIST.glob("*.whl")
     with zipfile.ZipFile(found) as own:
         require(own.namelist(), (*LICENCES, notices.FILE.name, "py.typed", "_core.pyi"), found)

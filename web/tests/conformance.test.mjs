@@ -5,9 +5,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { CONFORMANCE, drop, fit, launch, saved } from "./page.mjs";
-
-const PROGRAM = process.env.TORQUEWISE_PROGRAM;
+import { CONFORMANCE, PROGRAM, drop, fit, launch, saved } from "./page.mjs";
 
 // Of the largest torque. A page has no fused products and sums two numbers at a time: roundings differ.
 const TOLERANCE = 1e-9;

@@ -1,14 +1,16 @@
-// The page in Chromium: served by a plain server, or opened from the disk.
-import { createServer } from "node:http";
+// The page in Chromium: served by `torquewise serve`, or opened from the disk.
+import { spawn } from "node:child_process";
 import { readFile } from "node:fs/promises";
-import { extname, join } from "node:path";
+import { join } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 
 export const DIST = fileURLToPath(new URL("../dist/", import.meta.url));
 export const CONFORMANCE = fileURLToPath(new URL("../../tests/conformance/", import.meta.url));
 
-const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css" };
+/** The program, which has the page in it. */
+export const PROGRAM = process.env.TORQUEWISE_PROGRAM;
+
 const FLAGS = [
   "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-background-networking",
   "--disable-component-update", "--no-first-run",
@@ -21,15 +23,17 @@ export async function launch() {
   const named = process.env.TORQUEWISE_CHROMIUM || "chromium";
   const program = named.includes("/") ? named : `/usr/bin/${named}`;
   const browser = await chromium.launch({ executablePath: program, args: FLAGS });
-  const server = createServer(async ({ url }, reply) => {
-    const path = new URL(url, "http://localhost").pathname;
-    const file = join(DIST, path === "/" ? "index.html" : path);
-    const content = await readFile(file).catch(() => null);
-    reply.writeHead(content ? 200 : 404, { "content-type": TYPES[extname(file)] ?? "text/plain" });
-    reply.end(content ?? "not found");
+  const server = spawn(PROGRAM, ["serve", "--no-browser"], { stdio: ["ignore", "ignore", "pipe"] });
+  const origin = await new Promise((found, failed) => {
+    let told = "";
+    server.on("error", failed);
+    server.on("exit", () => failed(new Error(told)));
+    server.stderr.on("data", (text) => {
+      told += text;
+      const address = /http:\/\/127\.0\.0\.1:\d+/.exec(told);
+      if (address) found(address[0]);
+    });
   });
-  await new Promise((done) => server.listen(0, "127.0.0.1", done));
-  const origin = `http://127.0.0.1:${server.address().port}`;
   return {
     origin,
     onDisk: pathToFileURL(join(DIST, "index.html")).href,
@@ -47,7 +51,7 @@ export async function launch() {
     },
     async close() {
       await browser.close();
-      server.close();
+      server.kill("SIGINT");
     },
   };
 }

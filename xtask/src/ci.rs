@@ -65,7 +65,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     }
     cargo("build --release")?;
     step("the program that users get");
-    run_release(&target.join(format!("release/torquewise{EXE_SUFFIX}")), &target.join("demo"))?;
+    run_release(&program(root), &target.join("demo"))?;
     step("web");
     web::run(root)?;
     step("clean work tree");
@@ -79,6 +79,16 @@ pub(crate) fn run(root: &Path) -> Result<()> {
 /// The folder that cargo builds into.
 pub(crate) fn target(root: &Path) -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from)
+}
+
+/// Builds the program that users get with the page in this folder.
+pub(crate) fn release(root: &Path, page: &Path) -> Result<()> {
+    call(command(root, "build --release").env("TORQUEWISE_PAGE", page))
+}
+
+/// The program that users get.
+pub(crate) fn program(root: &Path) -> PathBuf {
+    target(root).join(format!("release/torquewise{EXE_SUFFIX}"))
 }
 
 /// What git says of the work tree; nothing where it is none.

@@ -14,7 +14,7 @@ usage: cargo xtask <chore>
   ci     everything a change must pass, the same for people and machines
   python the suite of the Python package, on what `cargo build --workspace --lib` built
   package [--sources] crates, sources and wheel to publish, built and tried; or without the wheel
-  web    the page of web/: its engine in WebAssembly, built and tried in a browser
+  web    the page of web/: its engine in WebAssembly, and the program that serves it, tried in a browser
   tidy   that ARCHITECTURE.md names what exists, and how long files are";
 
 fn main() -> ExitCode {
@@ -24,7 +24,7 @@ fn main() -> ExitCode {
         ["ci"] => ci::run(&root()),
         ["python"] => python::run(&root(), &ci::target(&root())).map(drop),
         ["package", flags @ ..] => python::package(&root(), flags),
-        ["web"] => web::run(&root()).map(drop),
+        ["web"] => web::run(&root()),
         ["tidy"] => tidy::run(&root()),
         _ => {
             eprintln!("{USAGE}");

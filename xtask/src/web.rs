@@ -1,6 +1,7 @@
-//! The page: its engine compiled to WebAssembly, the page made around it, and both tried in a browser.
+//! The page: its engine compiled to WebAssembly, the page made around it, the program that serves it,
+//! and all of it tried in a browser.
 
-use crate::ci::{call, is_there, target};
+use crate::ci::{call, is_there, program, release, target};
 use anyhow::{Context, Result, bail};
 use std::env;
 use std::ffi::OsString;
@@ -21,9 +22,9 @@ const LEAST_NODE: u32 = 18;
 /// Largest engine, compressed \[bytes\].
 const LARGEST_ENGINE: u64 = 6_000_000;
 
-/// Builds the page into `web/dist` and runs its tests; says what is missing where it cannot. Returns
-/// whether it did.
-pub(crate) fn run(root: &Path) -> Result<bool> {
+/// Builds the page into `web/dist` and the program that has it, and tries both; says what is missing
+/// where it cannot.
+pub(crate) fn run(root: &Path) -> Result<()> {
     let is_required = env::var_os("TORQUEWISE_WEB_REQUIRED").is_some();
     if is_required && Path::new(APT).exists() {
         install(&lacking())?;
@@ -33,27 +34,29 @@ pub(crate) fn run(root: &Path) -> Result<bool> {
             bail!("{what}");
         }
         eprintln!("skipped: {what}; docs/browser.md says what it takes");
-        return Ok(false);
+        return Ok(());
     }
     let engine = engine(root)?;
-    let web = root.join("web");
-    let npm = |words: &[&str]| {
-        let mut npm = Command::new("npm");
-        npm.args(words).current_dir(&web).env("TORQUEWISE_ENGINE", &engine);
-        call(npm.env("TORQUEWISE_CHROMIUM", chromium()).env("TORQUEWISE_PROGRAM", program(root)))
-    };
-    npm(&["ci", "--ignore-scripts", "--no-audit", "--no-fund"])?;
-    npm(&["run", "check"])?;
-    npm(&["run", "build"])?;
-    let size = fs::metadata(web.join("dist/engine.js")).context("no engine in the page")?.len();
+    call(&mut npm(root, &["ci", "--ignore-scripts", "--no-audit", "--no-fund"]))?;
+    call(&mut npm(root, &["run", "check"]))?;
+    call(npm(root, &["run", "build"]).env("TORQUEWISE_ENGINE", &engine))?;
+    let page = root.join("web/dist");
+    let size = fs::metadata(page.join("engine.js")).context("no engine in the page")?.len();
     // In base64 three bytes are four.
     let compressed = size / 4 * 3;
     eprintln!("engine: {:.1} MB, compressed", compressed as f64 / 1e6);
     if compressed > LARGEST_ENGINE {
         bail!("the engine has {compressed} bytes, at most {LARGEST_ENGINE} are allowed");
     }
-    npm(&["test"])?;
-    Ok(true)
+    release(root, &page)?;
+    let mut npm = npm(root, &["test"]);
+    call(npm.env("TORQUEWISE_CHROMIUM", chromium()).env("TORQUEWISE_PROGRAM", program(root)))
+}
+
+fn npm(root: &Path, words: &[&str]) -> Command {
+    let mut npm = Command::new("npm");
+    npm.args(words).current_dir(root.join("web"));
+    npm
 }
 
 /// What is missing, and the packages of Debian that have it.
@@ -128,13 +131,6 @@ fn clang() -> &'static str {
 
 fn chromium() -> OsString {
     env::var_os("TORQUEWISE_CHROMIUM").unwrap_or_else(|| "chromium".into())
-}
-
-/// The command line built last, whose models those of the page are held against; nothing where none is.
-fn program(root: &Path) -> PathBuf {
-    let built = ["release", "debug"].map(|profile| target(root).join(profile).join("torquewise"));
-    let age = |program: &PathBuf| fs::metadata(program).and_then(|found| found.modified()).ok();
-    built.into_iter().filter(|program| program.exists()).max_by_key(age).unwrap_or_default()
 }
 
 /// Its first number.

@@ -19,6 +19,7 @@ mod export;
 mod control;
 mod reproduce;
 mod demo;
+mod serve;
 mod completions;
 
 use crate::error::Result;
@@ -69,10 +70,16 @@ pub(crate) enum Command {
     Export(export::Arguments),
     Control(control::Arguments),
     Reproduce(reproduce::Arguments),
+    Serve(serve::Arguments),
     Completions(completions::Arguments),
 }
 
 impl Command {
+    /// Whether it goes on until Ctrl-C.
+    pub(crate) fn is_endless(&self) -> bool {
+        matches!(self, Self::Serve(_))
+    }
+
     /// - `words`: of the whole line, for reports
     pub(crate) fn run(&self, words: &[OsString]) -> Result<Outcome> {
         match self {
@@ -95,6 +102,7 @@ impl Command {
             Self::Export(arguments) => export::run(arguments),
             Self::Control(arguments) => control::run(arguments),
             Self::Reproduce(arguments) => reproduce::run(arguments),
+            Self::Serve(arguments) => serve::run(arguments),
             Self::Completions(arguments) => {
                 completions::run(arguments, &mut CommandLine::command())
             }

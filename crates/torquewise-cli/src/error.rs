@@ -53,6 +53,12 @@ pub(crate) enum CliError {
     #[error("the experiments cannot be done")]
     #[diagnostic(forward(source))]
     Experiment { source: torquewise_paper::PaperError },
+    #[error("this program was built without the page")]
+    #[diagnostic(help("`cargo xtask web` builds one that has it, see docs/browser.md"))]
+    NoPage,
+    #[error("no page can be served at {address}")]
+    #[diagnostic(help("choose another --port"))]
+    Port { address: String, source: Box<dyn Error + Send + Sync> },
     #[error("the results cannot be written to standard output")]
     #[diagnostic(help("check where it is redirected to"))]
     Stdout { source: io::Error },

@@ -27,9 +27,9 @@ use std::ffi::OsString;
 ///
 /// Ctrl-C ends the process from here on.
 pub fn run(words: &[OsString]) -> u8 {
-    interrupt::listen();
     match commands::CommandLine::try_parse_from(words) {
         Ok(line) => {
+            interrupt::listen(line.command.is_endless());
             threads::start();
             let run = || line.command.run(words);
             outcome::report(files::all_or_none(run), line.json, line.strict)

@@ -6,7 +6,7 @@ use crate::estimate::Linearisation;
 use crate::plan::{ChainOptions, FrictionKind};
 use crate::reconstruction::{Progress, Watch};
 use crate::unseen::geometric_mean;
-pub(crate) use gravity::gravity_elsewhere;
+pub(crate) use gravity::against_axes;
 use offers::Offer;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -20,6 +20,7 @@ use torquewise_stepwise::friction::FrictionLibrary;
 use torquewise_stepwise::held_out::CvScore;
 use torquewise_stepwise::survey::thinned;
 
+mod coordinates;
 mod couplings;
 mod gravity;
 pub(crate) mod kinds;
@@ -105,7 +106,12 @@ pub(crate) fn learn(
     let is_given = options.geometry.is_some();
     let given = given_kinds(motion, options)?;
     let (mut spec, mut chain) = match &options.geometry {
-        Some(known) => learner.at_geometry(known, &at_kinds, &mut choices)?,
+        Some(known) => {
+            let (spec, chain) = learner.at_geometry(known, &at_kinds, &mut choices)?;
+            let chain = learner.coupled_at(&spec, chain, &mut choices)?;
+            learner.coordinates(&spec, &chain, &mut choices)?;
+            (spec, chain)
+        }
         None => learner.moving_geometry(given, &at_kinds, &mut choices)?,
     };
     let kinds = chain.geometry.kinds().clone();

@@ -3,7 +3,7 @@
 use crate::estimate::refined_by_rollouts;
 use crate::excitation::Finding;
 use crate::fitted::Fitted;
-use crate::learn::gravity_elsewhere;
+use crate::learn::against_axes;
 use crate::plan::{ChainOptions, Method, Plan, Refine};
 use crate::reconstruction::{Progress, Reconstruction, Watch};
 use crate::rounds::Request;
@@ -144,11 +144,11 @@ fn by_chain(
             let chain = SignTest::at(&fitted.solved.at, options.geometry.is_some());
             Progress::Judging.tell(watch)?;
             let mut found = fitted.report(survey, patterns, seed, watch)?;
-            if let Some(line) = gravity_elsewhere(&found.model.choices).map(str::to_owned) {
+            if let Some(warning) = against_axes(&found.model.choices) {
                 // Gravity that pulls elsewhere does nothing where it was said to.
                 let weightless = Warning::Excitation(Finding::Weightless);
                 found.warnings.retain(|own| *own != weightless);
-                found.warnings.push(Warning::Gravity { line });
+                found.warnings.push(warning);
             }
             Warning::retain_founded(&mut found.warnings, &found.model);
             found.doubt_torque(seed, watch, |_| Ok(chain))?;

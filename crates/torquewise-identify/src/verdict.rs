@@ -144,6 +144,9 @@ fn doubts(found: &Reconstruction) -> Vec<String> {
         Warning::Excitation(Finding::Weightless) => Some("gravity does nothing".to_owned()),
         Warning::Sliding { .. } => Some("joints seem to slide".to_owned()),
         Warning::Gravity { .. } => Some("gravity pulls elsewhere than was said".to_owned()),
+        Warning::Coordinates { .. } => {
+            Some("joints seem to be counted otherwise than in the URDF".to_owned())
+        }
         Warning::Repeated => Some("a log was given twice".to_owned()),
         _ => None,
     });

@@ -68,6 +68,11 @@ pub enum Warning {
         /// The line along which it pulls in the base of the URDF, of length 1, as one writes it.
         line: String,
     },
+    /// The log seems to count joints otherwise than the file that their axes are from.
+    Coordinates {
+        /// What each may be in that file, `joint3 as 90° - q`.
+        joints: String,
+    },
     /// Two logs hold the same rows.
     Repeated,
     /// The fit to all rows leaves far more than the search did on a sample.
@@ -277,6 +282,11 @@ impl fmt::Display for Warning {
                 f,
                 "gravity pulls along {line} of the base of the URDF, not as said: does the arm hang on a \
                  wall or a ceiling? Give that direction of gravity, down positive"
+            ),
+            Self::Coordinates { joints } => write!(
+                f,
+                "the log seems to count joints otherwise than the URDF: with {joints} held-out torque is \
+                 missed by far less; if so, say it by scale and offset of a profile"
             ),
             Self::Repeated => write!(
                 f,

@@ -14,6 +14,7 @@ from importlib import import_module as _import_module
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 from typing import Any as _Any
 
+from ._control import Tracking, control
 from ._core import (
     FitError,
     FrictionState,
@@ -27,9 +28,10 @@ from ._core import (
 )
 from ._fit import Evaluation, Fit, compare, fit
 from ._log import Log, inspect, patterns, read_log, write_log
-from ._model import Model, Rollout
+from ._model import Model
 from ._observer import Contacts, Gains, Payload, contacts, gains, payload, residuals
 from ._options import FitOptions, LogOptions
+from ._rollout import Rollout
 from ._simulation import arms, excite, simulate
 from ._sums import Summary
 
@@ -59,11 +61,13 @@ __all__ = [
     "Stepwise",
     "Summary",
     "TorquewiseError",
+    "Tracking",
     "UsageError",
     "__version__",
     "arms",
     "compare",
     "contacts",
+    "control",
     "excite",
     "fit",
     "gains",

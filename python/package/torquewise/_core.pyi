@@ -206,6 +206,9 @@ def simulate(
     friction: str | None = None,
     lock: Sequence[str] = (),
 ) -> tuple[list[str], dict[str, Any]]: ...
+def control(
+    model: Model, arm: str | Model, **options: Any
+) -> list[tuple[str, dict[str, _Array]]]: ...
 def excite(arm: str | Model, **options: Any) -> list[dict[str, Any]]: ...
 def write_log(
     path: _Path,

@@ -5,7 +5,6 @@ They are estimators of scikit-learn where it is installed, and follow its conven
 
 from __future__ import annotations
 
-import inspect
 import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal
@@ -17,6 +16,7 @@ from ._fit import Fit, fit
 from ._log import Log
 from ._model import Model
 from ._options import Path
+from ._parameters import Base
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -24,52 +24,7 @@ if TYPE_CHECKING:
 _Array = NDArray[np.float64]
 
 
-class _Parameters:
-    """What `BaseEstimator` is to those who have scikit-learn."""
-
-    @classmethod
-    def _names(cls) -> list[str]:
-        return sorted(set(inspect.signature(cls.__init__).parameters) - {"self"})
-
-    def get_params(self, deep: bool = True) -> dict[str, Any]:
-        """The parameters of this estimator, by name."""
-        return {name: getattr(self, name) for name in self._names()}
-
-    def set_params(self, **params: Any) -> Self:
-        """Sets parameters; returns the estimator."""
-        for name, value in params.items():
-            if name not in self._names():
-                raise ValueError(
-                    f"Invalid parameter {name!r} for estimator {type(self).__name__}: "
-                    f"expected one of {', '.join(self._names())}"
-                )
-            setattr(self, name, value)
-        return self
-
-    def __repr__(self) -> str:
-        usual = inspect.signature(type(self).__init__).parameters
-        given = [
-            f"{name}={value!r}"
-            for name, value in self.get_params().items()
-            if value is not usual[name].default and value != usual[name].default
-        ]
-        return f"{type(self).__name__}({', '.join(given)})"
-
-
-if TYPE_CHECKING:
-    _Base = _Parameters
-else:
-    try:
-        from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
-
-        class _Base(MultiOutputMixin, RegressorMixin, BaseEstimator):
-            pass
-
-    except ImportError:
-        _Base = _Parameters
-
-
-class _Estimator(_Base):
+class _Estimator(Base):
     """What all estimators share; the parameters are those of `__init__`."""
 
     _fixed: dict[str, Any] = {}

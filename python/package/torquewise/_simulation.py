@@ -53,7 +53,7 @@ def simulate(
             raise ValueError("case: expected 1, 2 or 3")
         noise_db = CASES[case]
     joints, found = _core.simulate(
-        _named(arm),
+        named_arm(arm),
         motion=motion,
         seconds=seconds,
         rate=rate,
@@ -113,7 +113,7 @@ def excite(
     """
     with shown(progress) as told:
         return _core.excite(
-            _named(arm),
+            named_arm(arm),
             seconds=None if seconds is None else list(seconds),
             dwell=dwell,
             slow_sweeps=slow_sweeps,
@@ -134,7 +134,7 @@ def excite(
         )
 
 
-def _named(arm: Path | Model) -> str | Model:
+def named_arm(arm: Path | Model) -> str | Model:
     return os.fspath(arm) if isinstance(arm, (str, os.PathLike)) else arm
 
 

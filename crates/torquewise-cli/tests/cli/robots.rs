@@ -2,6 +2,7 @@
 
 use crate::spoilt::Table;
 use crate::terminal::{Terminal, each};
+use std::f64::consts::FRAC_PI_2;
 
 /// Two joints and a tool, as a URDF has them; the tool may be heavier.
 fn robot(tool: f64) -> String {
@@ -84,6 +85,33 @@ fn a_base_that_is_not_level_is_tilted() {
     let gravity = choices.iter().find(|own| own["what"] == "direction of gravity").unwrap();
     assert_eq!(gravity["chosen"], "tilted");
     assert_predicts(&terminal);
+}
+
+#[test]
+fn joints_that_a_log_counts_otherwise_than_the_urdf_are_told() {
+    let terminal = Terminal::new();
+    terminal.done("simulate puma560-3 -o log.csv --seconds 40 --rate 50 --case 2 --seed 1");
+    terminal.done("fit log.csv --library chain -o arm.json");
+    terminal.done("export arm.json --to urdf -o arm.urdf");
+    let table = Table::of(&terminal, "log.csv").with("q2", |_, q, _| q - FRAC_PI_2);
+    let other = table.scaled(&["q3", "dq3", "ddq3", "tau3"], -1.0);
+    terminal.write("other.csv", &other.text());
+
+    let said = |log: &str| terminal.run(&format!("fit {log} --urdf arm.urdf -o new.json"));
+    let (same, other) = (said("log.csv"), said("other.csv"));
+
+    assert!(!same.stderr.contains("counts joints otherwise"), "{same:?}");
+    assert!(other.stderr.contains("joint2 as 90° + q, joint3 as -q"), "{other:?}");
+    assert!(other.stdout.contains("counted otherwise than in the URDF"), "{other:?}");
+    // Said so in a profile, they fit.
+    let signals = ["q", "dq", "ddq", "tau"].map(|signal| {
+        let zero = if signal == "q" { "offset = [0, 1.5707963, 0]" } else { "" };
+        format!("[{signal}]\ncolumns = \"{signal}\"\nunit = \"\"\nscale = [1, 1, -1]\n{zero}\n")
+    });
+    terminal.write("arm.toml", &format!("[t]\ncolumn = \"t\"\n{}", signals.concat()));
+    let cured = said("other.csv --profile arm.toml");
+    assert!(!cured.stderr.contains("counts joints otherwise"), "{cured:?}");
+    assert_eq!(cured.code, 0, "{cured:?}");
 }
 
 #[test]

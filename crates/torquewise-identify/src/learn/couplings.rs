@@ -1,13 +1,14 @@
 //! Joints that several logged coordinates turn, where the log shows it (E18).
 
-use super::{ChainLearner, TRIAL_ROWS, searching};
+use super::{ChainLearner, FINAL_ROWS, TRIAL_ROWS, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
-use torquewise_rigid::coupling::Coupled;
+use torquewise_rigid::coupling::{Coupled, Coupling};
 use torquewise_rigid::search::glance;
-use torquewise_rigid::{Chain, Search};
+use torquewise_rigid::{Chain, JointKinds, Search, refine};
 use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::held_out::CvScore;
 
 /// As the model file has it.
 pub(super) const COUPLING: &str = "coupling";
@@ -45,15 +46,46 @@ impl ChainLearner<'_> {
                 trial("none".to_owned(), &best, &rows, &chain, &searching(self.watch))?,
                 trial(label, &with, &rows, &found, &searching(self.watch))?,
             ];
-            if trials[1].error() > COUPLING_GAIN * trials[0].error()
-                || record_worth(COUPLING, &trials, 0.0, choices) == 0
-            {
+            if !is_coupled(&trials, choices) {
                 break;
             }
             (best, chain, own) = (with, found, made);
         }
         choices.extend(own);
         Ok((best, chain))
+    }
+
+    /// Looks for such joints beyond a geometry that is given, which stays.
+    pub(super) fn coupled_at(
+        &self,
+        spec: &ChainSpec,
+        mut chain: Chain,
+        choices: &mut Vec<Choice>,
+    ) -> Result<Chain, IdentifyError> {
+        let (few, all) = (self.rows(spec, TRIAL_ROWS)?, self.rows(spec, FINAL_ROWS)?);
+        let watch = searching(self.watch);
+        for _ in 0..MOST_COUPLED {
+            let known = chain.geometry.coupling();
+            let without = refine(&few, &chain, &spec.free, &spec.search, &watch)?.cost;
+            let tried = self.pairs(chain.geometry.kinds(), known).into_par_iter().map(|own| {
+                let geometry = chain.geometry.clone().coupled(known.with(own));
+                let start = Chain { geometry, ..chain.clone() };
+                Ok((label(own), refine(&few, &start, &spec.free, &spec.search, &watch)?))
+            });
+            let tried = tried.collect::<Result<Vec<_>, IdentifyError>>()?;
+            let best = tried.into_iter().min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
+            let best = best.filter(|(_, found)| found.cost <= PROMISING * without);
+            let Some((label, found)) = best else { break };
+            let trials = [
+                trial("none".to_owned(), spec, &few, &chain, &watch)?,
+                trial(label, spec, &few, &found, &watch)?,
+            ];
+            if !is_coupled(&trials, choices) {
+                break;
+            }
+            chain = refine(&all, &found, &spec.free, &spec.search, &watch)?;
+        }
+        Ok(chain)
     }
 
     /// The search with one more coupled joint that a first look at few rows is best with, if it is
@@ -63,15 +95,7 @@ impl ChainLearner<'_> {
         let rows = self.rows(spec, count)?;
         let known = &spec.search.coupling;
         let look = Search { starts: most, ..spec.search.clone() };
-        let pairs = (1..self.motion.n_joints())
-            .flat_map(|joint| [-1, 1].map(|ratio| Coupled { joint, driver: joint - 1, ratio }));
-        let is_new = |own: &Coupled| {
-            let turns = |joint: usize| spec.search.kinds.of(joint).turns();
-            turns(own.joint)
-                && turns(own.driver)
-                && known.coupled().iter().all(|k| (k.joint, k.driver) != (own.joint, own.driver))
-        };
-        let candidates: Vec<Coupled> = pairs.filter(is_new).collect();
+        let candidates = self.pairs(&spec.search.kinds, known);
         let watch = searching(self.watch);
         let left: Vec<f64> = candidates
             .par_iter()
@@ -85,6 +109,24 @@ impl ChainLearner<'_> {
             (label(own), Search { coupling: known.with(own), ..spec.search.clone() })
         }))
     }
+
+    /// What may be coupled beyond what is: joints that turn, to the one before.
+    fn pairs(&self, kinds: &JointKinds, known: &Coupling) -> Vec<Coupled> {
+        let turns = |joint: &usize| kinds.of(*joint).turns() && kinds.of(joint - 1).turns();
+        let joints = (1..self.motion.n_joints()).filter(turns);
+        let pairs = joints
+            .flat_map(|joint| [-1, 1].map(|ratio| Coupled { joint, driver: joint - 1, ratio }));
+        let is_new = |own: &Coupled| {
+            known.coupled().iter().all(|k| (k.joint, k.driver) != (own.joint, own.driver))
+        };
+        pairs.filter(is_new).collect()
+    }
+}
+
+/// Whether the second of two trials, with a coupled joint, is to be taken.
+fn is_coupled(trials: &[CvScore; 2], choices: &mut Vec<Choice>) -> bool {
+    trials[1].error() <= COUPLING_GAIN * trials[0].error()
+        && record_worth(COUPLING, trials, 0.0, choices) > 0
 }
 
 /// `q3 - q2`: what turns a coupled joint.

@@ -1,8 +1,10 @@
 //! The chain at axes that are given, and where gravity pulls on it.
 
+use super::coordinates::COORDINATES;
 use super::{ChainLearner, Judged, TRIAL_ROWS, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::plan::KnownGeometry;
+use crate::warning::Warning;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_rigid::geometry::PER_BASE;
@@ -16,13 +18,24 @@ const WORTH_OF_TILT: f64 = 0.05;
 
 /// As the model file has it: where gravity was said to pull, tilted, or else along which line.
 const LINE_OF_GRAVITY: &str = "direction of gravity";
-const AS_GIVEN: &str = "as given";
+pub(super) const AS_GIVEN: &str = "as given";
 const TILTED: &str = "tilted";
 
-/// The line along which gravity pulls by the choices of a fit, where that is elsewhere than was said.
-pub(crate) fn gravity_elsewhere(choices: &[Choice]) -> Option<&str> {
-    let choice = choices.iter().find(|choice| choice.what == LINE_OF_GRAVITY)?;
-    Some(&*choice.chosen).filter(|chosen| ![AS_GIVEN, TILTED].contains(chosen))
+/// What the choices of a fit say against the axes that were given: where gravity pulls, or how joints
+/// are counted, whichever explains held-out rows better.
+pub(crate) fn against_axes(choices: &[Choice]) -> Option<Warning> {
+    let told = |what: &str| {
+        let choice = choices.iter().find(|choice| choice.what == what)?;
+        let chosen = choice.from.iter().find(|own| own.label == choice.chosen)?;
+        let is_usual = [AS_GIVEN, TILTED].contains(&&*chosen.label);
+        (!is_usual).then(|| (chosen.label.clone(), chosen.error))
+    };
+    match (told(LINE_OF_GRAVITY), told(COORDINATES)) {
+        (Some((line, error)), other) if other.as_ref().is_none_or(|(_, own)| error <= *own) => {
+            Some(Warning::Gravity { line })
+        }
+        (_, other) => other.map(|(joints, _)| Warning::Coordinates { joints }),
+    }
 }
 
 impl ChainLearner<'_> {

@@ -5,10 +5,11 @@ use crate::support::{
 };
 use std::sync::LazyLock;
 use torquewise_identify::Reconstruction;
-use torquewise_identify::plan::FrictionKind;
+use torquewise_identify::plan::{ChainOptions, FrictionKind, KnownGeometry};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{FrictionTerm, Model, Torque, check, from_json, to_json};
 use torquewise_motion::Motion;
+use torquewise_rigid::coupling::Coupling;
 use torquewise_sim::{Arm, MotionKind};
 
 /// White noise in the torque, as a part of its spread.
@@ -226,13 +227,24 @@ fn a_joint_behind_a_parallelogram_is_found() {
         let log = |seconds, seed| coupled(&sines(&reference_arm(), seconds, seed), ratio);
         let friction = linear(&log(40.0, 1), &FRICTION);
 
-        let found = fit(&rubbing(&log(40.0, 1), &friction, NOISE), &chain(FrictionKind::Linear));
+        let train = rubbing(&log(40.0, 1), &friction, NOISE);
+        let found = fit(&train, &chain(FrictionKind::Linear));
 
         assert_eq!(chosen(&found, "coupling"), Some(label));
+        // A URDF may say where the axes lie, and nothing of the parallelogram.
+        let geometry = found.model.chain.clone().unwrap().geometry.coupled(Coupling::default());
+        let base = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let geometry = Some(KnownGeometry { geometry, robot: None, base });
+        let options =
+            ChainOptions { geometry, friction: FrictionKind::Linear, ..Default::default() };
+        let at_geometry = fit(&train, &options.into());
+        assert_eq!(chosen(&at_geometry, "coupling"), Some(label));
+
         assert!(check(&found.model, &states(&reference_arm())).unwrap().passed());
         let test = rubbing(&log(10.0, 2), &friction, 0.0);
         let terms_alone = Model { chain: None, ..found.model.clone() };
-        for model in [&from_json(&to_json(&found.model).unwrap()).unwrap(), &terms_alone] {
+        let saved = from_json(&to_json(&found.model).unwrap()).unwrap();
+        for model in [&saved, &terms_alone, &at_geometry.model] {
             let errors = percent(model, &test);
             assert!(errors.iter().all(|&percent| percent < 2.0), "{label}: {errors:?}");
         }

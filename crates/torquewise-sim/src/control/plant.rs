@@ -1,5 +1,6 @@
 //! What a controller has before it: arm, friction, drives and encoders.
 
+use crate::arm::each;
 use crate::control::integrate::Integrator;
 use crate::error::{Result, check_above_zero, check_between, check_joints};
 use crate::{Arm, Friction};
@@ -55,7 +56,24 @@ impl Default for Sensors {
     }
 }
 
+impl Drive {
+    /// Drives of n joints.
+    ///
+    /// - `limits`: largest torques \[N·m\], n or one for all; empty for none
+    /// - `delay`: from the command to the torque \[s\]
+    pub fn new(n: usize, limits: &[f64], delay: f64) -> Self {
+        let limit = if limits.is_empty() { vec![f64::INFINITY; n] } else { each(limits, n) };
+        Self { limit, delay }
+    }
+}
+
 impl Sensors {
+    /// Encoders of so many counts to a turn, without noise; 0 for exact positions.
+    pub fn of_counts(counts: u32) -> Self {
+        let step = if counts == 0 { 0.0 } else { std::f64::consts::TAU / f64::from(counts) };
+        Self { step, ..Self::default() }
+    }
+
     /// Positions and differences as they are.
     pub const IDEAL: Self =
         Self { step: 0.0, noise: 0.0, torque_noise: 0.0, cutoff: f64::INFINITY, seed: 0 };
@@ -65,7 +83,7 @@ impl Plant {
     /// An arm without friction, limits, delay or errors of measurement.
     pub fn ideal(arm: Arm) -> Self {
         let n = arm.n_joints();
-        let drive = Drive { limit: vec![f64::INFINITY; n], delay: 0.0 };
+        let drive = Drive::new(n, &[], 0.0);
         let (friction, sensors) = (Friction::none(n), Sensors::IDEAL);
         Self { arm, friction, drive, sensors, tolerance: 1e-10 }
     }

@@ -3,7 +3,6 @@
 use crate::arguments::{Word, choice};
 use crate::error::Result;
 use clap::Args;
-use std::f64::consts::TAU;
 use std::path::PathBuf;
 use torquewise::control::{Drive, Periodic, Plant, Sensors, periodic};
 use torquewise::dynamics::{Arm, Friction, MotionKind, MotionPlan, simulate};
@@ -93,29 +92,12 @@ pub(crate) struct PlantArguments {
 
 impl PlantArguments {
     pub(crate) fn plant(&self, arm: Arm, friction: Friction) -> Result<Plant> {
-        let n = arm.n_joints();
-        let arm = if self.rotor.is_empty() { arm } else { arm.with_rotors(&each(&self.rotor, n))? };
-        let limit = match self.torque_limit.as_slice() {
-            [] => vec![f64::INFINITY; n],
-            given => each(given, n),
-        };
-        let step = if self.encoder == 0 { 0.0 } else { TAU / f64::from(self.encoder) };
-        let Self { delay, noise, velocity_cutoff: cutoff, noise_seed: seed, .. } = *self;
-        let plant = Plant {
-            friction,
-            drive: Drive { limit, delay },
-            sensors: Sensors { step, noise, torque_noise: 0.0, cutoff, seed },
-            ..Plant::ideal(arm)
-        };
+        let arm = if self.rotor.is_empty() { arm } else { arm.with_rotors(&self.rotor)? };
+        let drive = Drive::new(arm.n_joints(), &self.torque_limit, self.delay);
+        let Self { noise, velocity_cutoff: cutoff, noise_seed: seed, .. } = *self;
+        let sensors = Sensors { noise, cutoff, seed, ..Sensors::of_counts(self.encoder) };
+        let plant = Plant { friction, drive, sensors, ..Plant::ideal(arm) };
         plant.check()?;
         Ok(plant)
-    }
-}
-
-/// One number for all joints, or one each.
-fn each(given: &[f64], n: usize) -> Vec<f64> {
-    match given {
-        [all] => vec![*all; n],
-        each => each.to_vec(),
     }
 }
