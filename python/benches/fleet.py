@@ -106,6 +106,29 @@ def run(paths, workers, kills=0, **options):
     return found
 
 
+def tree(paths, workers):
+    """What the last round costs where each of so many workers has a task of eight files."""
+    plan = fleet.Plan(options=OPTIONS)
+    found = fleet.merge(*(fleet.summarise([path], plan, None, {}) for path in paths))
+    known = {file.path: file.checksum for file in found.files}
+    request = fleet.solve(found, plan)[1]
+    begin = time.process_time()
+    parts = [fleet.summarise([path], plan, request, known) for path in paths]
+    task, begin = (time.process_time() - begin) * _dask.FILES / len(paths), time.process_time()
+    fleet.merge(*parts[: _dask.FAN_IN])
+    merge = time.process_time() - begin
+    waiting, merges, levels = workers, 0, 0
+    while waiting > 1:
+        waiting = -(-waiting // _dask.FAN_IN)
+        merges, levels = merges + waiting, levels + 1
+    print(
+        f"simulated, {workers} workers: a task {task:.2f} s of processor, then {levels} levels of "
+        f"merges of {merge:.3f} s each; merges are {100 * merges * merge / (workers * task):.1f} % of "
+        f"all; {len(parts[0].sums) / 1e6:.1f} MB from each worker",
+        flush=True,
+    )
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--robots", type=int, default=20)
@@ -115,6 +138,7 @@ def main():
         "--folder", type=Path, default=Path(tempfile.gettempdir()) / "torquewise-fleet"
     )
     parser.add_argument("--workers", type=int, nargs="*", default=[1, 2, 4])
+    parser.add_argument("--simulated", type=int, nargs="*", default=[8, 64, 1024])
     parser.add_argument("--kills", type=int, default=5)
     arguments = parser.parse_args()
     tasks = [
@@ -126,6 +150,9 @@ def main():
         paths = sorted(pool.map(make, tasks, chunksize=8))
     size = sum(Path(path).stat().st_size for path in paths)
     print(f"{len(paths)} logs, {size / 1e6:.0f} MB", flush=True)
+
+    for workers in arguments.simulated:
+        tree(paths[:16], workers)
 
     own = resource.getrusage(resource.RUSAGE_SELF)
     before = own.ru_utime + own.ru_stime
