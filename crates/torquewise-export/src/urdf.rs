@@ -4,6 +4,7 @@ use crate::error::{ExportError, Result};
 use crate::near::near;
 use crate::robot::{Losses, Robot};
 use crate::template::filled_xml;
+use nalgebra::Vector3;
 use torquewise_model::Model;
 use torquewise_rigid::Geometry;
 use torquewise_sim::UrdfChain;
@@ -11,6 +12,9 @@ use torquewise_sim::urdf::edit::{Dynamics, edited};
 
 /// Two geometries are one if their parameters are within this \[rad, m\].
 const SAME: f64 = 1e-6;
+
+/// Less of a tilt is not said \[°\].
+const LEAST_TILT: f64 = 0.1;
 
 /// A robot file, and the parts of the model that it has no room for.
 #[derive(Clone, Debug)]
@@ -81,6 +85,11 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
     let robot = Robot::of(&near(model, &nominal)?)?;
     let (mut bodies, mut dynamics) = (Vec::new(), Vec::new());
     let mut left_out = left_out_of_urdf(&robot);
+    let [said, found] = [&chain.geometry, &geometry].map(|own| Vector3::from(own.gravity()));
+    let tilt = said.angle(&found).to_degrees();
+    if tilt > LEAST_TILT {
+        left_out.push(format!("that gravity is {tilt:.1}° from where the base of the file has it"));
+    }
     for (joint, own) in chain.joints.iter().zip(&robot.joints) {
         let (inertials, kept) = joint.distributed(&own.inertial);
         if !kept {

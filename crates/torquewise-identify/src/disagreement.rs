@@ -179,7 +179,7 @@ struct Slope {
 /// `slow`: a brake may hold it, or its friction.
 fn slope(of: &Stretches, slow: f64) -> Option<Slope> {
     let total = of.total();
-    let is_at_rest = total.gram[(3, 3)] < total.rows * slow * slow;
+    let is_at_rest = total.gram[(3, 3)] <= total.rows * slow * slow;
     if is_at_rest || of.count() < LEAST_BATCHES || total.rows < 4.0 * COLUMNS as f64 {
         return None;
     }

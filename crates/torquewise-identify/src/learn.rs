@@ -210,11 +210,14 @@ impl<'a> ChainLearner<'a> {
         let drive = columns(&spec.drive, &motion, spec.gravity.as_ref());
         let tau = motion.require_tau()?;
         let rows = Rows::new([motion.q(), motion.dq(), motion.ddq(), tau], &drive)?;
-        if !spec.has_friction() {
-            return Ok(rows);
-        }
-        let moves = |row, joint| self.moves(&motion, row, joint);
-        let share = |row, joint| if moves(row, joint) { 1.0 } else { WEIGHT_AT_REST };
+        let is_measured: Vec<bool> =
+            (0..motion.n_joints()).map(|joint| rows.deviation_of(joint) > 0.0).collect();
+        let is_certain = |row, joint| !spec.has_friction() || self.moves(&motion, row, joint);
+        let share = |row, joint: usize| match (is_measured[joint], is_certain(row, joint)) {
+            (true, true) => 1.0,
+            (true, false) => WEIGHT_AT_REST,
+            (false, _) => 0.0,
+        };
         Ok(rows.with_shares(share))
     }
 

@@ -13,6 +13,8 @@ use torquewise_model::model::GeometryFound;
 const GOOD: f64 = 0.1;
 /// From here a prediction is hardly better than the mean: four fifths of the squares are left.
 const USELESS: f64 = 0.9;
+/// A model that misses this part of the spread in the mean of the joints is of no use.
+const HALF: f64 = 0.5;
 
 /// May a model be used?
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,6 +77,12 @@ impl Verdict {
         };
         let means = judged.clone().map(|(_, errors)| geometric_mean(&errors_of(errors)));
         let mean = means.fold(0.0, f64::max);
+        if mean >= HALF && because.is_empty() {
+            let missed = 100.0 * mean;
+            because.push(format!(
+                "{missed:.0} % of the spread of the torque is missed in the mean of the joints"
+            ));
+        }
         let has_no_doubt = !held_out.is_empty() && poor.is_empty() && doubts.is_empty();
         let grade = match because.is_empty() {
             false => Grade::Unusable,

@@ -99,6 +99,8 @@ const LARGEST_TORQUE: f64 = 1e5;
 
 /// The fit to all rows may leave this many times what the search left on a sample.
 const MOST_REFIT: f64 = 1.1;
+/// And what it leaves more must be this part of the spread of the torque.
+const MUCH: f64 = 0.03;
 /// A residual below this part of the spread of a torque is none.
 const NOTHING: f64 = 1e-3;
 
@@ -171,14 +173,15 @@ impl Warning {
         residual_rms: &[f64],
         torque_std: &[f64],
     ) -> Option<Self> {
-        let ratio = |((searched, left), std): ((&f64, &f64), &f64)| {
-            let nothing = (NOTHING * std).max(f64::MIN_POSITIVE);
-            left.max(nothing) / searched.max(nothing)
-        };
-        let ratios: Vec<f64> =
-            searched_rms.iter().zip(residual_rms).zip(torque_std).map(ratio).collect();
-        let ratio = geometric_mean(&ratios);
-        (ratio > MOST_REFIT).then_some(Self::Refit { ratio })
+        let measured = searched_rms.iter().zip(residual_rms).zip(torque_std);
+        let measured = measured.filter(|(_, std)| **std > 0.0);
+        let pairs: Vec<[f64; 2]> = measured
+            .map(|((searched, left), std)| [searched, left].map(|rms| (rms / std).max(NOTHING)))
+            .collect();
+        let [searched, left] =
+            [0, 1].map(|k| geometric_mean(&pairs.iter().map(|pair| pair[k]).collect::<Vec<_>>()));
+        let (ratio, more) = (left / searched, (left * left - searched * searched).max(0.0).sqrt());
+        (ratio > MOST_REFIT && more > MUCH).then_some(Self::Refit { ratio })
     }
 
     /// What a log leaves open or hardly can be, before anything is fitted to it.

@@ -1,6 +1,7 @@
 //! Whether recorded accelerations follow from recorded velocities.
 
 use faer::MatRef;
+use std::ops::RangeInclusive;
 use torquewise_motion::Motion;
 use torquewise_motion::stats::quantile;
 
@@ -11,6 +12,8 @@ const WINDOW: usize = 11;
 /// Correlation below which rates are no slopes, or mostly noise; and slopes that it takes.
 const LEAST: f64 = 0.7;
 const LEAST_SLOPES: usize = 100;
+/// Gains of velocities against slopes; beyond, rows are not as far apart as their stamps say.
+const GAINS: RangeInclusive<f64> = 0.5..=2.0;
 /// Slopes and rates count up to so many times the upper tenth of those of a joint that are not zero.
 const MOST: f64 = 2.0;
 
@@ -41,9 +44,9 @@ impl Pairs {
         }
     }
 
-    /// Of slopes and rates that are cut off at some times the upper tenth of their joint, so that a few
+    /// Correlation and gain of slopes and rates that are cut off at some times the upper tenth of their joint, so that a few
     /// wrong numbers count little. Nothing where there are too few slopes.
-    fn correlation(&self) -> Option<f64> {
+    fn correlation_and_gain(&self) -> Option<[f64; 2]> {
         let (mut slopes, mut rates, mut products) = (0.0, 0.0, 0.0);
         for pairs in &self.0 {
             let most = |of: usize| {
@@ -61,7 +64,8 @@ impl Pairs {
         }
         let count: usize = self.0.iter().map(Vec::len).sum();
         let is_known = count >= LEAST_SLOPES && slopes > 0.0;
-        is_known.then(|| if rates > 0.0 { products / (slopes * rates).sqrt() } else { 0.0 })
+        let correlation = if rates > 0.0 { products / (slopes * rates).sqrt() } else { 0.0 };
+        is_known.then(|| [correlation, products / slopes])
     }
 }
 
@@ -78,10 +82,13 @@ impl Accelerations {
         self.rows >= ROWS
     }
 
-    /// Where velocities correlate: rows that are no path, or of an arm at rest, tell nothing.
+    /// Where velocities are slopes: rows that are no path or of an arm at rest, and stamps that are none
+    /// of the rows, tell nothing.
     pub(crate) fn correlation(&self) -> Option<f64> {
-        self.velocity.correlation().filter(|velocity| *velocity >= LEAST)?;
-        self.acceleration.correlation()
+        let is_slope =
+            |[correlation, gain]: &[f64; 2]| *correlation >= LEAST && GAINS.contains(gain);
+        self.velocity.correlation_and_gain().filter(is_slope)?;
+        self.acceleration.correlation_and_gain().map(|[correlation, _]| correlation)
     }
 
     /// The largest correlation of several files, where none has accelerations that follow.
@@ -127,6 +134,10 @@ mod tests {
         assert_eq!(odd(sine(|_, _| 0.0)), Some(0.0));
         // Rows that are no path.
         assert_eq!(odd(seen(|row, _| [1, 2, 3].map(|k| noise(k * row)))), None);
+        // One row in ten of a log, the stamps of them all.
+        let thinned =
+            |_, t: f64| [-(30.0 * t).cos() / 3.0, (30.0 * t).sin(), noise((1e3 * t) as usize)];
+        assert_eq!(odd(seen(thinned)), None);
         // One file whose accelerations follow keeps those of all.
         let files = [sine(|_, _| 0.0), sine(measured)].map(|file| file.correlation());
         assert_eq!(Accelerations::odd(files.into_iter()), None);

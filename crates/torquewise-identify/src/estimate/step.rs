@@ -13,6 +13,8 @@ use torquewise_stepwise::held_out::mean;
 
 /// A residual below this part of the torque is taken for it: weights stay finite.
 pub(crate) const LEAST_RESIDUAL: f64 = 1e-4;
+/// Noise of a torque that was not measured, in spreads of the largest.
+const UNMEASURED: f64 = 1e6;
 /// So much the cost may still fall for each parameter, in squares of the noise of an independent
 /// row: parameters are then within about a tenth of their standard errors.
 const LEAST_GAIN: f64 = 0.005;
@@ -188,12 +190,13 @@ fn repeats(sums: &NormalSums, gram: &Mat<f64>) -> f64 {
     ratios.get(ratios.len() / 2).copied().unwrap_or(1.0).max(1.0)
 }
 
-/// One over the residual of each joint \[1/(N·m)\], n.
+/// One over the residual of each joint \[1/(N·m)\], n. A torque that never changes is none that was
+/// measured: it counts next to nothing.
 pub(crate) fn weights(residual_rms: &[f64], sizes: &Sizes) -> Vec<f64> {
+    let largest = sizes.torque.iter().fold(f64::MIN_POSITIVE, |most, torque| most.max(*torque));
     let residuals = residual_rms.iter().zip(&sizes.torque);
-    residuals
-        .map(|(rms, torque)| {
-            1.0 / rms.max(LEAST_RESIDUAL * if *torque > 0.0 { *torque } else { 1.0 })
-        })
-        .collect()
+    let noise = residuals.map(|(rms, torque)| {
+        if *torque > 0.0 { rms.max(LEAST_RESIDUAL * torque) } else { UNMEASURED * largest }
+    });
+    noise.map(|noise| 1.0 / noise).collect()
 }

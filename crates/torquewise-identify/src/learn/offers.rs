@@ -147,15 +147,19 @@ impl ChainLearner<'_> {
             let bends: Vec<FrictionTerm> = own(joint, self.laws.stribeck()).collect();
             let dahl = self.laws.dahl(joint);
             let way = |parts: &[&[FrictionTerm]]| DriveTerm::friction(parts.concat()).collect();
+            let mut ways = vec![
+                ("none".to_owned(), Vec::new()),
+                ("viscous".to_owned(), way(&[&linear[..moving]])),
+                ("Coulomb".to_owned(), way(&[&linear])),
+                ("Stribeck".to_owned(), way(&[&linear, &bends])),
+            ];
+            // Poses without velocities are no path.
+            if self.laws.peak[joint] > 0.0 {
+                ways.insert(3, ("Dahl under load".to_owned(), way(&[&linear, &loaded, &dahl])));
+            }
             Offer {
                 what: format!("friction of {}", self.motion.joints()[joint]),
-                ways: vec![
-                    ("none".to_owned(), Vec::new()),
-                    ("viscous".to_owned(), way(&[&linear[..moving]])),
-                    ("Coulomb".to_owned(), way(&[&linear])),
-                    ("Dahl under load".to_owned(), way(&[&linear, &loaded, &dahl])),
-                    ("Stribeck".to_owned(), way(&[&linear, &bends])),
-                ],
+                ways,
                 usual: 2,
                 worth: WORTH_OF_FRICTION / self.motion.n_joints() as f64,
                 trifle: 0.0,
