@@ -156,7 +156,7 @@ pub(crate) struct PlanArguments {
     gravity_order: Option<u8>,
     #[command(flatten)]
     #[serde(flatten)]
-    selection: SelectionArguments,
+    pub(crate) selection: SelectionArguments,
     #[command(flatten)]
     #[serde(flatten)]
     patterns: PatternArguments,
@@ -167,15 +167,6 @@ impl PlanArguments {
         let mut flags = object(self);
         flags["method"] = json!(method);
         fit_options(flags)
-    }
-
-    pub(crate) fn refuse_selection(&self) -> Result<()> {
-        match self.selection.given() {
-            None => Ok(()),
-            Some(flag) => Err(CliError::Usage(format!(
-                "{flag} is not used where logs are only summed up: give it to solve"
-            ))),
-        }
     }
 }
 

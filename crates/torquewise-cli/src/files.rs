@@ -153,33 +153,20 @@ impl Unfinished {
         Ok(path)
     }
 
-    fn put_in_place(&mut self) -> Result<()> {
-        for (written, file) in mem::take(&mut self.files) {
-            let placed = keep_mode(&written, &file).and_then(|()| fs::rename(&written, &file));
-            placed.map_err(|source| CliError::Write { file, source })?;
-            self.placed += 1;
-        }
-        Ok(())
-    }
-
     fn undo(&mut self) {
         for folder in mem::take(&mut self.temporary) {
-            remove_folder(folder.path());
+            // A compiler that is being ended may still write in it.
+            for _ in 0..20 {
+                if fs::remove_dir_all(folder.path()).is_ok() || !folder.path().exists() {
+                    break;
+                }
+                thread::sleep(Duration::from_millis(5));
+            }
         }
         for folder in mem::take(&mut self.folders).into_iter().rev() {
             // One that is not empty stays.
             let _ = fs::remove_dir(folder);
         }
-    }
-}
-
-/// Removes a folder in which a compiler that is being ended may still write.
-fn remove_folder(folder: &Path) {
-    for _ in 0..20 {
-        if fs::remove_dir_all(folder).is_ok() || !folder.exists() {
-            break;
-        }
-        thread::sleep(Duration::from_millis(5));
     }
 }
 
@@ -216,7 +203,12 @@ pub(crate) fn all_or_none<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
     }
     let _undo = Undo;
     let found = work()?;
-    unfinished().put_in_place()?;
+    let mut all = unfinished();
+    for (written, file) in mem::take(&mut all.files) {
+        let placed = keep_mode(&written, &file).and_then(|()| fs::rename(&written, &file));
+        placed.map_err(|source| CliError::Write { file, source })?;
+        all.placed += 1;
+    }
     Ok(found)
 }
 

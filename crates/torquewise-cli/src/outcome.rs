@@ -34,19 +34,27 @@ const UNUSABLE: u8 = 3;
 /// - `strict`: whether any warning makes the result one not to be used
 pub(crate) fn report(found: Result<Outcome>, as_json: bool, strict: bool) -> u8 {
     match found {
-        Ok(outcome) => match write_results(&outcome, as_json) {
-            Ok(()) => {
-                for note in &outcome.notes {
-                    complain("note", "36", note);
-                }
-                for warning in &outcome.warnings {
-                    complain("warning", "33", warning);
-                }
-                let is_doubtful = strict && !outcome.warnings.is_empty();
-                if outcome.is_unusable || is_doubtful { UNUSABLE } else { 0 }
+        Ok(outcome) => {
+            let text = if as_json {
+                let mut object = outcome.json.as_object().cloned().unwrap_or_else(Map::new);
+                object.insert("warnings".into(), json!(outcome.warnings));
+                object.insert("notes".into(), json!(outcome.notes));
+                Value::Object(object).to_string() + "\n"
+            } else {
+                printable(&outcome.text)
+            };
+            if let Err(source) = write_stdout(&text) {
+                return fail(&CliError::Stdout { source }, false);
             }
-            Err(source) => fail(&CliError::Stdout { source }, false),
-        },
+            for note in &outcome.notes {
+                complain("note", "36", note);
+            }
+            for warning in &outcome.warnings {
+                complain("warning", "33", warning);
+            }
+            let is_doubtful = strict && !outcome.warnings.is_empty();
+            if outcome.is_unusable || is_doubtful { UNUSABLE } else { 0 }
+        }
         Err(error) => fail(&error, as_json),
     }
 }
@@ -80,18 +88,6 @@ fn quiet_if_closed(written: io::Result<()>) -> io::Result<()> {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         other => other,
     }
-}
-
-fn write_results(outcome: &Outcome, as_json: bool) -> io::Result<()> {
-    let text = if as_json {
-        let mut object = outcome.json.as_object().cloned().unwrap_or_else(Map::new);
-        object.insert("warnings".into(), json!(outcome.warnings));
-        object.insert("notes".into(), json!(outcome.notes));
-        Value::Object(object).to_string() + "\n"
-    } else {
-        printable(&outcome.text)
-    };
-    write_stdout(&text)
 }
 
 fn write_stdout(text: &str) -> io::Result<()> {

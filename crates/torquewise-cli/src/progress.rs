@@ -49,14 +49,13 @@ impl Shown {
     fn measure(&self, length: u64, template: &str) {
         self.bar.set_length(length);
         if let Ok(style) = ProgressStyle::with_template(template) {
+            let rate = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+                // A bar that cannot be written to is none.
+                let _ = write!(out, "{:.0} rows/s", state.per_sec());
+            };
             self.bar.set_style(style.with_key("per_sec", rate));
         }
     }
-}
-
-fn rate(state: &ProgressState, out: &mut dyn std::fmt::Write) {
-    // A bar that cannot be written to is none.
-    let _ = write!(out, "{:.0} rows/s", state.per_sec());
 }
 
 /// What is done, where nobody knows how long it takes.

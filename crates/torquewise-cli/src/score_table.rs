@@ -1,7 +1,7 @@
 //! Errors of a model, joint by joint.
 
 use crate::table::Table;
-use torquewise::evaluate::{Evaluation, JointEvaluation};
+use torquewise::evaluate::Evaluation;
 use torquewise::model::rollout::Drift;
 use torquewise::model::units::heading;
 use torquewise::model::{JointKinds, number};
@@ -19,21 +19,14 @@ pub(crate) fn text(evaluation: &Evaluation, kinds: &JointKinds) -> String {
     names.extend(covered.map(|_| "in 95 % interval [%]"));
     let mut table = Table::new(names);
     for (place, joint) in joints.iter().enumerate() {
-        let JointEvaluation {
-            name,
-            rmse,
-            nrmse_percent,
-            r2,
-            raw_nrmse_percent,
-            noise_floor_percent,
-        } = joint;
-        let mut cells = vec![number(*rmse), number(*nrmse_percent), format!("{r2:.6}")];
+        let errors = [joint.rmse, joint.nrmse_percent].map(number).into_iter();
+        let mut cells: Vec<String> = errors.chain([format!("{:.6}", joint.r2)]).collect();
         if is_filtered {
-            let raw = [raw_nrmse_percent, noise_floor_percent];
+            let raw = [joint.raw_nrmse_percent, joint.noise_floor_percent];
             cells.extend(raw.map(|percent| percent.map_or_else(String::new, number)));
         }
         cells.extend(covered.map(|covered| format!("{:.1}", covered[place])));
-        table.row(name, cells);
+        table.row(&joint.name, cells);
     }
     table.text()
 }

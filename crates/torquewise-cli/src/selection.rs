@@ -1,6 +1,7 @@
 //! How terms are selected and fitted, and which friction is looked for.
 
 use crate::arguments::{Word, choice, parsed};
+use crate::error::{CliError, Result};
 use clap::Args;
 use serde::Serialize;
 
@@ -61,14 +62,18 @@ pub(crate) struct SelectionArguments {
 }
 
 impl SelectionArguments {
-    pub(crate) fn given(&self) -> Option<&'static str> {
+    /// Where logs are only summed up.
+    pub(crate) fn refuse(&self) -> Result<()> {
         let all = [
             ("--select", self.select.is_some()),
             ("--threshold", self.threshold.is_some()),
             ("--no-noise-correction", self.no_noise_correction),
             ("--bootstrap", self.bootstrap.is_some()),
         ];
-        all.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
+        all.into_iter().find(|(_, given)| *given).map_or(Ok(()), |(flag, _)| {
+            let why = "is not used where logs are only summed up: give it to solve";
+            Err(CliError::Usage(format!("{flag} {why}")))
+        })
     }
 }
 

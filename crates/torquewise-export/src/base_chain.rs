@@ -95,26 +95,30 @@ impl BaseChain {
                 bodies[j].moments = Matrix::zeros();
                 moments.turned(&(twist * about_z(joints[j].after + turns[j])))
             } else {
-                bodies[j].unturned(&twist, &joints[j].origin)
+                // What of it does not notice a turn about z.
+                let Body { mass, first, moments } = bodies[j];
+                let yy = moments.m22;
+                let first = Vector::new(0.0, 0.0, first.z);
+                let moments = Matrix::from_diagonal(&Vector::new(yy, yy, 0.0));
+                Body { mass, first, moments }.turned(&twist).shifted(&joints[j].origin)
             };
-            bodies[j - 1] = bodies[j - 1].plus(&moved);
+            let Body { mass, first, moments } = &mut bodies[j - 1];
+            (*mass, *first, *moments) =
+                (*mass + moved.mass, *first + moved.first, *moments + moved.moments);
         }
-        let left = |k: usize, body: &Body| {
-            if axes.kinds().slides(k) {
-                (body.mass, body.first.into())
-            } else {
-                (0.0, [body.first[0], body.first[1], 0.0])
+        let link = |(k, ((joint, body), turn)): (usize, ((&Joint, &Body), &f64))| {
+            let (slides, m) = (axes.kinds().slides(k), body.moments);
+            let [x, y, z]: [f64; 3] = body.first.into();
+            BaseLink {
+                slides,
+                turns: chain.coupling.row(k, n),
+                origin: joint.origin.into(),
+                twist: sine_cosine(joint.twist),
+                offset: sine_cosine(joint.after + turn),
+                mass: if slides { body.mass } else { 0.0 },
+                first: [x, y, if slides { z } else { 0.0 }],
+                moments: Moments { xx: m.m11 - m.m22, zz: m.m33, xy: m.m12, xz: m.m13, yz: m.m23 },
             }
-        };
-        let link = |(k, ((joint, body), turn)): (usize, ((&Joint, &Body), &f64))| BaseLink {
-            slides: axes.kinds().slides(k),
-            mass: left(k, body).0,
-            turns: chain.coupling.row(k, n),
-            origin: joint.origin.into(),
-            twist: sine_cosine(joint.twist),
-            offset: sine_cosine(joint.after + turn),
-            first: left(k, body).1,
-            moments: body.base_moments(),
         };
         let links = joints.iter().zip(&bodies).zip(&turns).enumerate().map(link).collect();
         let gravity = axes.gravity();
@@ -155,33 +159,12 @@ impl Body {
         Self { mass: self.mass, first: rotation * self.first, moments }
     }
 
-    /// What of it does not notice a turn about z, in the frame before.
-    fn unturned(&self, rotation: &Matrix, origin: &Vector) -> Self {
-        let yy = self.moments.m22;
-        let round = Self {
-            mass: self.mass,
-            first: Vector::new(0.0, 0.0, self.first.z),
-            moments: Matrix::from_diagonal(&Vector::new(yy, yy, 0.0)),
-        };
-        round.turned(rotation).shifted(origin)
-    }
-
     /// The same body about a point that lies at −`by`.
     fn shifted(&self, by: &Vector) -> Self {
         let Self { mass, first, moments } = *self;
         let round = Matrix::from_diagonal_element(2.0 * by.dot(&first) + mass * by.dot(by));
         let across = by * first.transpose() + first * by.transpose() + mass * by * by.transpose();
         Self { mass, first: first + mass * by, moments: moments - across + round }
-    }
-
-    fn plus(&self, other: &Self) -> Self {
-        let (first, moments) = (self.first + other.first, self.moments + other.moments);
-        Self { mass: self.mass + other.mass, first, moments }
-    }
-
-    fn base_moments(&self) -> Moments {
-        let m = self.moments;
-        Moments { xx: m.m11 - m.m22, zz: m.m33, xy: m.m12, xz: m.m13, yz: m.m23 }
     }
 }
 

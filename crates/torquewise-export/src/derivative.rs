@@ -90,14 +90,10 @@ pub(crate) fn slopes(graph: &Graph, weighted: &[(Id, Id)], n_joints: usize) -> V
             Node::Constant(_) | Node::Input(_) | Node::Call(..) => {}
         }
     }
-    by_joint(graph, &by_angle, n_joints)
-}
-
-/// Slopes by the angles k·q, or positions → slopes by each q.
-fn by_joint(graph: &Graph, by_angle: &BTreeMap<Vec<i32>, Vec<Id>>, n_joints: usize) -> Vec<Id> {
+    // From slopes by the angles k·q, or positions, to those by each q.
     let mut joints = vec![Vec::new(); n_joints];
     for (multiples, parts) in by_angle {
-        let slope = graph.sum(parts);
+        let slope = graph.sum(&parts);
         for (joint, &k) in multiples.iter().enumerate().filter(|&(_, &k)| k != 0) {
             joints[joint].push(graph.mul(graph.constant(f64::from(k)), slope));
         }

@@ -36,30 +36,24 @@ pub(crate) fn summed(
             return None;
         }
     }
-    let sums = sums.into_iter().map(|(term, weight)| Weighted::new(term, weight));
-    Some(without_rounding(sums.collect()))
-}
-
-/// Leaves out what is left of coefficients that cancelled: what is below the rounding at every
-/// joint it would move. Energy of one kind alone counts, as gravity is asked for alone.
-fn without_rounding(terms: Vec<Weighted<EnergyTerm>>) -> Vec<Weighted<EnergyTerm>> {
+    // What is left of coefficients that cancelled is left out: what is below the rounding at every
+    // joint it would move. Energy of one kind alone counts, as gravity is asked for alone.
     let n = terms.first().map_or(0, |w| w.term.function.n_joints());
     let mut largest = [vec![0.0_f64; n], vec![0.0_f64; n]];
     let kind = |term: &EnergyTerm| usize::from(term.place == Place::Potential);
-    for weighted in &terms {
-        for joint in (0..n).filter(|&joint| moves(&weighted.term, joint)) {
-            let most = &mut largest[kind(&weighted.term)][joint];
-            *most = most.max(weighted.coefficient.abs());
+    for (term, coefficient) in &sums {
+        for joint in (0..n).filter(|&joint| moves(term, joint)) {
+            let most = &mut largest[kind(term)][joint];
+            *most = most.max(coefficient.abs());
         }
     }
-    let counts = |weighted: &Weighted<EnergyTerm>| {
-        let scales = &largest[kind(&weighted.term)];
-        weighted.coefficient != 0.0
-            && (0..n)
-                .filter(|&joint| moves(&weighted.term, joint))
-                .any(|joint| weighted.coefficient.abs() > ROUNDING * scales[joint])
+    let counts = |(term, coefficient): &(EnergyTerm, f64)| {
+        let scales = &largest[kind(term)];
+        let mut moved = (0..n).filter(|&joint| moves(term, joint));
+        *coefficient != 0.0 && moved.any(|joint| coefficient.abs() > ROUNDING * scales[joint])
     };
-    terms.into_iter().filter(counts).collect()
+    let sums = sums.into_iter().filter(counts);
+    Some(sums.map(|(term, weight)| Weighted::new(term, weight)).collect())
 }
 
 fn moves(term: &EnergyTerm, joint: usize) -> bool {

@@ -32,33 +32,29 @@ pub(crate) fn near(model: &Model, nominal: &[Option<Inertial>]) -> Result<Model,
             .map(|i| (0..n_known).map(|j| hessian[(i, j)] * learned[j]).sum())
             .collect();
         let cost = Quadratic { hessian: &hessian, right: &right };
-        if let Ok(found) = minimise(cost, &prior(chain, nominal), WEIGHT, learned) {
+        // Bodies of the file, or as learned; rotors as learned.
+        let body = |(own, file): (&Inertial, &Option<Inertial>)| {
+            file.filter(|file| is_feasible(file)).unwrap_or(*own)
+        };
+        let rotor = |(k, drive): (usize, &Drive)| match drive {
+            Drive::Rotor { inertia, .. } if *inertia > 0.0 => Some(Positive {
+                least: 0.0,
+                terms: vec![(PER_BODY * chain.links.len() + k, 1.0)],
+                nominal: *inertia,
+                weight: 1.0,
+            }),
+            _ => None,
+        };
+        let prior = Prior {
+            bodies: chain.links.iter().zip(nominal).map(body).collect(),
+            positive: chain.drives.iter().enumerate().filter_map(rotor).collect(),
+            small: Vec::new(),
+        };
+        if let Ok(found) = minimise(cost, &prior, WEIGHT, learned) {
             *chain = chain.at(&found, 0);
         }
     }
     Ok(model)
-}
-
-/// Bodies of the file, or as learned; rotors as learned.
-fn prior(chain: &RigidChain, nominal: &[Option<Inertial>]) -> Prior {
-    let bodies = chain.links.iter().zip(nominal);
-    let body = |(own, file): (&Inertial, &Option<Inertial>)| {
-        file.filter(|file| is_feasible(file)).unwrap_or(*own)
-    };
-    let rotor = |(k, drive): (usize, &Drive)| match drive {
-        Drive::Rotor { inertia, .. } if *inertia > 0.0 => Some(Positive {
-            least: 0.0,
-            terms: vec![(PER_BODY * chain.links.len() + k, 1.0)],
-            nominal: *inertia,
-            weight: 1.0,
-        }),
-        _ => None,
-    };
-    Prior {
-        bodies: bodies.map(body).collect(),
-        positive: chain.drives.iter().enumerate().filter_map(rotor).collect(),
-        small: Vec::new(),
-    }
 }
 
 /// Inverse covariance of base parameters and drives as a quadratic form of all links and drives:

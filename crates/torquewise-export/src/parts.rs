@@ -5,7 +5,7 @@ use crate::graph::{Function, Graph, Id, Input};
 use crate::polynomial::{Monomial, Order, angles, motions, polynomial};
 use std::collections::BTreeMap;
 use torquewise_model::friction::{Direction, FrictionLaw};
-use torquewise_model::term::Sum;
+use torquewise_model::term::{Sum, Term};
 use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Weighted};
 
 #[derive(Clone, Debug)]
@@ -49,7 +49,17 @@ pub(crate) fn from_energies(
     }
     let gravity = slopes(graph, &[(potential, graph.constant(1.0))], n);
     let matrix_rates = rates(graph, &matrix, Along::Motion);
-    let kinetic_slopes = slopes(graph, &kinetic_weights(graph, &matrix, n), n);
+    // ½ q̇ᵀMq̇ as entries of M with their weights: q̇ᵢq̇ⱼ, halved on the diagonal.
+    let half = graph.constant(0.5);
+    let mut weights = Vec::new();
+    for (i, j) in (0..n).flat_map(|i| (i..n).map(move |j| (i, j))) {
+        let rates = graph.mul(graph.input(Input::Dq(i)), graph.input(Input::Dq(j)));
+        let weight = if i == j { graph.mul(half, rates) } else { rates };
+        if graph.value(matrix[i * n + j]).is_none() {
+            weights.push((matrix[i * n + j], weight));
+        }
+    }
+    let kinetic_slopes = slopes(graph, &weights, n);
     let (mut coriolis, mut motion) = (Vec::new(), Vec::new());
     for (joint, &slope) in kinetic_slopes.iter().enumerate() {
         let row = joint * n..(joint + 1) * n;
@@ -67,22 +77,6 @@ pub(crate) fn from_energies(
 pub(crate) fn products(graph: &Graph, row: &[Id], rate: fn(usize) -> Input) -> Vec<Id> {
     let product = |(joint, &entry)| graph.mul(entry, graph.input(rate(joint)));
     row.iter().enumerate().map(product).collect()
-}
-
-/// ½ q̇ᵀMq̇ as entries of M with their weights: q̇ᵢq̇ⱼ, halved on the diagonal.
-fn kinetic_weights(graph: &Graph, matrix: &[Id], n: usize) -> Vec<(Id, Id)> {
-    let half = graph.constant(0.5);
-    let mut weights = Vec::new();
-    for i in 0..n {
-        for j in i..n {
-            let rates = graph.mul(graph.input(Input::Dq(i)), graph.input(Input::Dq(j)));
-            let weight = if i == j { graph.mul(half, rates) } else { rates };
-            if graph.value(matrix[i * n + j]).is_none() {
-                weights.push((matrix[i * n + j], weight));
-            }
-        }
-    }
-    weights
 }
 
 /// How terms that differ in their velocities and accelerations are put together.
@@ -111,24 +105,17 @@ pub(crate) fn from_equations(
     let motion = of_kinds(&[Kind::Inertia, Kind::Coriolis]);
     let gravity = of_kinds(&[Kind::Gravity]);
     let entries = equations.iter().flat_map(|row| (0..n).map(move |column| (row, column)));
-    let entry = |(row, column)| equation(graph, per_acceleration(row, column), order, grouping);
+    // What is left of an equation at q̇ = 0 and q̈ = 1 of one joint, less what is left at q̈ = 0.
+    let entry = |(row, column): (&Sum, usize)| {
+        let alone =
+            |powers: &[u8]| powers.iter().enumerate().all(|(j, &p)| (j == column) == (p > 0));
+        let still = |term: &Term| term.dq.iter().all(|&power| power == 0);
+        let held = row.iter().filter(|(_, term)| alone(&term.ddq) && still(term));
+        let held = held.map(|(weight, term)| (*weight, Term { ddq: vec![0; n], ..term.clone() }));
+        equation(graph, held.collect(), order, grouping)
+    };
     let matrix = entries.map(entry).collect();
     Parts { coriolis, motion, gravity, matrix }
-}
-
-/// The terms that are left of an equation at q̇ = 0 and q̈ = 1 of one joint, less what is left at
-/// q̈ = 0.
-fn per_acceleration(equation: &Sum, column: usize) -> Sum {
-    let alone = |powers: &[u8]| powers.iter().enumerate().all(|(j, &p)| (j == column) == (p > 0));
-    let held = equation
-        .iter()
-        .filter(|(_, term)| alone(&term.ddq) && term.dq.iter().all(|&power| power == 0));
-    held.map(|(weight, term)| {
-        let (mut term, n) = (term.clone(), term.n_joints());
-        term.ddq = vec![0; n];
-        (*weight, term)
-    })
-    .collect()
 }
 
 fn equation(graph: &Graph, sum: Sum, order: Order, grouping: Grouping) -> Id {

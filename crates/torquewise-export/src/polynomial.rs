@@ -2,7 +2,6 @@
 
 use crate::graph::{Graph, Id, Input};
 use std::collections::BTreeMap;
-use torquewise_model::term::Factor;
 use torquewise_model::{Term, Trig};
 
 /// How a sum of products is computed.
@@ -25,7 +24,13 @@ pub(crate) struct Monomial {
 pub(crate) fn angles(graph: &Graph, term: &Term) -> BTreeMap<Id, u32> {
     let mut powers = BTreeMap::new();
     for factor in &term.factors {
-        raise(&mut powers, angle(graph, factor), u32::from(factor.power));
+        let multiples: Vec<i32> = factor.multiples.iter().map(|&k| i32::from(k)).collect();
+        let angle = match factor.function {
+            Trig::Sin => graph.sin(&multiples),
+            Trig::Cos => graph.cos(&multiples),
+            Trig::Position => graph.multiple_sum(&multiples, Input::Q),
+        };
+        raise(&mut powers, angle, u32::from(factor.power));
     }
     powers
 }
@@ -43,15 +48,6 @@ pub(crate) fn motions(graph: &Graph, term: &Term) -> BTreeMap<Id, u32> {
 
 fn raise(powers: &mut BTreeMap<Id, u32>, atom: Id, power: u32) {
     *powers.entry(atom).or_insert(0) += power;
-}
-
-fn angle(graph: &Graph, factor: &Factor) -> Id {
-    let multiples: Vec<i32> = factor.multiples.iter().map(|&k| i32::from(k)).collect();
-    match factor.function {
-        Trig::Sin => graph.sin(&multiples),
-        Trig::Cos => graph.cos(&multiples),
-        Trig::Position => graph.multiple_sum(&multiples, Input::Q),
-    }
 }
 
 impl Monomial {

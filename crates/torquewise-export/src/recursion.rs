@@ -11,9 +11,7 @@ type Vector = [Id; 3];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Motion {
-    /// Gravity alone.
     Rest,
-    /// Velocities, no gravity.
     Steady,
     Whole,
 }
@@ -144,7 +142,13 @@ impl<'a> Recursion<'a> {
                     self.plus(&before.acceleration, &self.times(&before.spread, &origin));
                 (omega, alpha) = (before.omega, before.alpha);
             }
-            let (speed, rate) = self.inputs(joint, motion);
+            let speed = self.driven(joint, Input::Dq);
+            let rate = self.driven(joint, Input::Ddq);
+            let (speed, rate) = match motion {
+                Motion::Rest => (zero, zero),
+                Motion::Steady => (speed, zero),
+                Motion::Whole => (speed, rate),
+            };
             omega = self.inward(joint, &omega);
             alpha = self.inward(joint, &alpha);
             acceleration = self.inward(joint, &acceleration);
@@ -165,17 +169,6 @@ impl<'a> Recursion<'a> {
             all.push(Moved { omega, alpha, acceleration, spread });
         }
         all
-    }
-
-    /// q̇ and q̈ of a joint, zero where it is held.
-    fn inputs(&self, joint: usize, motion: Motion) -> (Id, Id) {
-        let zero = self.graph.constant(0.0);
-        let (speed, rate) = (self.driven(joint, Input::Dq), self.driven(joint, Input::Ddq));
-        match motion {
-            Motion::Rest => (zero, zero),
-            Motion::Steady => (speed, zero),
-            Motion::Whole => (speed, rate),
-        }
     }
 
     /// What turns a joint of the chain: multiples of a signal of the coordinates.
@@ -251,7 +244,6 @@ impl<'a> Recursion<'a> {
         self.graph.sum(&parts.map(part))
     }
 
-    /// A link and all beyond it, in its frame.
     fn with(&self, link: &BaseLink, beyond: &Composite) -> Composite {
         let Moments { xx, zz, xy, xz, yz } = link.moments;
         let own = [[xx, xy, xz], [xy, 0.0, yz], [xz, yz, zz]];

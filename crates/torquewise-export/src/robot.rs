@@ -69,7 +69,9 @@ impl Robot {
         if !chain.coupling.is_none() {
             return Err(ExportError::Coupled);
         }
-        if let Some(link) = infeasible(chain) {
+        let alone =
+            |link: &[f64; 10]| RigidChain { links: vec![*link], drives: vec![], ..chain.clone() };
+        if let Some(link) = chain.links.iter().position(|link| !alone(link).is_feasible()) {
             let joint = model.joints.get(link).cloned().unwrap_or_default();
             return Err(ExportError::Infeasible { joint });
         }
@@ -187,13 +189,6 @@ fn bar(end: &Vector3<f64>) -> Value {
         rpy => numbers(turn.euler_angles().into()),
         length => numbers([end.norm()]),
     }
-}
-
-/// The first link that is no body.
-fn infeasible(chain: &RigidChain) -> Option<usize> {
-    let alone =
-        |link: &[f64; 10]| RigidChain { links: vec![*link], drives: vec![], ..chain.clone() };
-    chain.links.iter().position(|link| !alone(link).is_feasible())
 }
 
 /// The turn that brings a direction to another.

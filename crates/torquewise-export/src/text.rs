@@ -18,7 +18,6 @@ pub(crate) trait Language {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Role {
-    /// A function of signals alone.
     Function(Quantity),
     /// A function at the state that friction remembers.
     After(Quantity),
@@ -140,7 +139,6 @@ impl Body {
         let mut texts: HashMap<Id, Text> = HashMap::new();
         for id in order {
             let node = graph.node(id);
-            body.note(&node);
             let text = body.text(&node, &mut texts, language);
             texts.insert(id, text);
             if uses.get(&id).is_some_and(|&uses| uses > 1) {
@@ -193,24 +191,7 @@ impl Body {
         lines
     }
 
-    fn note(&mut self, node: &Node) {
-        match node {
-            Node::Input(input) => self.inputs.push(*input),
-            Node::Sin(multiples) | Node::Cos(multiples) => {
-                let joint = multiples.iter().position(|&k| k != 0).unwrap_or(0);
-                if !self.inputs.contains(&Input::Q(joint)) {
-                    self.inputs.push(Input::Q(joint));
-                    self.angles.push(Angle { joint, sin: false, cos: false });
-                }
-                if let Some(angle) = self.angles.iter_mut().find(|angle| angle.joint == joint) {
-                    angle.sin |= matches!(node, Node::Sin(_));
-                    angle.cos |= matches!(node, Node::Cos(_));
-                }
-            }
-            _ => {}
-        }
-    }
-
+    /// The expression of a node; notes what it reads.
     fn text(
         &mut self,
         node: &Node,
@@ -225,13 +206,22 @@ impl Body {
                 return Text { text: language.constant(value), level };
             }
             Node::Input(input) => {
+                self.inputs.push(*input);
                 let (signal, joint) = signal_of(*input);
                 return plain(format!("{signal}{}", joint + 1));
             }
             Node::Sin(multiples) | Node::Cos(multiples) => {
                 let joint = multiples.iter().position(|&k| k != 0).unwrap_or(0);
-                let letter = if matches!(node, Node::Sin(_)) { 's' } else { 'c' };
-                return plain(format!("{letter}{}", joint + 1));
+                if !self.inputs.contains(&Input::Q(joint)) {
+                    self.inputs.push(Input::Q(joint));
+                    self.angles.push(Angle { joint, sin: false, cos: false });
+                }
+                let is_sin = matches!(node, Node::Sin(_));
+                if let Some(angle) = self.angles.iter_mut().find(|angle| angle.joint == joint) {
+                    angle.sin |= is_sin;
+                    angle.cos |= !is_sin;
+                }
+                return plain(format!("{}{}", if is_sin { 's' } else { 'c' }, joint + 1));
             }
             _ => {}
         }
@@ -296,27 +286,25 @@ pub(crate) fn signal_of(input: Input) -> (&'static str, usize) {
 
 fn joined(node: &Node, texts: &HashMap<Id, Text>, language: &impl Language) -> Text {
     let at = |id: &Id, level| texts[id].at(level);
-    match node {
-        Node::Add(a, b) => Text {
-            text: format!("{} + {}", at(a, Level::Sum), at(b, Level::Product)),
-            level: Level::Sum,
-        },
-        Node::Sub(a, b) => Text {
-            text: format!("{} - {}", at(a, Level::Sum), at(b, Level::Product)),
-            level: Level::Sum,
-        },
-        Node::Mul(a, b) => Text {
-            text: format!("{}*{}", at(a, Level::Product), at(b, Level::Call)),
-            level: Level::Product,
-        },
-        Node::Neg(a) => Text { text: format!("-{}", at(a, Level::Product)), level: Level::Product },
+    let (level, text) = match node {
+        Node::Add(a, b) => {
+            (Level::Sum, format!("{} + {}", at(a, Level::Sum), at(b, Level::Product)))
+        }
+        Node::Sub(a, b) => {
+            (Level::Sum, format!("{} - {}", at(a, Level::Sum), at(b, Level::Product)))
+        }
+        Node::Mul(a, b) => {
+            (Level::Product, format!("{}*{}", at(a, Level::Product), at(b, Level::Call)))
+        }
+        Node::Neg(a) => (Level::Product, format!("-{}", at(a, Level::Product))),
         Node::Call(function, a) => {
-            let level =
-                if *function == Function::Reciprocal { Level::Product } else { Level::Call };
-            Text { text: format!("{}({})", language.name(*function), at(a, Level::Sum)), level }
+            let is_reciprocal = *function == Function::Reciprocal;
+            let level = if is_reciprocal { Level::Product } else { Level::Call };
+            (level, format!("{}({})", language.name(*function), at(a, Level::Sum)))
         }
         Node::Constant(_) | Node::Input(_) | Node::Sin(_) | Node::Cos(_) => {
-            Text { text: String::new(), level: Level::Name }
+            (Level::Name, String::new())
         }
-    }
+    };
+    Text { text, level }
 }

@@ -21,7 +21,7 @@ use torquewise_model::{Model, Torque};
 /// # Errors
 /// `ExportError::Model` if the parts of the model do not fit together.
 pub fn test_vectors(model: &Model, rows: usize, seed: u64) -> Result<String> {
-    let n = model.n_joints();
+    let (n, training) = (model.n_joints(), &model.training);
     let whole = Torque::new(model);
     let first = match model.stages.len() {
         0 => whole.clone(),
@@ -30,7 +30,15 @@ pub fn test_vectors(model: &Model, rows: usize, seed: u64) -> Result<String> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut text = header(n);
     for _ in 0..rows {
-        let [q, dq, ddq] = state(model, &mut rng);
+        let mut between = |[low, high]: [f64; 2]| low + (high - low) * rng.random::<f64>();
+        let (mut q, mut dq, mut ddq) = (Vec::new(), Vec::new(), Vec::new());
+        for joint in 0..n {
+            let known = |peaks: &[f64]| peaks.get(joint).copied().unwrap_or(1.0);
+            let (speed, acceleration) = (known(&training.dq_peak), known(&training.ddq_peak));
+            q.push(between(training.q_range.get(joint).copied().unwrap_or([-PI, PI])));
+            dq.push(between([-speed, speed]));
+            ddq.push(between([-acceleration, acceleration]));
+        }
         let listed = |matrix: Mat<f64>| -> Vec<f64> {
             (0..n * n).map(|place| matrix[(place / n, place % n)]).collect()
         };
@@ -71,20 +79,4 @@ fn header(n: usize) -> String {
         }
     }
     names.join(",") + "\n"
-}
-
-/// q, q̇, q̈, evenly drawn.
-fn state(model: &Model, rng: &mut ChaCha8Rng) -> [Vec<f64>; 3] {
-    let training = &model.training;
-    let mut between = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
-    let (mut q, mut dq, mut ddq) = (Vec::new(), Vec::new(), Vec::new());
-    for joint in 0..model.n_joints() {
-        let [low, high] = training.q_range.get(joint).copied().unwrap_or([-PI, PI]);
-        let speed = training.dq_peak.get(joint).copied().unwrap_or(1.0);
-        let acceleration = training.ddq_peak.get(joint).copied().unwrap_or(1.0);
-        q.push(between(low, high));
-        dq.push(between(-speed, speed));
-        ddq.push(between(-acceleration, acceleration));
-    }
-    [q, dq, ddq]
 }

@@ -13,7 +13,7 @@ use crate::parts::{Grouping, Parts, from_energies, from_equations};
 use crate::polynomial::Order;
 use crate::recursion::{Motion, Recursion};
 use std::collections::BTreeMap;
-use torquewise_model::{Drive, EnergyTerm, Form, Model, RigidChain, Weighted};
+use torquewise_model::{Drive, EnergyTerm, Form, Model, Weighted};
 
 /// Joints up to which a chain is expanded; the terms of more cost many times the recursion.
 const MOST_EXPANDED: usize = 4;
@@ -35,41 +35,13 @@ type Choice = fn(&Frictionless) -> &Vec<Id>;
 
 type Way<'a, T> = Box<dyn Fn(&Graph) -> T + 'a>;
 
-/// The functions of a model, each the cheapest that is known.
+/// The functions of a model, each the cheapest that is known: of a chain by the recursion or by the
+/// expansion.
 pub(crate) fn frictionless(graph: &Graph, model: &Model) -> Result<Frictionless> {
-    match &model.chain {
-        Some(chain) => of_chain(graph, chain),
-        None => Ok(of_form(graph, &model.form, model.n_joints(), |parts| &parts.motion)),
-    }
-}
-
-pub(crate) fn gravity_of(graph: &Graph, form: &Form, n: usize) -> Vec<Id> {
-    of_form(graph, form, n, |parts| &parts.gravity).gravity
-}
-
-impl Frictionless {
-    fn of(graph: &Graph, parts: Parts) -> Self {
-        let Parts { motion, gravity, coriolis, matrix } = parts;
-        Self { torque: sums(graph, &motion, &gravity), gravity, coriolis, matrix }
-    }
-
-    fn plus(&self, graph: &Graph, other: &Self) -> Self {
-        Self {
-            torque: sums(graph, &self.torque, &other.torque),
-            gravity: sums(graph, &self.gravity, &other.gravity),
-            coriolis: sums(graph, &self.coriolis, &other.coriolis),
-            matrix: sums(graph, &self.matrix, &other.matrix),
-        }
-    }
-}
-
-pub(crate) fn sums(graph: &Graph, left: &[Id], right: &[Id]) -> Vec<Id> {
-    left.iter().zip(right).map(|(&a, &b)| graph.add(a, b)).collect()
-}
-
-/// The recursion or the expansion, for each function the cheaper.
-fn of_chain(graph: &Graph, chain: &RigidChain) -> Result<Frictionless> {
-    let n = chain.n_joints();
+    let n = model.n_joints();
+    let Some(chain) = &model.chain else {
+        return Ok(of_form(graph, &model.form, n, |parts| &parts.motion));
+    };
     let base = BaseChain::of(chain)?;
     let drives = joined(chain.drives.iter().flat_map(Drive::energy_terms).collect());
     let energies = match n {
@@ -98,6 +70,30 @@ fn of_chain(graph: &Graph, chain: &RigidChain) -> Result<Frictionless> {
     let [torque, gravity, coriolis, matrix] =
         cheapest(&ways, choices).map(|(way, choice)| choice(&ways[way](graph)).clone());
     Ok(Frictionless { torque, gravity, coriolis, matrix })
+}
+
+pub(crate) fn gravity_of(graph: &Graph, form: &Form, n: usize) -> Vec<Id> {
+    of_form(graph, form, n, |parts| &parts.gravity).gravity
+}
+
+impl Frictionless {
+    fn of(graph: &Graph, parts: Parts) -> Self {
+        let Parts { motion, gravity, coriolis, matrix } = parts;
+        Self { torque: sums(graph, &motion, &gravity), gravity, coriolis, matrix }
+    }
+
+    fn plus(&self, graph: &Graph, other: &Self) -> Self {
+        Self {
+            torque: sums(graph, &self.torque, &other.torque),
+            gravity: sums(graph, &self.gravity, &other.gravity),
+            coriolis: sums(graph, &self.coriolis, &other.coriolis),
+            matrix: sums(graph, &self.matrix, &other.matrix),
+        }
+    }
+}
+
+pub(crate) fn sums(graph: &Graph, left: &[Id], right: &[Id]) -> Vec<Id> {
+    left.iter().zip(right).map(|(&a, &b)| graph.add(a, b)).collect()
 }
 
 /// For each function the place of the way that computes it in the fewest operations.

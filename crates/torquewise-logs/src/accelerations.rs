@@ -70,7 +70,6 @@ impl Pairs {
 }
 
 impl Accelerations {
-    /// Adds a block.
     pub(crate) fn add(&mut self, block: &Motion) {
         self.velocity.add(block.t(), block.q(), block.dq());
         self.acceleration.add(block.t(), block.dq(), block.ddq());

@@ -27,7 +27,6 @@ struct Topic {
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Message {
-    /// When the bag received it \[ns\].
     received: i64,
     bytes: Vec<u8>,
 }

@@ -48,11 +48,6 @@ impl SideBySide {
         Self { parts, names, clock, chosen: Vec::new() }
     }
 
-    /// Reads a row of every part; whether each had one.
-    fn read(&mut self) -> Result<Vec<bool>> {
-        self.parts.iter_mut().map(|part| part.rows.next(&mut part.row)).collect()
-    }
-
     fn check_clocks(&self) -> Result<()> {
         let Some((column, seconds)) = &self.clock else { return Ok(()) };
         let clock = |part: &Part| part.clock.map(|place| part.row[place] * seconds);
@@ -68,21 +63,6 @@ impl SideBySide {
             }
         }
         Ok(())
-    }
-
-    /// The error that names how many rows each of two files has.
-    fn rows_differ(&mut self, had_one: &[bool]) -> Result<LogError> {
-        let mut counts = Vec::new();
-        for (part, had_one) in self.parts.iter_mut().zip(had_one) {
-            while *had_one && part.rows.next(&mut part.row)? {}
-            counts.push(part.rows.place().row);
-        }
-        let expected = counts.first().copied().unwrap_or_default();
-        let other = counts.iter().position(|count| *count != expected).unwrap_or_default();
-        let (log, found) = (self.parts[0].file.display(), counts[other]);
-        let problem = format!(" has {found} rows, {log} has {expected}");
-        let help = "files beside each other have the same rows";
-        Ok(LogError::unusable(self.parts[other].file.display(), &problem, help))
     }
 }
 
@@ -123,12 +103,23 @@ impl Rows for SideBySide {
     }
 
     fn next(&mut self, row: &mut [f64]) -> Result<bool> {
-        let had_one = self.read()?;
+        let own = self.parts.iter_mut().map(|part| part.rows.next(&mut part.row));
+        let had_one = own.collect::<Result<Vec<bool>>>()?;
         if !had_one.contains(&true) {
             return Ok(false);
         }
         if had_one.contains(&false) {
-            return Err(self.rows_differ(&had_one)?);
+            let mut counts = Vec::new();
+            for (part, had_one) in self.parts.iter_mut().zip(&had_one) {
+                while *had_one && part.rows.next(&mut part.row)? {}
+                counts.push(part.rows.place().row);
+            }
+            let expected = counts[0];
+            let other = counts.iter().position(|count| *count != expected).unwrap_or_default();
+            let (log, found) = (self.parts[0].file.display(), counts[other]);
+            let problem = format!(" has {found} rows, {log} has {expected}");
+            let help = "files beside each other have the same rows";
+            return Err(LogError::unusable(self.parts[other].file.display(), &problem, help));
         }
         self.check_clocks()?;
         for (value, (part, place)) in row.iter_mut().zip(&self.chosen) {

@@ -67,27 +67,25 @@ impl Blocks {
         &mut self,
         block: impl Fn(&Self, usize) -> Result<B>,
     ) -> Result<Option<(usize, B)>> {
-        let Some(rows) = self.next_rows()? else { return Ok(None) };
-        let block = block(self, rows)?;
-        self.hand_out(rows);
-        Ok(Some((self.trajectory, block)))
-    }
-
-    /// How many rows the next block has; `None` at the end.
-    fn next_rows(&mut self) -> Result<Option<usize>> {
         self.look_ahead()?;
         if self.known == self.done && self.ended {
-            self.begin_trajectory();
+            self.forget(self.known);
+            (self.done, self.known, self.ended, self.usual_step) = (0, 0, false, None);
+            self.trajectory += 1;
             self.look_ahead()?;
         }
         let rows = (self.known - self.done).min(BLOCK_ROWS);
-        if rows > 0 {
-            return Ok(Some(rows));
+        if rows == 0 {
+            return if self.rows.report.rows > 0 { Ok(None) } else { Err(self.rows.none_left()) };
         }
-        if self.rows.report.rows > 0 {
-            return Ok(None);
-        }
-        Err(self.rows.none_left())
+        let block = block(self, rows)?;
+        // The window of a row near the end moves inwards, so it reaches up to twice as far back. The
+        // last time stamp stays, for the next one is compared with it.
+        let done = self.done + rows;
+        self.done = done.min(self.reach.saturating_mul(2)).max(1);
+        self.forget(done - self.done);
+        self.known -= done - self.done;
+        Ok(Some((self.trajectory, block)))
     }
 
     /// Makes sure that the next block, and what its windows reach, is known.
@@ -124,35 +122,30 @@ impl Blocks {
     fn screen(&mut self) {
         let all = self.columns[0].len();
         let end = all.saturating_sub(if self.screens && !self.at_end_of_file { NEAR } else { 0 });
-        if self.screens {
-            let mapping = &self.rows.mapping;
-            let mut gone: Vec<usize> = Vec::new();
-            for (slot, column) in self.columns.iter().enumerate().skip(1) {
-                let (signal, joint) =
-                    ((slot - 1) / mapping.n_joints, (slot - 1) % mapping.n_joints);
-                let signal = mapping.present[signal];
-                let own = absurd(column, signal);
-                let own = own.into_iter().filter(|row| (self.screened..end).contains(row));
-                for row in own {
-                    let name = format!("{}{}", signal.name(), joint + 1);
-                    let first = || (self.origins[row].number, name, column[row]);
-                    self.first_absurd.get_or_insert_with(first);
-                    gone.push(row);
-                }
+        let mapping = &self.rows.mapping;
+        let mut gone: Vec<usize> = Vec::new();
+        let signals = self.columns.iter().skip(1).filter(|_| self.screens);
+        for (place, column) in signals.enumerate() {
+            let (signal, joint) =
+                (mapping.present[place / mapping.n_joints], place % mapping.n_joints);
+            let own = absurd(column, signal).into_iter();
+            for row in own.filter(|row| (self.screened..end).contains(row)) {
+                let name = format!("{}{}", signal.name(), joint + 1);
+                let first = || (self.origins[row].number, name, column[row]);
+                self.first_absurd.get_or_insert_with(first);
+                gone.push(row);
             }
-            gone.sort_unstable();
-            gone.dedup();
-            self.rows.report.repairs.absurd += gone.len() as u64;
-            for &row in gone.iter().rev() {
-                self.columns.iter_mut().for_each(|column| {
-                    column.remove(row);
-                });
-                self.origins.remove(row);
-            }
-            self.screened = end - gone.len();
-        } else {
-            self.screened = end;
         }
+        gone.sort_unstable();
+        gone.dedup();
+        self.rows.report.repairs.absurd += gone.len() as u64;
+        for &row in gone.iter().rev() {
+            for column in &mut self.columns {
+                column.remove(row);
+            }
+            self.origins.remove(row);
+        }
+        self.screened = end - gone.len();
     }
 
     fn push(&mut self, row: &[f64], origin: Origin) -> Result<()> {
@@ -165,27 +158,6 @@ impl Blocks {
         }
         self.origins.push(origin);
         Ok(())
-    }
-
-    fn begin_trajectory(&mut self) {
-        self.forget(self.known);
-        self.done = 0;
-        self.known = 0;
-        self.ended = false;
-        self.usual_step = None;
-        self.trajectory += 1;
-    }
-
-    /// Marks the next `rows` as handed out and forgets those that no window reaches any more.
-    ///
-    /// The window of a row near the end moves inwards, so it reaches up to twice as far back.
-    fn hand_out(&mut self, rows: usize) {
-        let done = self.done + rows;
-        self.done = done.min(self.reach.saturating_mul(2));
-        // The last time stamp stays, for the next one is compared with it.
-        self.done = self.done.max(1);
-        self.forget(done - self.done);
-        self.known -= done - self.done;
     }
 
     fn forget(&mut self, rows: usize) {

@@ -112,7 +112,14 @@ impl Build<'_> {
             Some(Columns::Names(names)) => names.clone(),
             Some(Columns::Prefix(prefix)) => self.numbered(prefix, joints.len()),
             None if self.is_bag => {
-                let names = of_bag(signal, joints);
+                let field = match signal {
+                    Signal::Q => Some("position"),
+                    Signal::Dq => Some("velocity"),
+                    Signal::Ddq => None,
+                    Signal::Tau => Some("effort"),
+                };
+                let names = joints.iter().filter_map(|joint| Some(format!("{joint}.{}", field?)));
+                let names: Vec<String> = names.collect();
                 let is_there = names.first().is_some_and(|name| self.has(name));
                 if parts.is_none() && signal != Signal::Q && !is_there {
                     return Ok(None);
@@ -164,16 +171,6 @@ impl Build<'_> {
             format!(" has no column {missing}, which {key} of the profile needs, found {found}");
         LogError::unusable(self.file.display(), &problem, "name the columns as the file does")
     }
-}
-
-fn of_bag(signal: Signal, joints: &[String]) -> Vec<String> {
-    let field = match signal {
-        Signal::Q => "position",
-        Signal::Dq => "velocity",
-        Signal::Ddq => return Vec::new(),
-        Signal::Tau => "effort",
-    };
-    joints.iter().map(|joint| format!("{joint}.{field}")).collect()
 }
 
 /// Places of the joints that are not left out.

@@ -103,50 +103,37 @@ impl ConditionedLogs {
         visit: VisitBoth<'_>,
     ) -> ReadResult<bool> {
         let mut out = Cutter { trajectory: 0, is_empty: true, visit };
-        let files = file.map_or(0..self.logs.n_logs(), |file| file..file + 1);
+        let failed = |trajectory: usize| move |source| signals(&self.logs, trajectory, source);
         let mut first = 0;
-        for file in files {
-            let repairs = self.visit_file(file, &mut first, noise, &mut out)?;
+        for file in file.map_or(0..self.logs.n_logs(), |file| file..file + 1) {
+            let mut repairs = Repairs::default();
+            let mut open: Option<Trajectory<'_>> = None;
+            let mut end = |open: Option<Trajectory<'_>>, out: &mut Cutter<'_>| {
+                let Some(ended) = open else { return Ok(()) };
+                let (rest, own) = ended.finish().map_err(failed(out.trajectory))?;
+                repairs.add(&own);
+                out.hand_out(rest)
+            };
+            let begin = first;
+            self.logs.read_raw(Some(file), &mut |own, block| -> ReadResult {
+                let trajectory = begin + own;
+                if trajectory != out.trajectory {
+                    end(open.take(), &mut out)?;
+                    out.trajectory = trajectory;
+                }
+                let open =
+                    open.get_or_insert_with(|| Trajectory::new(&self.settings, noise, self.clock));
+                let done = open.push(block).map_err(failed(trajectory))?;
+                first = trajectory + 1;
+                out.hand_out(done)
+            })?;
+            end(open, &mut out)?;
             let mut known = self.repairs.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some(old) = known.get_mut(file) {
                 *old = repairs;
             }
         }
         Ok(!out.is_empty)
-    }
-
-    /// Conditions a file, whose first trajectory is `first`; counts its trajectories on.
-    fn visit_file(
-        &self,
-        file: usize,
-        first: &mut usize,
-        noise: Option<&RawNoise>,
-        out: &mut Cutter<'_>,
-    ) -> ReadResult<Repairs> {
-        let mut repairs = Repairs::default();
-        let mut open: Option<Trajectory<'_>> = None;
-        let failed = |trajectory: usize| move |source| signals(&self.logs, trajectory, source);
-        let mut end = |open: Option<Trajectory<'_>>, out: &mut Cutter<'_>| {
-            let Some(ended) = open else { return Ok(()) };
-            let (rest, own) = ended.finish().map_err(failed(out.trajectory))?;
-            repairs.add(&own);
-            out.hand_out(rest)
-        };
-        let begin = *first;
-        self.logs.read_raw(Some(file), &mut |own, block| -> ReadResult {
-            let trajectory = begin + own;
-            if trajectory != out.trajectory {
-                end(open.take(), out)?;
-                out.trajectory = trajectory;
-            }
-            let open =
-                open.get_or_insert_with(|| Trajectory::new(&self.settings, noise, self.clock));
-            let done = open.push(block).map_err(failed(trajectory))?;
-            *first = trajectory + 1;
-            out.hand_out(done)
-        })?;
-        end(open, out)?;
-        Ok(repairs)
     }
 }
 

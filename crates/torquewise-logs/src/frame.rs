@@ -44,22 +44,6 @@ impl FrameRows {
         let (chosen, block) = (Vec::new(), Vec::new());
         Self { label: label.into(), frame, chosen, block, first: 0, row: 0 }
     }
-
-    fn load(&mut self) -> Result<()> {
-        self.first = self.row;
-        let rows = (self.frame.n_rows() - self.first).min(BLOCK_ROWS);
-        for (column, values) in self.chosen.iter().zip(&mut self.block) {
-            values.resize(rows, 0.0);
-            self.frame.read(*column, self.first, values).map_err(|reason| {
-                let (file, row) = (self.label.clone(), self.first as u64 + 1);
-                let column = self.frame.names()[*column].clone();
-                let problem = format!(", column {column} cannot be read: {reason}");
-                let place = Place { file, row, line: None };
-                LogError::unusable(place, &problem, "give a table of numbers")
-            })?;
-        }
-        Ok(())
-    }
 }
 
 impl Rows for FrameRows {
@@ -82,7 +66,18 @@ impl Rows for FrameRows {
             return Ok(false);
         }
         if self.row == 0 || self.row == self.first + BLOCK_ROWS {
-            self.load()?;
+            self.first = self.row;
+            let rows = (self.frame.n_rows() - self.first).min(BLOCK_ROWS);
+            for (column, values) in self.chosen.iter().zip(&mut self.block) {
+                values.resize(rows, 0.0);
+                self.frame.read(*column, self.first, values).map_err(|reason| {
+                    let (file, row) = (self.label.clone(), self.first as u64 + 1);
+                    let column = self.frame.names()[*column].clone();
+                    let problem = format!(", column {column} cannot be read: {reason}");
+                    let place = Place { file, row, line: None };
+                    LogError::unusable(place, &problem, "give a table of numbers")
+                })?;
+            }
         }
         for (value, values) in row.iter_mut().zip(&self.block) {
             *value = values[self.row - self.first];

@@ -36,6 +36,18 @@ impl HeldBytes for Vec<u8> {
     }
 }
 
+impl HeldBytes for File {
+    fn count(&self) -> u64 {
+        self.metadata().map_or(0, |found| found.len())
+    }
+
+    fn read(&self, first: u64, into: &mut [u8]) -> io::Result<usize> {
+        let mut file = self;
+        file.seek(SeekFrom::Start(first))?;
+        Read::read(&mut file, into)
+    }
+}
+
 /// A file by its path, whose ending says its format, and its bytes where they are not on a disk.
 #[derive(Clone, Debug)]
 pub struct LogInput {
@@ -54,16 +66,17 @@ impl LogInput {
     }
 
     pub(crate) fn open(&self) -> io::Result<Opened> {
-        Ok(match &self.held {
-            Some(bytes) => Opened::Held { bytes: bytes.clone(), at: 0 },
-            None => Opened::File(File::open(&self.path)?),
-        })
+        let bytes = match &self.held {
+            Some(bytes) => bytes.clone(),
+            None => Arc::new(File::open(&self.path)?),
+        };
+        Ok(Opened { bytes, at: 0 })
     }
 
     #[cfg(feature = "formats")]
     pub(crate) fn open_whole(&self) -> Result<Opened> {
         let input = self.open().map_err(LogError::read(self))?;
-        match input.count().map_err(LogError::read(self))? {
+        match input.count() {
             0 => Err(LogError::Empty { file: self.into() }),
             _ => Ok(input),
         }
@@ -90,67 +103,43 @@ impl Deref for LogInput {
     }
 }
 
-#[derive(Debug)]
-pub(crate) enum Opened {
-    File(File),
-    Held {
-        bytes: Arc<dyn HeldBytes>,
-        /// Where the next byte stands.
-        at: u64,
-    },
+#[derive(Clone, Debug)]
+pub(crate) struct Opened {
+    bytes: Arc<dyn HeldBytes>,
+    /// Where the next byte stands.
+    at: u64,
 }
 
 impl Opened {
-    pub(crate) fn count(&self) -> io::Result<u64> {
-        match self {
-            Self::File(file) => Ok(file.metadata()?.len()),
-            Self::Held { bytes, .. } => Ok(bytes.count()),
-        }
-    }
-
-    #[cfg(feature = "formats")]
-    pub(crate) fn try_clone(&self) -> io::Result<Self> {
-        Ok(match self {
-            Self::File(file) => Self::File(file.try_clone()?),
-            Self::Held { bytes, at } => Self::Held { bytes: bytes.clone(), at: *at },
-        })
+    pub(crate) fn count(&self) -> u64 {
+        self.bytes.count()
     }
 }
 
 impl Read for Opened {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        match self {
-            Self::File(file) => file.read(into),
-            Self::Held { bytes, at } => {
-                let n_read = bytes.read(*at, into)?;
-                *at += n_read as u64;
-                Ok(n_read)
-            }
-        }
+        let n_read = self.bytes.read(self.at, into)?;
+        self.at += n_read as u64;
+        Ok(n_read)
     }
 }
 
 impl Seek for Opened {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        match self {
-            Self::File(file) => file.seek(to),
-            Self::Held { bytes, at } => {
-                let place = match to {
-                    SeekFrom::Start(place) => Some(place),
-                    SeekFrom::End(offset) => bytes.count().checked_add_signed(offset),
-                    SeekFrom::Current(offset) => at.checked_add_signed(offset),
-                };
-                *at = place.ok_or(ErrorKind::InvalidInput)?;
-                Ok(*at)
-            }
-        }
+        let place = match to {
+            SeekFrom::Start(place) => Some(place),
+            SeekFrom::End(offset) => self.count().checked_add_signed(offset),
+            SeekFrom::Current(offset) => self.at.checked_add_signed(offset),
+        };
+        self.at = place.ok_or(ErrorKind::InvalidInput)?;
+        Ok(self.at)
     }
 }
 
 #[cfg(feature = "formats")]
 impl Length for Opened {
     fn len(&self) -> u64 {
-        self.count().unwrap_or_default()
+        self.bytes.count()
     }
 }
 
@@ -159,13 +148,13 @@ impl ChunkReader for Opened {
     type T = io::BufReader<Self>;
 
     fn get_read(&self, start: u64) -> parquet::errors::Result<Self::T> {
-        let mut input = self.try_clone()?;
+        let mut input = self.clone();
         input.seek(SeekFrom::Start(start))?;
         Ok(io::BufReader::new(input))
     }
 
     fn get_bytes(&self, start: u64, length: usize) -> parquet::errors::Result<bytes::Bytes> {
-        let mut input = self.try_clone()?;
+        let mut input = self.clone();
         input.seek(SeekFrom::Start(start))?;
         let mut chunk = Vec::new();
         input.take(length as u64).read_to_end(&mut chunk)?;

@@ -98,23 +98,21 @@ impl Logs {
         let mut logs = Self { sources, paths, joints, odd_ddq: None, readings };
         if logs.has_dq() && logs.has_ddq() {
             // What cannot be read is told by whoever reads it all.
-            let seen = |source| logs.accelerations_of(source).ok()?.correlation();
+            let seen = |source: &Source| {
+                let mut seen = Accelerations::default();
+                let mut blocks = Blocks::new(source.rows().ok()?, &logs.joints, true);
+                while !seen.is_enough() {
+                    let Some((_, block)) = blocks.next(Blocks::block).ok()? else { break };
+                    seen.add(&block);
+                }
+                seen.correlation()
+            };
             logs.odd_ddq = Accelerations::odd(logs.sources.iter().map(seen));
             if logs.odd_ddq.is_some() {
                 logs.sources.iter_mut().for_each(|source| source.mapping.forget(Signal::Ddq));
             }
         }
         Ok(logs)
-    }
-
-    fn accelerations_of(&self, source: &Source) -> Result<Accelerations> {
-        let mut seen = Accelerations::default();
-        let mut blocks = Blocks::new(source.rows()?, &self.joints, true);
-        while !seen.is_enough() {
-            let Some((_, block)) = blocks.next(Blocks::block)? else { break };
-            seen.add(&block);
-        }
-        Ok(seen)
     }
 
     /// The files, as given.
@@ -270,10 +268,6 @@ impl Logs {
         self.paths.get(file).map(PathBuf::as_path)
     }
 
-    fn each_motion(&self, only: Option<usize>, visit: Visit<'_>) -> ReadResult {
-        self.each(only, true, Blocks::block, &mut |own, block| visit(own, &block))
-    }
-
     /// Reads all files, or one of them, in blocks of some kind, dq and ddq completed or not.
     fn each<B, E: From<LogError>>(
         &self,
@@ -312,7 +306,7 @@ impl Recording for Logs {
     }
 
     fn read(&self, visit: Visit<'_>) -> ReadResult {
-        self.each_motion(None, visit)
+        self.each(None, true, Blocks::block, &mut |own, block| visit(own, &block))
     }
 
     fn n_logs(&self) -> usize {
@@ -320,7 +314,7 @@ impl Recording for Logs {
     }
 
     fn read_log(&self, log: usize, visit: Visit<'_>) -> ReadResult {
-        self.each_motion(Some(log), visit)
+        self.each(Some(log), true, Blocks::block, &mut |own, block| visit(own, &block))
     }
 }
 

@@ -9,7 +9,7 @@ use crate::rows::Rows;
 use parquet::basic::{ConvertedType, LogicalType, Type};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
-use parquet::file::metadata::{ParquetMetaData, RowGroupMetaData};
+use parquet::file::metadata::{ColumnChunkMetaData, RowGroupMetaData};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::{ColumnDescriptor, SchemaDescriptor};
 use std::path::{Path, PathBuf};
@@ -40,18 +40,27 @@ impl ParquetRows {
     }
 
     fn new(file: &Path, input: Opened) -> Result<Self> {
-        let pages = input.try_clone().map_err(LogError::read(file))?;
+        let pages = input.clone();
         let reader =
             SerializedFileReader::new(input).map_err(LogError::decode(file, Format::Parquet))?;
         let metadata = reader.metadata();
-        if !chunks_are_in_the_file(metadata) {
+        // The decoder takes on trust that no column chunk begins or ends before the file does.
+        let mut chunks = metadata.row_groups().iter().flat_map(RowGroupMetaData::columns);
+        let is_in_the_file = |chunk: &ColumnChunkMetaData| {
+            chunk.compressed_size() >= 0
+                && chunk.data_page_offset() >= 0
+                && chunk.dictionary_page_offset().unwrap_or(0) >= 0
+        };
+        if !chunks.all(is_in_the_file) {
             return Err(LogError::Damaged { file: file.into() });
         }
         let names = metadata.file_metadata().schema_descr().columns().iter();
+        let pairs = metadata.file_metadata().key_value_metadata();
+        let joints = pairs.and_then(|pairs| pairs.iter().find(|pair| pair.key == PARQUET_KEY));
         Ok(Self {
             file: file.into(),
             names: names.map(|column| column.path().string().trim().to_owned()).collect(),
-            joints: joint_names(metadata),
+            joints: joints.and_then(|pair| Some(joints::parse(pair.value.as_deref()?))),
             reader,
             pages,
             chosen: Vec::new(),
@@ -83,7 +92,16 @@ impl ParquetRows {
             if self.groups == self.reader.num_row_groups() {
                 return Ok(false);
             }
-            self.next_group()?;
+            self.check_pages()?;
+            let refused = LogError::decode(&self.file, Format::Parquet);
+            let group = self.reader.get_row_group(self.groups).map_err(&refused)?;
+            let column = |&column: &usize| {
+                let reader = group.get_column_reader(column).map_err(&refused)?;
+                NumberColumn::new(&self.schema().column(column), reader)
+                    .ok_or_else(|| LogError::Damaged { file: self.file.clone() })
+            };
+            self.group = self.chosen.iter().map(column).collect::<Result<_, _>>()?;
+            self.groups += 1;
         }
     }
 
@@ -105,20 +123,6 @@ impl ParquetRows {
             let help = "write it with pages of 1 MB (data_page_size) or fewer rows in a row group";
             return Err(LogError::unusable(self.file.display(), &problem, help));
         }
-        Ok(())
-    }
-
-    fn next_group(&mut self) -> Result<()> {
-        self.check_pages()?;
-        let refused = LogError::decode(&self.file, Format::Parquet);
-        let group = self.reader.get_row_group(self.groups).map_err(&refused)?;
-        let column = |&column: &usize| {
-            let reader = group.get_column_reader(column).map_err(&refused)?;
-            NumberColumn::new(&self.schema().column(column), reader)
-                .ok_or_else(|| LogError::Damaged { file: self.file.clone() })
-        };
-        self.group = self.chosen.iter().map(column).collect::<Result<_, _>>()?;
-        self.groups += 1;
         Ok(())
     }
 }
@@ -170,21 +174,6 @@ impl Rows for ParquetRows {
     fn place(&self) -> Place {
         Place { file: self.file.clone(), row: self.row, line: None }
     }
-}
-
-/// Whether no column chunk begins or ends before the file does, which the decoder takes on trust.
-fn chunks_are_in_the_file(metadata: &ParquetMetaData) -> bool {
-    metadata.row_groups().iter().flat_map(RowGroupMetaData::columns).all(|chunk| {
-        chunk.compressed_size() >= 0
-            && chunk.data_page_offset() >= 0
-            && chunk.dictionary_page_offset().unwrap_or(0) >= 0
-    })
-}
-
-fn joint_names(metadata: &ParquetMetaData) -> Option<Vec<String>> {
-    let pairs = metadata.file_metadata().key_value_metadata()?;
-    let pair = pairs.iter().find(|pair| pair.key == PARQUET_KEY)?;
-    Some(joints::parse(pair.value.as_deref()?))
 }
 
 /// Whole numbers with a sign, as older writers name them.

@@ -11,6 +11,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{Type as Schema, TypePtr};
 use std::io;
+use std::mem::take;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use torquewise_motion::whole_file::Output;
@@ -66,18 +67,15 @@ impl ParquetSink {
             let Some(mut column) = group.next_column()? else { break };
             match held {
                 Held::Numbers(values) => {
-                    column.typed::<DoubleType>().write_batch(values, None, None)?;
-                    values.clear();
+                    column.typed::<DoubleType>().write_batch(&take(values), None, None)
                 }
                 Held::Counts(values) => {
-                    column.typed::<Int64Type>().write_batch(values, None, None)?;
-                    values.clear();
+                    column.typed::<Int64Type>().write_batch(&take(values), None, None)
                 }
                 Held::Texts(values) => {
-                    column.typed::<ByteArrayType>().write_batch(values, None, None)?;
-                    values.clear();
+                    column.typed::<ByteArrayType>().write_batch(&take(values), None, None)
                 }
-            }
+            }?;
             column.close()?;
         }
         group.close()?;

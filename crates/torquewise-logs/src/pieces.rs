@@ -8,7 +8,6 @@ use torquewise_motion::stats::quantile;
 
 /// Rows that a trajectory is planned by, and of a piece.
 pub(crate) const FIRST_ROWS: usize = 1 << 15;
-/// Rows of all pieces, about.
 const MOST_ROWS: usize = 1 << 18;
 
 /// Pieces with corrected time stamps, evenly spread: all rows of short logs, some of long ones.
@@ -21,7 +20,6 @@ pub(crate) struct Pieces {
 }
 
 impl Pieces {
-    /// Reads all logs once.
     pub(crate) fn read(logs: &Logs) -> Result<Self> {
         let (trajectories, recorded): (Vec<_>, Vec<_>) = recorded(logs)?.into_iter().unzip();
         let clock = ClockRepair::of(&recorded);

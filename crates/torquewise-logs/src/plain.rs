@@ -28,8 +28,26 @@ pub(crate) fn plain(file: &Path, names: &[String]) -> Result<Mapping> {
     if found.signals[Signal::Q as usize].is_empty() {
         return Err(lacks("q1"));
     }
-    let n_joints = found.count_joints(file)?;
+    // Every signal that occurs has joints 1…n, or all 0…n − 1.
     let signals = &found.signals;
+    let is_zero = |found: &Vec<(usize, usize)>| found.first().is_some_and(|c| c.0 == 0);
+    let first = usize::from(!signals.iter().any(is_zero));
+    let last = |signal: Signal| signals[signal as usize].last().map_or(0, |c| c.0);
+    let widest = Signal::ALL.into_iter().max_by_key(|s| (last(*s), *s == Signal::Q));
+    let (widest, end) = widest.map_or((Signal::Q, 0), |signal| (signal, last(signal)));
+    for signal in Signal::ALL {
+        let joints = &signals[signal as usize];
+        let gap = joints.iter().zip(first..).find(|(c, number)| c.0 != *number);
+        let missing = gap.map_or(joints.len() + first, |(_, number)| number);
+        if !joints.is_empty() && missing <= end {
+            return Err(LogError::MissingColumn {
+                file: file.into(),
+                missing: format!("{}{missing}", signal.name()),
+                present: format!("{}{end}", widest.name()),
+            });
+        }
+    }
+    let n_joints = end + 1 - first;
     let present = Signal::ALL.into_iter().filter(|s| !signals[*s as usize].is_empty()).collect();
     let chosen: Vec<_> = std::iter::once(t).chain(signals.iter().flatten().map(|c| c.1)).collect();
     let slots = (1..chosen.len()).map(Slot::as_it_stands).collect();
@@ -72,28 +90,6 @@ impl Found {
                 Ok(())
             }
         }
-    }
-
-    /// n, if every signal that occurs has joints 1…n, or all 0…n − 1.
-    fn count_joints(&self, file: &Path) -> Result<usize> {
-        let is_zero = |found: &Vec<(usize, usize)>| found.first().is_some_and(|c| c.0 == 0);
-        let first = usize::from(!self.signals.iter().any(is_zero));
-        let last = |signal: Signal| self.signals[signal as usize].last().map_or(0, |c| c.0);
-        let widest = Signal::ALL.into_iter().max_by_key(|s| (last(*s), *s == Signal::Q));
-        let (widest, end) = widest.map_or((Signal::Q, 0), |signal| (signal, last(signal)));
-        for signal in Signal::ALL {
-            let joints = &self.signals[signal as usize];
-            let gap = joints.iter().zip(first..).find(|(c, number)| c.0 != *number);
-            let missing = gap.map_or(joints.len() + first, |(_, number)| number);
-            if !joints.is_empty() && missing <= end {
-                return Err(LogError::MissingColumn {
-                    file: file.into(),
-                    missing: format!("{}{missing}", signal.name()),
-                    present: format!("{}{end}", widest.name()),
-                });
-            }
-        }
-        Ok(end + 1 - first)
     }
 }
 

@@ -6,7 +6,6 @@ use crate::rows::Rows;
 use crate::source::named_rows;
 use serde::Serialize;
 
-/// Columns that are shown at most.
 const MOST_COLUMNS: usize = 200;
 
 /// A column of a log.

@@ -129,9 +129,7 @@ impl Profile {
             Signal::Tau => self.tau.as_ref(),
         }
     }
-}
 
-impl Profile {
     /// Why its torques may be none, if it leaves their unit open or as [`suggest`](crate::suggest())
     /// put it there.
     pub(crate) fn torque_doubt(&self) -> Option<&'static str> {

@@ -42,7 +42,10 @@ impl NoiseLane {
         let seed = self.noise.seed;
         let random = self.random.get_or_insert_with(|| {
             let mut random = ChaCha8Rng::seed_from_u64(seed);
-            random.set_stream(key_of(raw));
+            let values = raw.of(Signal::Q).iter().chain(raw.of(Signal::Tau)).map(|x| x[0]);
+            random.set_stream(values.fold(0xcbf2_9ce4_8422_2325, |key: u64, x| {
+                (key ^ x.to_bits()).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29)
+            }));
             random
         });
         let mut q = vec![Vec::with_capacity(raw.t.len()); raw.joints.len()];
@@ -60,12 +63,4 @@ impl NoiseLane {
     pub(crate) fn finish(mut self) -> Result<Vec<Motion>, MotionError> {
         self.conditioner.finish()
     }
-}
-
-/// A number that depends on the first row of a trajectory and on nothing else.
-fn key_of(raw: &Raw) -> u64 {
-    let values = raw.of(Signal::Q).iter().chain(raw.of(Signal::Tau)).map(|x| x[0]);
-    values.fold(0xcbf2_9ce4_8422_2325, |key: u64, x| {
-        (key ^ x.to_bits()).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29)
-    })
 }

@@ -51,22 +51,6 @@ impl TableWriter {
     /// # Errors
     /// [`LogError::Unusable`] if the values do not fit the columns; [`LogError::Write`].
     pub fn append(&mut self, values: &[Values<'_>]) -> Result<()> {
-        self.check(values)?;
-        match values.first() {
-            Some(first) if !first.is_empty() => self.sink.append(values, first.len()),
-            _ => Ok(()),
-        }
-    }
-
-    /// Puts the file in its place.
-    ///
-    /// # Errors
-    /// [`LogError::Write`]; the temporary file is then removed.
-    pub fn finish(self) -> Result<()> {
-        self.sink.finish()
-    }
-
-    fn check(&self, values: &[Values<'_>]) -> Result<()> {
         let misfit = |problem: String| {
             let help = "give values for the columns it was created with, one per row";
             Err(LogError::unusable(self.file.display(), &format!(": {problem}"), help))
@@ -88,7 +72,15 @@ impl TableWriter {
                 return misfit(format!("column {name} has {found} values, the first {rows}"));
             }
         }
-        Ok(())
+        if rows == 0 { Ok(()) } else { self.sink.append(values, rows) }
+    }
+
+    /// Puts the file in its place.
+    ///
+    /// # Errors
+    /// [`LogError::Write`]; the temporary file is then removed.
+    pub fn finish(self) -> Result<()> {
+        self.sink.finish()
     }
 }
 

@@ -107,7 +107,9 @@ const USUAL_PEAK: f64 = 1.0;
 pub fn driving_friction(model: &Model) -> Option<DrivingFriction> {
     let hardest = laws_of_shafts(model).into_iter().filter_map(|(places, peak)| {
         let laws: Vec<_> = places.into_iter().map(|place| &model.friction[place]).collect();
-        let powers = speeds(peak).map(|v| (v, power(&laws, v)));
+        let part = |k: u32| peak * f64::from(k) / f64::from(SPEEDS);
+        let speeds = (1..=SPEEDS).flat_map(|k| [part(k), -part(k)]);
+        let powers = speeds.map(|v| (v, power(&laws, v)));
         let (speed, power) = powers.min_by(|a, b| a.1.total_cmp(&b.1))?;
         let shaft = laws[0].term.shaft.clone();
         (power < 0.0).then_some(DrivingFriction { shaft, speed, power })
@@ -139,12 +141,6 @@ pub fn laws_of_shafts(model: &Model) -> Vec<(Vec<usize>, f64)> {
         (laws, peak)
     };
     shafts.into_iter().map(with_peak).collect()
-}
-
-/// Even speeds \[rad/s\] up to a peak, in both directions.
-fn speeds(peak: f64) -> impl Iterator<Item = f64> {
-    let part = move |k: u32| peak * f64::from(k) / f64::from(SPEEDS);
-    (1..=SPEEDS).flat_map(move |k| [part(k), -part(k)])
 }
 
 /// f(v)·v \[W\] of the laws of one shaft.

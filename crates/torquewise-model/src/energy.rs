@@ -31,29 +31,24 @@ impl EnergyTerm {
     pub fn torque(&self, joint: usize) -> Sum {
         match self.place {
             Place::Potential => self.function.derivative(joint),
-            Place::Inertia(i, j) => self.inertial_torque(joint, i, j),
-        }
-    }
-
-    /// T = s φ q̇ᵢ q̇ⱼ, with s = ½ on the diagonal, which M holds once and 1 beside it, held twice.
-    fn inertial_torque(&self, joint: usize, i: usize, j: usize) -> Sum {
-        let share = if i == j { 0.5 } else { 1.0 };
-        let mut sum = Sum::new();
-        for (own, other) in [(i, j), (j, i)] {
-            if own != joint {
-                continue;
-            }
-            sum.push((share, self.function.clone().times_ddq(other)));
-            for rate in 0..self.function.n_joints() {
-                for (weight, slope) in self.function.derivative(rate) {
-                    sum.push((share * weight, slope.times_dq(rate).times_dq(other)));
+            // T = s φ q̇ᵢ q̇ⱼ, with s = ½ on the diagonal, which M holds once and 1 beside it, held twice.
+            Place::Inertia(i, j) => {
+                let share = if i == j { 0.5 } else { 1.0 };
+                let mut sum = Sum::new();
+                for (_, other) in [(i, j), (j, i)].into_iter().filter(|(own, _)| *own == joint) {
+                    sum.push((share, self.function.clone().times_ddq(other)));
+                    for rate in 0..self.function.n_joints() {
+                        for (weight, slope) in self.function.derivative(rate) {
+                            sum.push((share * weight, slope.times_dq(rate).times_dq(other)));
+                        }
+                    }
                 }
+                for (weight, slope) in self.function.derivative(joint) {
+                    sum.push((-share * weight, slope.times_dq(i).times_dq(j)));
+                }
+                collect(sum)
             }
         }
-        for (weight, slope) in self.function.derivative(joint) {
-            sum.push((-share * weight, slope.times_dq(i).times_dq(j)));
-        }
-        collect(sum)
     }
 
     /// Readable name, joints counted from 1: `M12: sin(q2)` or `V: cos(q2)`.

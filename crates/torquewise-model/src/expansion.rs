@@ -52,12 +52,16 @@ pub fn energy_terms(
 ) -> Result<Vec<(EnergyTerm, f64)>, ModelError> {
     let mut terms = Vec::new();
     for (place, grid) in grids(geometry, inertial, |_| true)? {
-        grid.list(|function, coefficient| {
+        let coefficients = grid.coefficients();
+        let largest = coefficients.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+        let all = coefficients.into_iter().enumerate();
+        for (at, coefficient) in all.filter(|(_, c)| c.abs() > ROUNDING * largest) {
+            let function = grid.function_of(&digits(&grid.bases, at));
             // A constant of V is no torque.
             if place != Place::Potential || !function.factors.is_empty() {
                 terms.push((EnergyTerm { place, function }, coefficient));
             }
-        });
+        }
     }
     Ok(terms)
 }
@@ -141,17 +145,6 @@ impl Grid {
         let count = bases.iter().map(|basis| basis.size()).product();
         let point = move |place| bases.iter().zip(digits(bases, place)).map(|(b, k)| b.point(k));
         (0..count).map(move |place| point(place).collect())
-    }
-
-    /// Hands over each coefficient that is more than rounding, with its function.
-    fn list(&self, mut put: impl FnMut(Term, f64)) {
-        let coefficients = self.coefficients();
-        let largest = coefficients.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
-        for (place, &coefficient) in coefficients.iter().enumerate() {
-            if coefficient.abs() > ROUNDING * largest {
-                put(self.function_of(&digits(&self.bases, place)), coefficient);
-            }
-        }
     }
 
     /// Where the coefficient of a function stands, if it is one of those listed.

@@ -54,32 +54,20 @@ pub fn summed_angles(term: &Term, joints: &Range<usize>, most: usize) -> Option<
         factors.sort();
         Some((share, Term { factors, ..term.clone() }))
     };
-    sum_of_product(&inside, term.n_joints(), most)?.into_iter().map(whole).collect()
-}
-
-/// A product of sines and cosines as a sum of such, each with its share; `None` where that takes
-/// more than `most`.
-fn sum_of_product(
-    factors: &[Factor],
-    n_joints: usize,
-    most: usize,
-) -> Option<BTreeMap<Harmonic, f64>> {
-    let one = Harmonic { function: Trig::Cos, multiples: vec![0; n_joints] };
+    let one = Harmonic { function: Trig::Cos, multiples: vec![0; term.n_joints()] };
     let mut sum = BTreeMap::from([(one, 1.0)]);
-    for factor in factors {
-        for _ in 0..factor.power {
-            let mut longer: BTreeMap<Harmonic, f64> = BTreeMap::new();
-            for (share, harmonic) in sum.iter().flat_map(|(left, &s)| times(s, left, factor)) {
-                *longer.entry(harmonic).or_insert(0.0) += share;
-            }
-            longer.retain(|_, share| *share != 0.0);
-            if longer.len() > most {
-                return None;
-            }
-            sum = longer;
+    for factor in inside.iter().flat_map(|own| std::iter::repeat_n(own, own.power.into())) {
+        let mut longer: BTreeMap<Harmonic, f64> = BTreeMap::new();
+        for (share, harmonic) in sum.iter().flat_map(|(left, &s)| times(s, left, factor)) {
+            *longer.entry(harmonic).or_insert(0.0) += share;
         }
+        longer.retain(|_, share| *share != 0.0);
+        if longer.len() > most {
+            return None;
+        }
+        sum = longer;
     }
-    Some(sum)
+    sum.into_iter().map(whole).collect()
 }
 
 /// 2 cos a cos b = cos(a − b) + cos(a + b), and so on.

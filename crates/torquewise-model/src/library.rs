@@ -56,14 +56,6 @@ pub fn angle_functions(n_joints: usize, order: u8) -> Vec<Term> {
     functions.into_iter().map(|(term, _)| term).collect()
 }
 
-/// F₂ (12) of one degree: monomials in q̇ and q̈.
-fn motion_functions(n_joints: usize, degree: Degree) -> Vec<Term> {
-    let accelerations = monomials(n_joints, degree.acceleration);
-    let with = |dq: Vec<u8>, ddq: &Vec<u8>| Term { factors: vec![], dq, ddq: ddq.clone() };
-    let velocities = monomials(n_joints, degree.velocity).into_iter();
-    velocities.flat_map(|dq| accelerations.iter().map(move |ddq| with(dq.clone(), ddq))).collect()
-}
-
 /// The powers of all monomials of exactly one degree.
 fn monomials(n: usize, degree: u8) -> Vec<Vec<u8>> {
     if n == 0 {
@@ -88,7 +80,15 @@ fn monomials(n: usize, degree: u8) -> Vec<Vec<u8>> {
 /// Sizes for three joints, N₁ = 4: 129 times 28 for all of F₂ up to N₂ = 2.
 pub fn product_library(n_joints: usize, trig_order: u8, degrees: &[Degree]) -> Vec<Term> {
     let angles = angle_functions(n_joints, trig_order);
-    let motions: Vec<_> = degrees.iter().flat_map(|&d| motion_functions(n_joints, d)).collect();
+    // F₂ (12): monomials in q̇ and q̈.
+    let mut motions = Vec::new();
+    for degree in degrees {
+        let accelerations = monomials(n_joints, degree.acceleration);
+        for dq in monomials(n_joints, degree.velocity) {
+            let with = |ddq: &Vec<u8>| Term { factors: vec![], dq: dq.clone(), ddq: ddq.clone() };
+            motions.extend(accelerations.iter().map(with));
+        }
+    }
     let product =
         |angle: &Term, motion: &Term| Term { factors: angle.factors.clone(), ..motion.clone() };
     angles.iter().flat_map(|angle| motions.iter().map(|motion| product(angle, motion))).collect()

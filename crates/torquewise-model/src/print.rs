@@ -44,9 +44,7 @@ fn digits_before(x: f64) -> i32 {
 
 /// A sum with its name, ready to be printed.
 struct Equation {
-    /// As in `M12`.
     name: String,
-    /// As in `M_{1,2}`.
     latex: String,
     terms: Vec<Weighted<Term>>,
     friction: Vec<Weighted<FrictionTerm>>,
@@ -69,8 +67,12 @@ const MANY_TERMS: usize = 300;
 /// of resampled logs in which it stays, where that was asked for.
 pub fn text(model: &Model, selection: &Selection) -> String {
     let mut lines = Vec::new();
-    let share =
-        if has_inclusion(model) { " (share of resampled logs that keep the term)" } else { "" };
+    let in_form = match &model.form {
+        Form::Torque(joints) => joints.iter().flatten().any(|w| w.inclusion.is_some()),
+        Form::Energy(terms) => terms.iter().any(|w| w.inclusion.is_some()),
+    };
+    let has_inclusion = in_form || model.friction.iter().any(|w| w.inclusion.is_some());
+    let share = if has_inclusion { " (share of resampled logs that keep the term)" } else { "" };
     let (energies, mut left_out) = energies(model, selection);
     if energies.is_empty() {
         lines.push(format!("Torques in SI units, ± standard error{share}"));
@@ -233,26 +235,17 @@ pub fn friction_tables(model: &Model) -> Vec<Vec<Vec<String>>> {
     }
     let has_number =
         |table: &Vec<Vec<String>>| table[0].iter().any(|heading| heading.contains('['));
-    tables.iter().map(|table| without_dashes(table)).filter(has_number).collect()
+    // The columns that have more than a heading and dashes.
+    let without_dashes = |table: &Vec<Vec<String>>| -> Vec<Vec<String>> {
+        let is_kept = |column: &usize| table.iter().skip(1).any(|row| row[*column] != DASH);
+        let kept: Vec<usize> = (0..table[0].len()).filter(is_kept).collect();
+        table.iter().map(|row| kept.iter().map(|&column| row[column].clone()).collect()).collect()
+    };
+    tables.iter().map(without_dashes).filter(has_number).collect()
 }
 
 /// For what is not resolved.
 const DASH: &str = "–";
-
-/// The columns that have more than a heading and dashes.
-fn without_dashes(table: &[Vec<String>]) -> Vec<Vec<String>> {
-    let is_kept = |column: usize| table.iter().skip(1).any(|row| row[column] != DASH);
-    let kept: Vec<usize> = (0..table[0].len()).filter(|&column| is_kept(column)).collect();
-    table.iter().map(|row| kept.iter().map(|&column| row[column].clone()).collect()).collect()
-}
-
-fn has_inclusion(model: &Model) -> bool {
-    let in_form = match &model.form {
-        Form::Torque(joints) => joints.iter().flatten().any(|w| w.inclusion.is_some()),
-        Form::Energy(terms) => terms.iter().any(|w| w.inclusion.is_some()),
-    };
-    in_form || model.friction.iter().any(|w| w.inclusion.is_some())
-}
 
 fn line<T>(weighted: &Weighted<T>, function: &str) -> String {
     let sign = if weighted.coefficient < 0.0 { '-' } else { '+' };

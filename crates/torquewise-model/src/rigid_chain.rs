@@ -71,14 +71,6 @@ pub struct LinkFrame {
     pub origin: [f64; 3],
 }
 
-impl RobotNames {
-    fn is_of(&self, n: usize) -> bool {
-        let frames = self.frames.iter().flat_map(|f| f.rotation.iter().flatten().chain(&f.origin));
-        [self.joints.len(), self.links.len(), self.frames.len()] == [n; 3]
-            && frames.into_iter().all(|x| x.is_finite())
-    }
-}
-
 /// A part of the energy that no link has.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
@@ -284,6 +276,9 @@ impl RigidChain {
 
     /// Keeps a covariance, p×p.
     pub fn set_covariance(&mut self, covariance: &Mat<f64>) {
+        // To twelve digits: files are read by people, but the torque's variance is what remains of
+        // much larger ones, of masses that it does not tell.
+        let rounded = |x: f64| format!("{x:.11e}").parse().unwrap_or(x);
         self.covariance = (0..covariance.nrows())
             .map(|i| (0..=i).map(|j| rounded(covariance[(i, j)])).collect())
             .collect();
@@ -336,7 +331,14 @@ impl RigidChain {
         if !numbers.chain(self.covariance.iter().flatten()).all(|x| x.is_finite()) {
             return fail("a number of it is not finite");
         }
-        if self.robot.as_ref().is_some_and(|robot| !robot.is_of(n)) {
+        let is_other = |robot: &RobotNames| {
+            let numbers = |f: &LinkFrame| {
+                f.rotation.as_flattened().iter().chain(&f.origin).all(|x| x.is_finite())
+            };
+            [robot.joints.len(), robot.links.len(), robot.frames.len()] != [n; 3]
+                || !robot.frames.iter().all(numbers)
+        };
+        if self.robot.as_ref().is_some_and(is_other) {
             return fail("its robot has other joints");
         }
         if self.fitted.iter().any(|&k| k >= self.geometry.len()) {
@@ -360,12 +362,6 @@ impl RigidChain {
         }
         Ok(())
     }
-}
-
-/// To twelve digits: files are read by people, but the torque's variance is what remains of much
-/// larger ones, of masses that it does not tell.
-fn rounded(x: f64) -> f64 {
-    format!("{x:.11e}").parse().unwrap_or(x)
 }
 
 /// Rows of numbers, each as one line of text: a matrix of a hundred rows stays readable.

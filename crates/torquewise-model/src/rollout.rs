@@ -9,7 +9,7 @@ use faer::{Mat, Side};
 use rayon::prelude::*;
 use serde::Serialize;
 use torquewise_motion::path::Path;
-use torquewise_motion::{Motion, ReadError, Recording};
+use torquewise_motion::{ReadError, Recording};
 
 /// Longest step \[s\].
 const STEP: f64 = 1e-3;
@@ -139,17 +139,14 @@ impl<'m> Simulator<'m> {
             }
             let shaft = faer::ColRef::from_slice(&term.shaft);
             let yields = shaft.transpose() * factor.solve(shaft);
-            let part = place_of_mean((coefficient * yields * seconds).max(0.0));
+            let x = (coefficient * yields * seconds).max(0.0);
+            // Where the mean of e⁻ˣᵗ from t = 0 to 1 lies between its ends, from ½ to 1, that at the
+            // end: by its series where the difference would be rounding.
+            let part = if x < 1e-3 { 0.5 + x / 12.0 } else { 1.0 / -(-x).exp_m1() - 1.0 / x };
             [part, (1.0 - part) * term.at_speed(term.speed(dq))]
         };
         Ok(self.friction.iter().map(of).collect())
     }
-}
-
-/// Where the mean of e⁻ˣᵗ from t = 0 to 1 lies between its ends: from ½ to 1, that at the end.
-fn place_of_mean(x: f64) -> f64 {
-    // Its series, where the difference below would be rounding.
-    if x < 1e-3 { 0.5 + x / 12.0 } else { 1.0 / -(-x).exp_m1() - 1.0 / x }
 }
 
 /// Friction at the end of a step as c + s·v, exact at a speed that is near: \[c, s\] per unit of its
@@ -179,15 +176,6 @@ struct Rows {
 }
 
 impl Rows {
-    fn add(&mut self, block: &Motion, row: usize) -> Result<(), ReadError> {
-        let of = |x: faer::MatRef<'_, f64>| x.row(row).iter().copied().collect::<Vec<f64>>();
-        self.tau.push(of(block.require_tau()?));
-        self.t.push(block.t()[row]);
-        self.q.push(of(block.q()));
-        self.dq.push(of(block.dq()));
-        Ok(())
-    }
-
     /// A signal at a time after a row, on the line to the next.
     fn between(&self, x: &[Vec<f64>], row: usize, t: f64) -> Vec<f64> {
         let Some(next) = x.get(row + 1) else { return x[row].clone() };
@@ -311,7 +299,11 @@ pub fn windows(
                 take(&std::mem::take(&mut rows).windows(path.clone(), longest))?;
                 own = Some(trajectory);
             }
-            rows.add(block, row)?;
+            let of = |x: faer::MatRef<'_, f64>| x.row(row).iter().copied().collect::<Vec<f64>>();
+            rows.tau.push(of(block.require_tau()?));
+            rows.t.push(block.t()[row]);
+            rows.q.push(of(block.q()));
+            rows.dq.push(of(block.dq()));
         }
         Ok(())
     })?;

@@ -125,7 +125,7 @@ impl<'m> ShaftFriction<'m> {
         Some(format!("F{joints}({place}{})", first.turning()))
     }
 
-    /// Its usual name.
+    /// Its parameters under their usual names.
     pub fn parameters(&self) -> FrictionParameters {
         let plain = |term: &FrictionTerm| !term.load;
         let offset = self.sum(|term| one(plain(term) && term.law == FrictionLaw::Offset));
@@ -138,11 +138,18 @@ impl<'m> ShaftFriction<'m> {
             one(term.load && is_coulomb(term)) * 0.5 * (ways[0] + ways[1])
         });
         let turned = self.sum(|term| one(element(term).is_some())).positive();
+        // The sum of c over the x at which Σ c e^(−x/travel) has fallen to 1/e.
+        let stiffness = turned.and_then(|Estimated { value: sum, .. }| {
+            let (x, change) = self.decayed(&element, (-1.0_f64).exp(), 1)?;
+            let weight =
+                |term: &FrictionTerm| (one(element(term).is_some()) - sum / x * change(term)) / x;
+            Estimated { value: sum / x, std_error: self.std_error(weight) }.positive()
+        });
         FrictionParameters {
             offset: offset.resolved(),
             forward: self.sliding(1.0),
             backward: self.sliding(-1.0),
-            stiffness: turned.and_then(|turned| self.stiffness(element, turned.value)),
+            stiffness,
             travel: turned.and_then(|_| self.decay(element, LEFT, 1)),
             load_factor: load_factor.positive(),
         }
@@ -171,9 +178,6 @@ impl<'m> ShaftFriction<'m> {
         self.sum(|term| if term.load { 0.0 } else { term.at_speed(speed) })
     }
 
-    /// What does not depend on speed of F \[N·m\] without load, to and fro between ∓`reach`
-    /// \[rad\], at a place `q` \[rad\] between them on the way forward (1) or backward (−1).
-    ///
     /// Viscous \[N·m·s/rad\] and dry friction \[N·m\] nearest to the curve without load and offset
     /// from a tenth of the peak speed of the log on, mean of both directions, none negative: for
     /// robot files and simulators.
@@ -203,6 +207,9 @@ impl<'m> ShaftFriction<'m> {
         if dry >= 0.0 { [viscous, dry] } else { [(vf / vv).max(0.0), 0.0] }
     }
 
+    /// What does not depend on speed of F \[N·m\] without load, to and fro between ∓`reach`
+    /// \[rad\], at a place `q` \[rad\] between them on the way forward (1) or backward (−1).
+    ///
     /// The state of an element on a closed loop: x = 1 − (1 + tanh(reach/δ)) e^(−(q + reach)/δ) on
     /// the way forward, and what is symmetric to it on the way backward.
     pub fn on_loop(&self, q: f64, reach: f64, way: f64) -> Estimated {
@@ -252,18 +259,6 @@ impl<'m> ShaftFriction<'m> {
     ) -> Option<Estimated> {
         let (value, change) = self.decayed(&scale, share, power)?;
         Estimated { value, std_error: self.std_error(change) }.positive()
-    }
-
-    /// A sum of c over the x at which Σ c e^(−x/scale) has fallen to 1/e.
-    fn stiffness(
-        &self,
-        scale: impl Fn(&FrictionTerm) -> Option<f64>,
-        sum: f64,
-    ) -> Option<Estimated> {
-        let (x, change) = self.decayed(&scale, (-1.0_f64).exp(), 1)?;
-        let weight =
-            |term: &FrictionTerm| (one(scale(term).is_some()) - sum / x * change(term)) / x;
-        Estimated { value: sum / x, std_error: self.std_error(weight) }.positive()
     }
 
     /// The first x above 0 at which Σ c e^(−(x/scale)^power) has fallen to a `share` of Σ c, over

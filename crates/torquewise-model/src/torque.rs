@@ -221,7 +221,7 @@ impl Torque {
     /// # Errors
     /// [`ModelError::Shape`] if one has another length than the model has joints.
     pub fn coriolis(&self, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ModelError> {
-        self.part(Kind::Coriolis, q, dq)
+        self.part(Kind::Coriolis, (q, dq), &|_, _| None)
     }
 
     /// C(q, q̇) \[N·m·s\] by Christoffel symbols, n×n, for controllers that use Ṁ − 2C being skew.
@@ -264,7 +264,7 @@ impl Torque {
     /// # Errors
     /// [`ModelError::Shape`] if `q` has another length than the model has joints.
     pub fn gravity(&self, q: &[f64]) -> Result<Vec<f64>, ModelError> {
-        self.part(Kind::Gravity, q, &vec![0.0; self.n_joints])
+        self.part(Kind::Gravity, (q, &vec![0.0; self.n_joints]), &|_, _| None)
     }
 
     /// F(q, q̇) \[N·m\], n: q \[rad\], which matters to friction under load alone, and dq
@@ -273,7 +273,7 @@ impl Torque {
     /// # Errors
     /// [`ModelError::Shape`] if one has another length than the model has joints.
     pub fn friction(&self, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ModelError> {
-        self.part(Kind::Friction, q, dq)
+        self.part(Kind::Friction, (q, dq), &|_, _| None)
     }
 
     /// The same at the end of a path, whose last sample is q.
@@ -281,16 +281,11 @@ impl Torque {
     /// # Errors
     /// As [`Self::friction`].
     pub fn friction_after(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, ModelError> {
-        let memory = |joint, travel| path.state(joint, travel);
-        self.part_after(Kind::Friction, (path.q(), dq), &memory)
+        self.part(Kind::Friction, (path.q(), dq), &|joint, travel| path.state(joint, travel))
     }
 
     /// One part of the torque of an arm that does not accelerate.
-    fn part(&self, wanted: Kind, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ModelError> {
-        self.part_after(wanted, (q, dq), &|_, _| None)
-    }
-
-    fn part_after(
+    fn part(
         &self,
         wanted: Kind,
         (q, dq): (&[f64], &[f64]),

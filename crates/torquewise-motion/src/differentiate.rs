@@ -57,7 +57,7 @@ pub(crate) fn derivative_by(
     order: usize,
 ) -> Result<Mat<f64>> {
     check(t, x, polynomial.degree)?;
-    let mut stencil = Stencil::new(polynomial.degree, order);
+    let mut stencil = Stencil { degree: polynomial.degree, order, ..Stencil::default() };
     let mut derived = Mat::zeros(x.nrows(), x.ncols());
     for row in 0..t.len() {
         let window = polynomial.window(row, t.len());
@@ -94,13 +94,14 @@ fn check(t: &[f64], x: MatRef<'_, f64>, degree: usize) -> Result<()> {
 }
 
 /// Weights w with x⁽ʳ⁾(at) ≈ Σ wₖ xₖ for the rows of one window, and the space to find them.
+#[derive(Default)]
 struct Stencil {
     degree: usize,
     order: usize,
     weights: Vec<f64>,
     /// Window times relative to `at`, in half widths of the window.
     u: Vec<f64>,
-    /// Orthogonal polynomials Pₖ₋₁ and Pₖ on the window.
+    /// Orthogonal polynomials Pₖ₋₁ and Pₖ on the window, and their derivatives at `at`.
     previous: Vec<f64>,
     current: Vec<f64>,
     slopes_previous: Vec<f64>,
@@ -108,33 +109,8 @@ struct Stencil {
 }
 
 impl Stencil {
-    fn new(degree: usize, order: usize) -> Self {
-        let [weights, u, previous, current, slopes_previous, slopes] = [const { Vec::new() }; 6];
-        Self { degree, order, weights, u, previous, current, slopes_previous, slopes }
-    }
-
-    /// w = Σₖ Pₖ⁽ʳ⁾(at) Pₖ / ‖Pₖ‖², by Pₖ₊₁ = (u − aₖ) Pₖ − bₖ Pₖ₋₁.
+    /// w = Σₖ Pₖ⁽ʳ⁾(at) Pₖ / ‖Pₖ‖², by Pₖ₊₁ = (u − aₖ) Pₖ − bₖ Pₖ₋₁ from P₀ = 1 on.
     fn fit(&mut self, t: &[f64], at: f64) {
-        let scale = self.start(t, at);
-        let mut norm_previous = f64::INFINITY;
-        for k in 0..=self.degree {
-            let norm: f64 = self.current.iter().map(|p| p * p).sum();
-            let gain = self.slopes[self.order] / norm;
-            for (weight, p) in self.weights.iter_mut().zip(&self.current) {
-                *weight += gain * p;
-            }
-            if k < self.degree {
-                let moment: f64 = self.u.iter().zip(&self.current).map(|(u, p)| u * p * p).sum();
-                self.raise(moment / norm, norm / norm_previous);
-                norm_previous = norm;
-            }
-        }
-        let per_unit = (0..self.order).fold(1.0, |product, _| product / scale);
-        self.weights.iter_mut().for_each(|weight| *weight *= per_unit);
-    }
-
-    /// Sets P₀ = 1 and returns the half width of the window \[s\].
-    fn start(&mut self, t: &[f64], at: f64) -> f64 {
         let half_width = 0.5 * (t[t.len() - 1] - t[0]);
         self.u.clear();
         self.u.extend(t.iter().map(|t| (t - at) / half_width));
@@ -149,20 +125,32 @@ impl Stencil {
             slopes.resize(self.order + 1, 0.0);
         }
         self.slopes[0] = 1.0;
-        half_width
-    }
-
-    /// Pₖ₋₁, Pₖ → Pₖ, Pₖ₊₁, on the window and their derivatives at `at`.
-    fn raise(&mut self, a: f64, b: f64) {
-        for ((previous, current), u) in self.previous.iter_mut().zip(&self.current).zip(&self.u) {
-            *previous = (u - a) * current - b * *previous;
+        let mut norm_previous = f64::INFINITY;
+        for k in 0..=self.degree {
+            let norm: f64 = self.current.iter().map(|p| p * p).sum();
+            let gain = self.slopes[self.order] / norm;
+            for (weight, p) in self.weights.iter_mut().zip(&self.current) {
+                *weight += gain * p;
+            }
+            if k == self.degree {
+                break;
+            }
+            let moment: f64 = self.u.iter().zip(&self.current).map(|(u, p)| u * p * p).sum();
+            let (a, b) = (moment / norm, norm / norm_previous);
+            norm_previous = norm;
+            let known = self.previous.iter_mut().zip(&self.current);
+            for ((previous, current), u) in known.zip(&self.u) {
+                *previous = (u - a) * current - b * *previous;
+            }
+            for r in 0..=self.order {
+                let inner = if r == 0 { 0.0 } else { r as f64 * self.slopes[r - 1] };
+                self.slopes_previous[r] = inner - a * self.slopes[r] - b * self.slopes_previous[r];
+            }
+            std::mem::swap(&mut self.previous, &mut self.current);
+            std::mem::swap(&mut self.slopes_previous, &mut self.slopes);
         }
-        for r in 0..=self.order {
-            let inner = if r == 0 { 0.0 } else { r as f64 * self.slopes[r - 1] };
-            self.slopes_previous[r] = inner - a * self.slopes[r] - b * self.slopes_previous[r];
-        }
-        std::mem::swap(&mut self.previous, &mut self.current);
-        std::mem::swap(&mut self.slopes_previous, &mut self.slopes);
+        let per_unit = (0..self.order).fold(1.0, |product, _| product / half_width);
+        self.weights.iter_mut().for_each(|weight| *weight *= per_unit);
     }
 }
 

@@ -49,10 +49,18 @@ impl Equations {
         active.retain(|&j| self.information[(j, j)] > 0.0);
         loop {
             let (estimate, t_squared) = self.solve(&active)?;
-            let leaving = weakest(&t_squared, threshold);
+            // The weakest below the threshold, or while there are many, a tenth of them among those
+            // that are clearly insignificant.
+            let mut leaving: Vec<usize> =
+                (0..active.len()).filter(|&j| t_squared[j] < threshold).collect();
             if leaving.is_empty() {
                 return Some(estimate);
             }
+            leaving.sort_by(|&a, &b| t_squared[a].total_cmp(&t_squared[b]).then(a.cmp(&b)));
+            let clear = leaving.iter().filter(|&&j| t_squared[j] < CLEARLY).count();
+            let at_once = if active.len() > ONE_BY_ONE { clear.min(active.len() / 10) } else { 1 };
+            leaving.truncate(at_once.max(1));
+            leaving.sort_unstable();
             leaving.iter().rev().for_each(|&place| _ = active.remove(place));
         }
     }
@@ -84,17 +92,4 @@ impl Equations {
         }
         Some((Estimate { active: active.to_vec(), coefficients, std_errors }, t_squared))
     }
-}
-
-/// Places to leave out next, ascending: the weakest one below the threshold, or while there are
-/// many, a tenth of them among those that are clearly insignificant.
-fn weakest(t_squared: &[f64], threshold: f64) -> Vec<usize> {
-    let mut order: Vec<usize> =
-        (0..t_squared.len()).filter(|&j| t_squared[j] < threshold).collect();
-    order.sort_by(|&a, &b| t_squared[a].total_cmp(&t_squared[b]).then(a.cmp(&b)));
-    let clear = order.iter().filter(|&&j| t_squared[j] < CLEARLY).count();
-    let at_once = if t_squared.len() > ONE_BY_ONE { clear.min(t_squared.len() / 10) } else { 1 };
-    order.truncate(at_once.max(1));
-    order.sort_unstable();
-    order
 }

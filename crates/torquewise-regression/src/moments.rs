@@ -6,7 +6,7 @@ use crate::design::Design;
 use crate::normal_equations::NormalEquations;
 use crate::products::add_product;
 use crate::samples::{Samples, monomial_values, wave_cost, wave_values};
-use faer::{Mat, MatMut};
+use faer::Mat;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -184,7 +184,19 @@ fn gather_gram(plan: &MomentPlan, table: &Mat<f64>, columns: &[Entries]) -> Mat<
     let place = |part: &Part| Some((names.binary_search(&name(part)).ok()?, part.weight));
     let sums: Vec<Entries> =
         columns.iter().map(|parts| parts.iter().filter_map(place).collect()).collect();
-    combine(&gram, &sums)
+    // SᵀGS for a sparse S.
+    let mut combined = Mat::zeros(sums.len(), sums.len());
+    let columns: Vec<_> = combined.col_iter_mut().collect();
+    columns.into_par_iter().zip(&sums).for_each(|(out, sum)| {
+        let mut half = vec![0.0; gram.nrows()];
+        for &(part, weight) in sum {
+            add_scaled(&mut half, weight, gram.col_as_slice(part));
+        }
+        for (out, sum) in out.iter_mut().zip(&sums) {
+            *out = sum.iter().map(|&(part, weight)| weight * half[part]).sum();
+        }
+    });
+    combined
 }
 
 /// Splits columns into parts, and numbers the functions of the angles in them.
@@ -229,69 +241,36 @@ fn part_gram(
         strips.push((run, strip));
         rest = after;
     }
-    strips.into_par_iter().for_each(|(run, strip)| {
-        let half = half_product(plan, table, &functions[run[0].function]);
-        fill_columns(plan, &half, functions, (parts, run), strip);
+    strips.into_par_iter().for_each(|(columns, mut strip)| {
+        // Σₜ wave(θₜ) g(θₜ) x(t)^α for each wave of the design and each α, monomials × waves.
+        let mut half = Mat::zeros(table.nrows(), plan.design.waves.len());
+        for wave in 0..half.ncols() {
+            let out = half.col_as_slice_mut(wave);
+            for &(other, weight) in &functions[columns[0].function] {
+                for (share, place) in plan.wave_pairs[packed(wave.min(other), wave.max(other))] {
+                    add_scaled(out, weight * share, table.col_as_slice(place));
+                }
+            }
+        }
+        let (mut product, mut first) = (vec![0.0; half.nrows()], 0);
+        for rows in parts.chunk_by(|a, b| a.function == b.function) {
+            product.fill(0.0);
+            for &(wave, weight) in &functions[rows[0].function] {
+                add_scaled(&mut product, weight, half.col_as_slice(wave));
+            }
+            for (column, out) in columns.iter().zip(strip.as_mut().col_iter_mut()) {
+                let Some(out) = out.try_as_col_major_mut() else { continue };
+                let places = plan.monomial_pairs(column.monomial);
+                for (out, row) in out.as_slice_mut()[first..].iter_mut().zip(rows) {
+                    *out = row.weight * column.weight * product[places[row.monomial]];
+                }
+            }
+            first += rows.len();
+        }
     });
     gram
 }
 
-/// Σₜ wave(θₜ) g(θₜ) x(t)^α for each wave of the design and each α, monomials × waves.
-fn half_product(plan: &MomentPlan, table: &Mat<f64>, function: &Function) -> Mat<f64> {
-    let mut half = Mat::zeros(table.nrows(), plan.design.waves.len());
-    for wave in 0..half.ncols() {
-        let out = half.col_as_slice_mut(wave);
-        for &(other, weight) in function {
-            for (share, place) in plan.wave_pairs[packed(wave.min(other), wave.max(other))] {
-                add_scaled(out, weight * share, table.col_as_slice(place));
-            }
-        }
-    }
-    half
-}
-
-/// out += weight · values
 fn add_scaled(out: &mut [f64], weight: f64, values: &[f64]) {
     out.iter_mut().zip(values).for_each(|(out, value)| *out += weight * value);
-}
-
-/// Writes the columns of the Gram matrix that belong to parts sharing one function.
-fn fill_columns(
-    plan: &MomentPlan,
-    half: &Mat<f64>,
-    functions: &[Function],
-    (parts, columns): (&[Part], &[Part]),
-    mut strip: MatMut<'_, f64>,
-) {
-    let (mut product, mut first) = (vec![0.0; half.nrows()], 0);
-    for rows in parts.chunk_by(|a, b| a.function == b.function) {
-        product.fill(0.0);
-        for &(wave, weight) in &functions[rows[0].function] {
-            add_scaled(&mut product, weight, half.col_as_slice(wave));
-        }
-        for (column, out) in columns.iter().zip(strip.as_mut().col_iter_mut()) {
-            let Some(out) = out.try_as_col_major_mut() else { continue };
-            let places = plan.monomial_pairs(column.monomial);
-            for (out, row) in out.as_slice_mut()[first..].iter_mut().zip(rows) {
-                *out = row.weight * column.weight * product[places[row.monomial]];
-            }
-        }
-        first += rows.len();
-    }
-}
-
-/// SᵀGS for a sparse S, given by its columns.
-fn combine(gram: &Mat<f64>, sums: &[Entries]) -> Mat<f64> {
-    let mut combined = Mat::zeros(sums.len(), sums.len());
-    let columns: Vec<_> = combined.col_iter_mut().collect();
-    columns.into_par_iter().zip(sums).for_each(|(out, sum)| {
-        let mut half = vec![0.0; gram.nrows()];
-        for &(part, weight) in sum {
-            add_scaled(&mut half, weight, gram.col_as_slice(part));
-        }
-        for (out, sum) in out.iter_mut().zip(sums) {
-            *out = sum.iter().map(|&(part, weight)| weight * half[part]).sum();
-        }
-    });
-    combined
 }

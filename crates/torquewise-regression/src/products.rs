@@ -11,7 +11,6 @@ pub fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
     out
 }
 
-/// Adds AᵀB to `target`.
 pub(crate) fn add_product(target: &mut Mat<f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
     matmul(target.as_mut(), Accum::Add, a.transpose(), b, 1.0, Par::Seq);
 }

@@ -100,7 +100,6 @@ impl Prepared {
         self.numbers(&mut self.zeros()).map(|part| part.len()).sum()
     }
 
-    /// Adds blocks in floating point.
     fn add(&self, blocks: &[Samples], sums: &mut [Sums]) -> Result<(), SparseError> {
         for samples in blocks {
             samples.check(&self.design)?;

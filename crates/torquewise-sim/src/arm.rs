@@ -231,15 +231,13 @@ pub(crate) fn direction(joint: &str, axis: [f64; 3]) -> Result<Unit<Vector3<f64>
         .ok_or_else(|| SimError::NoDirection { what: format!("axis of joint `{joint}`") })
 }
 
-/// Positions that simulated motions keep to: of a slide its limits, which it must have.
-pub(crate) fn motion_range(kind: JointKind, limits: [f64; 2]) -> [f64; 2] {
-    if kind.turns() { at_most_one_turn(limits) } else { limits }
-}
-
-/// At most one turn of a joint's range, about its middle; a full turn where there is no limit.
-fn at_most_one_turn([lower, upper]: [f64; 2]) -> [f64; 2] {
+/// Positions that simulated motions keep to: of a slide its limits, which it must have; else at most
+/// one turn about their middle, a full turn where there is no limit.
+pub(crate) fn motion_range(kind: JointKind, [lower, upper]: [f64; 2]) -> [f64; 2] {
     let (middle, half) = (f64::midpoint(lower, upper), (upper - lower) / 2.0);
-    if half > 0.0 && half.is_finite() {
+    if !kind.turns() {
+        [lower, upper]
+    } else if half > 0.0 && half.is_finite() {
         [middle - half.min(PI), middle + half.min(PI)]
     } else {
         [-PI, PI]
@@ -259,9 +257,12 @@ mod tests {
 
     #[test]
     fn a_joint_without_limits_may_make_one_turn_and_a_narrow_range_is_kept() {
-        assert_eq!(at_most_one_turn([0.0, 0.0]), [-PI, PI]);
-        assert_eq!(at_most_one_turn([f64::NEG_INFINITY, f64::INFINITY]), [-PI, PI]);
-        assert_eq!(at_most_one_turn([-2.0 * PI, 2.0 * PI]), [-PI, PI]);
-        assert_eq!(at_most_one_turn([-3.0, -1.0]), [-3.0, -1.0]);
+        assert_eq!(motion_range(JointKind::Revolute, [0.0, 0.0]), [-PI, PI]);
+        assert_eq!(
+            motion_range(JointKind::Revolute, [f64::NEG_INFINITY, f64::INFINITY]),
+            [-PI, PI]
+        );
+        assert_eq!(motion_range(JointKind::Revolute, [-2.0 * PI, 2.0 * PI]), [-PI, PI]);
+        assert_eq!(motion_range(JointKind::Revolute, [-3.0, -1.0]), [-3.0, -1.0]);
     }
 }

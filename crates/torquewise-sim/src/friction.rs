@@ -92,17 +92,6 @@ struct Row {
     backward: Option<Stribeck>,
 }
 
-impl Row {
-    fn laws(self) -> ([Stribeck; 2], Option<Bristles>) {
-        let Self { coulomb, viscous, damping, .. } = self;
-        let stiction = self.stiction.unwrap_or(coulomb);
-        let speed = self.speed.unwrap_or(Stribeck::NONE.speed);
-        let forward = Stribeck { coulomb, stiction, speed, viscous };
-        let bristles = self.stiffness.map(|stiffness| Bristles { stiffness, damping });
-        ([forward, self.backward.unwrap_or(forward)], bristles)
-    }
-}
-
 impl Friction {
     /// None on n joints.
     pub fn none(n_joints: usize) -> Self {
@@ -144,9 +133,16 @@ impl Friction {
     pub fn from_toml(text: &str, joints: &[String]) -> Result<Self> {
         let mut table: Table = toml::from_str(text)
             .map_err(|source| SimError::FrictionTable { source: Box::new(source) })?;
-        let rows = joints.iter().map(|name| table.joints.remove(name));
-        let (curves, bristles) =
-            rows.map(|row| row.map_or(([Stribeck::NONE; 2], None), Row::laws)).unzip();
+        let laws = |name| {
+            let Some(row) = table.joints.remove(name) else { return ([Stribeck::NONE; 2], None) };
+            let Row { coulomb, viscous, damping, .. } = row;
+            let stiction = row.stiction.unwrap_or(coulomb);
+            let speed = row.speed.unwrap_or(Stribeck::NONE.speed);
+            let forward = Stribeck { coulomb, stiction, speed, viscous };
+            let bristles = row.stiffness.map(|stiffness| Bristles { stiffness, damping });
+            ([forward, row.backward.unwrap_or(forward)], bristles)
+        };
+        let (curves, bristles) = joints.iter().map(laws).unzip();
         match table.joints.pop_first() {
             Some((joint, _)) => {
                 Err(SimError::UnknownJoint { what: "friction", joint, known: joints.join(", ") })

@@ -2,7 +2,6 @@
 
 use crate::error::{Result, SimError};
 use crate::random::normal;
-use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
@@ -68,24 +67,20 @@ pub fn add_noise(motion: &Motion, noise: &Noise, seed: u64) -> Result<Motion> {
     let mut signals = motion.clone().into_signals();
     // Stream 0 draws trajectories: one seed for both must not couple them.
     let all = [&mut signals.q, &mut signals.dq, &mut signals.ddq];
-    for ((x, db), stream) in all.into_iter().zip(noise.0).zip(1..) {
-        disturb(x, db, seed, stream << 32);
+    for ((x, db), stream) in all.into_iter().zip(noise.0).zip(1_u64..) {
+        for (joint, stream) in (0..x.ncols()).zip(stream << 32..) {
+            let column = x.col_as_slice_mut(joint);
+            let power = column.iter().map(|x| x * x).sum::<f64>() / column.len().max(1) as f64;
+            let sigma = (power / 10_f64.powf(db / 10.0)).sqrt();
+            if sigma == 0.0 {
+                continue;
+            }
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            rng.set_stream(stream);
+            for x in column {
+                *x += sigma * normal(&mut rng);
+            }
+        }
     }
     Ok(Motion::new(signals)?)
-}
-
-fn disturb(x: &mut Mat<f64>, db: f64, seed: u64, first_stream: u64) {
-    for (joint, stream) in (0..x.ncols()).zip(first_stream..) {
-        let column = x.col_as_slice_mut(joint);
-        let power = column.iter().map(|x| x * x).sum::<f64>() / column.len().max(1) as f64;
-        let sigma = (power / 10_f64.powf(db / 10.0)).sqrt();
-        if sigma == 0.0 {
-            continue;
-        }
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        rng.set_stream(stream);
-        for x in column {
-            *x += sigma * normal(&mut rng);
-        }
-    }
 }

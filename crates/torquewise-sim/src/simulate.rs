@@ -72,23 +72,7 @@ impl SimulatedLog {
     pub fn n_rows(&self) -> usize {
         self.trajectory.n_rows
     }
-}
 
-impl Recording for SimulatedLog {
-    fn joints(&self) -> &[String] {
-        self.arm.joints()
-    }
-
-    fn read(&self, visit: Visit<'_>) -> ReadResult {
-        let (m, mut bent) = (self.n_rows(), Bent::default());
-        (0..m).step_by(BLOCK_ROWS).try_for_each(|first| {
-            let rows = first..m.min(first + BLOCK_ROWS);
-            visit(0, &self.record(rows, &mut bent)?.motion)
-        })
-    }
-}
-
-impl SimulatedLog {
     /// The named rows of the trajectory, with the torque they take.
     ///
     /// - `bent`: what the rows before have left of the bristles
@@ -110,5 +94,19 @@ impl SimulatedLog {
             states.push(state.clone());
         }
         Ok(Simulation { motion: motion(arm.joints(), t, &states, Some(tau))?, truth })
+    }
+}
+
+impl Recording for SimulatedLog {
+    fn joints(&self) -> &[String] {
+        self.arm.joints()
+    }
+
+    fn read(&self, visit: Visit<'_>) -> ReadResult {
+        let (m, mut bent) = (self.n_rows(), Bent::default());
+        (0..m).step_by(BLOCK_ROWS).try_for_each(|first| {
+            let rows = first..m.min(first + BLOCK_ROWS);
+            visit(0, &self.record(rows, &mut bent)?.motion)
+        })
     }
 }

@@ -20,7 +20,6 @@ pub(crate) struct ActiveSet<'a> {
     /// Weight of the rows of each joint: one over its noise variance, in a unit of its own, which
     /// changes no fit.
     pub(crate) weights: Vec<f64>,
-    /// The columns alone.
     design: Design,
     /// Laws of friction whose values are among the variables.
     friction: &'a [FrictionTerm],

@@ -270,24 +270,20 @@ pub fn waves_of(weight: f64, term: &Term) -> Vec<(f64, Wave)> {
             return Vec::new();
         };
         for _ in 0..factor.power {
-            waves = times(&waves, sign, &wave);
+            let mut out: Vec<(f64, Wave)> = Vec::new();
+            let products = waves.iter().flat_map(|(weight, left)| {
+                let all = left.product(&wave).into_iter().flatten();
+                all.map(move |(flip, product)| (0.5 * weight * sign * flip, product))
+            });
+            for (share, product) in products {
+                match out.iter_mut().find(|(_, known)| *known == product) {
+                    Some((known, _)) => *known += share,
+                    None => out.push((share, product)),
+                }
+            }
+            out.retain(|(weight, _)| *weight != 0.0);
+            waves = out;
         }
     }
     waves
-}
-
-/// A sum of waves times a wave, equal ones joined.
-fn times(sum: &[(f64, Wave)], sign: f64, wave: &Wave) -> Vec<(f64, Wave)> {
-    let mut out: Vec<(f64, Wave)> = Vec::new();
-    for (weight, left) in sum {
-        for (flip, product) in left.product(wave).into_iter().flatten() {
-            let share = 0.5 * weight * sign * flip;
-            match out.iter_mut().find(|(_, known)| *known == product) {
-                Some((known, _)) => *known += share,
-                None => out.push((share, product)),
-            }
-        }
-    }
-    out.retain(|(weight, _)| *weight != 0.0);
-    out
 }

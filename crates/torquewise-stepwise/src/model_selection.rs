@@ -49,13 +49,39 @@ pub(crate) fn choose_laws(
     };
     let friction = FrictionLibrary::new(survey.dq_peak.clone()).of(kind);
     let mut settled = ModelSelection::start(survey, options, friction);
-    if kind != FrictionKind::None && !is_short(survey) {
-        settled.grow()?;
-        // The order is chosen, and recorded, once more when the laws are known.
-        settled.choices.clear();
-        settled.choose_friction()?;
+    if kind == FrictionKind::None || is_short(survey) {
+        return Ok((settled.friction, settled.choices));
     }
-    Ok((settled.friction, settled.choices))
+    settled.grow()?;
+    // The order is chosen, and recorded, once more when the laws are known.
+    settled.choices.clear();
+    // How sharply friction reverses, with all laws of its kind; then which, where that is open.
+    let (mut widths, mut trials) = (Vec::new(), Vec::new());
+    for part in WIDTHS {
+        let laws = FrictionLibrary::with_width(survey.dq_peak.clone(), part);
+        let validation = settled.validation(settled.library, laws.of(options.friction))?;
+        trials.push(validation.trial(reversal_label(part), None, &settled.selector)?);
+        widths.push((validation, laws));
+    }
+    let place = settled.choose(REVERSAL, 0.0, &trials);
+    let (validation, laws) = widths.swap_remove(place);
+    if options.friction != FrictionKind::Auto {
+        return Ok((laws.of(options.friction), settled.choices));
+    }
+    let stribeck = laws.of(FrictionKind::Stribeck);
+    let alike = stribeck.iter().filter(|law| law.direction.is_both()).cloned().collect();
+    let mut offers = vec![
+        ("none", Vec::new()),
+        ("linear", laws.of(FrictionKind::Linear)),
+        ("stribeck", alike),
+        ("stribeck, forward and backward apart", stribeck),
+    ];
+    let trial = |(label, laws): &(&str, Vec<FrictionTerm>)| {
+        validation.trial((*label).into(), Some(laws), &settled.selector)
+    };
+    let trials = offers.iter().map(trial).collect::<Result<Vec<_>, _>>()?;
+    let place = settled.choose("friction", WORTH, &trials);
+    Ok((offers.swap_remove(place).1, settled.choices))
 }
 
 /// Settles what a plan leaves open on the sample of a survey.
@@ -151,39 +177,6 @@ impl<'a> ModelSelection<'a> {
         self.library = LibraryKind::Energy { interaction: Some(place + 1) };
         Ok(Some(validations.swap_remove(place)))
     }
-
-    /// Chooses how sharply friction reverses, with all laws of its kind; then which laws, where that
-    /// is open.
-    fn choose_friction(&mut self) -> Result<(), IdentifyError> {
-        let (mut widths, mut trials) = (Vec::new(), Vec::new());
-        for part in WIDTHS {
-            let laws = FrictionLibrary::with_width(self.survey.dq_peak.clone(), part);
-            let validation = self.validation(self.library, laws.of(self.options.friction))?;
-            trials.push(validation.trial(reversal_label(part), None, &self.selector)?);
-            widths.push((validation, laws));
-        }
-        let place = self.choose(REVERSAL, 0.0, &trials);
-        let (validation, laws) = widths.swap_remove(place);
-        self.friction = laws.of(self.options.friction);
-        if self.options.friction != FrictionKind::Auto {
-            return Ok(());
-        }
-        let stribeck = laws.of(FrictionKind::Stribeck);
-        let alike = stribeck.iter().filter(|law| law.direction.is_both()).cloned().collect();
-        let offers = [
-            ("none", Vec::new()),
-            ("linear", laws.of(FrictionKind::Linear)),
-            ("stribeck", alike),
-            ("stribeck, forward and backward apart", stribeck),
-        ];
-        let trial = |(label, laws): &(&str, Vec<FrictionTerm>)| {
-            validation.trial((*label).into(), Some(laws), &self.selector)
-        };
-        let trials = offers.iter().map(trial).collect::<Result<Vec<_>, _>>()?;
-        let place = self.choose("friction", WORTH, &trials);
-        self.friction.clone_from(&offers[place].1);
-        Ok(())
-    }
 }
 
 /// Candidates with the normal equations of each block of time.
@@ -191,7 +184,6 @@ struct CrossValidation<'a> {
     survey: &'a Survey,
     candidates: Candidates,
     groups: Vec<Group>,
-    /// `[block][equation]`
     blocks: Vec<Vec<NormalEquations>>,
 }
 

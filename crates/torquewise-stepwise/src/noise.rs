@@ -212,8 +212,19 @@ fn variances(signals: &[ColRef<'_, f64>], starts: &[usize]) -> Vec<f64> {
     };
     let of_signal = |signal| starts.iter().map(|&row| difference(signal, row)).collect();
     let differences: Vec<Vec<f64>> = signals.iter().map(of_signal).collect();
-    let limits: Vec<f64> =
-        differences.iter().map(|sizes| JUMP * clipped_deviation(sizes)).collect();
+    // Among normal numbers some are much larger: the deviation of those within two is found by
+    // repetition.
+    let limit = |sizes: &Vec<f64>| {
+        let mut deviation = quantile(&mut sizes.clone(), 0.5) / NORMAL_MEDIAN;
+        for _ in 0..CLIPPINGS {
+            let kept = sizes.iter().filter(|size| **size <= 2.0 * deviation);
+            let (sum, count) =
+                kept.fold((0.0, 0), |(sum, count), size| (sum + size * size, count + 1));
+            deviation = (sum / (f64::from(count.max(1)) * WITHIN_TWO)).sqrt();
+        }
+        JUMP * deviation
+    };
+    let limits: Vec<f64> = differences.iter().map(limit).collect();
     let is_smooth =
         |row: &usize| differences.iter().zip(&limits).all(|(sizes, limit)| sizes[*row] <= *limit);
     let kept: Vec<usize> = (0..starts.len()).filter(is_smooth).collect();
@@ -222,18 +233,6 @@ fn variances(signals: &[ColRef<'_, f64>], starts: &[usize]) -> Vec<f64> {
         sum / (GAIN * kept.len().max(1) as f64)
     };
     differences.iter().map(variance).collect()
-}
-
-/// Standard deviation of normal numbers among which some are much larger: that of those within two
-/// deviations, found by repetition.
-fn clipped_deviation(sizes: &[f64]) -> f64 {
-    let mut deviation = quantile(&mut sizes.to_vec(), 0.5) / NORMAL_MEDIAN;
-    for _ in 0..CLIPPINGS {
-        let kept = sizes.iter().filter(|size| **size <= 2.0 * deviation);
-        let (sum, count) = kept.fold((0.0, 0), |(sum, count), size| (sum + size * size, count + 1));
-        deviation = (sum / (f64::from(count.max(1)) * WITHIN_TWO)).sqrt();
-    }
-    deviation
 }
 
 /// Variance of a standard normal number that is within ±2.

@@ -242,7 +242,17 @@ impl Ladder {
             let (order, motion_order, candidates) = (*order, *motion_order, columns.len());
             points.push(OrderPoint { order, motion_order, candidates, residual, fitted });
         }
-        let chosen = choose(&points);
+        // Ratios of all joints are multiplied, so that what one gains can be lost in another.
+        let improves = |from: &OrderPoint, to: &OrderPoint| {
+            let ratios = from.residual.iter().zip(&to.residual);
+            let ratio =
+                |(before, after): (&f64, &f64)| after.max(RESOLUTION) / before.max(RESOLUTION);
+            ratios.map(ratio).product::<f64>() < 1.0 - WORTHWHILE
+        };
+        let is_enough = |place: &usize| {
+            !points[place + 1..].iter().any(|later| improves(&points[*place], later))
+        };
+        let chosen = (0..points.len()).find(is_enough).unwrap_or(0);
         Ok(OrderCurve { name: self.name.into(), rows, points, chosen })
     }
 }
@@ -260,18 +270,4 @@ fn fit(half: &[NormalEquations], torque_std: &[f64]) -> Result<Mat<f64>, SparseE
     let all: Vec<usize> = (0..half[0].n_columns()).collect();
     let none = vec![0.0; all.len()];
     Ok(step::weighted_problem(half, &joints, &weights, &none, &all)?.weights())
-}
-
-/// The first point that no later one improves worthwhile. Ratios of all joints are multiplied, so
-/// that what one joint gains can be lost in another.
-fn choose(points: &[OrderPoint]) -> usize {
-    let improves = |from: &OrderPoint, to: &OrderPoint| {
-        let ratios = from.residual.iter().zip(&to.residual);
-        let ratio =
-            |(&before, &after): (&f64, &f64)| after.max(RESOLUTION) / before.max(RESOLUTION);
-        ratios.map(ratio).product::<f64>() < 1.0 - WORTHWHILE
-    };
-    (0..points.len())
-        .find(|&place| !points[place + 1..].iter().any(|later| improves(&points[place], later)))
-        .unwrap_or(0)
 }

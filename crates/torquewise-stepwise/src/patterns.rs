@@ -122,24 +122,20 @@ impl Patterns {
     /// row. Rows of a pattern that is not genuine count as variable velocity, which assumes
     /// nothing.
     pub fn label(&self, motion: &Motion) -> Vec<Pattern> {
-        let name = |point: &[f64; 2]| match self.switches {
-            Some([velocity, acceleration]) => {
-                Pattern::when(point[0] > velocity, point[1] > acceleration)
+        let name = |point: &[f64; 2]| {
+            if let Some([velocity, acceleration]) = self.switches {
+                return Pattern::when(point[0] > velocity, point[1] > acceleration);
             }
-            None => self.nearest(point),
+            let distance =
+                |own: &[f64; 2]| (own[0] - point[0]).powi(2) + (own[1] - point[1]).powi(2);
+            let clusters = self.centres.iter().zip(&self.names);
+            let near = clusters.min_by(|(a, _), (b, _)| distance(a).total_cmp(&distance(b)));
+            near.map_or(Pattern::VariableVelocity, |(_, &name)| name)
         };
         let genuine = |name| {
             if self.present.contains(&name) { name } else { Pattern::VariableVelocity }
         };
         self.activation.over(motion).iter().map(|point| genuine(name(point))).collect()
-    }
-
-    fn nearest(&self, point: &[f64; 2]) -> Pattern {
-        let distance =
-            |centre: &[f64; 2]| (centre[0] - point[0]).powi(2) + (centre[1] - point[1]).powi(2);
-        let clusters = self.centres.iter().zip(&self.names);
-        let near = clusters.min_by(|(a, _), (b, _)| distance(a).total_cmp(&distance(b)));
-        near.map_or(Pattern::VariableVelocity, |(_, &name)| name)
     }
 }
 

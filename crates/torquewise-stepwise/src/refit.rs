@@ -22,7 +22,6 @@ use torquewise_regression::select::Selector;
 /// A term of a fit, by its column of the library.
 pub(crate) type FittedTerm = Weighted<usize>;
 
-/// The fit of one group.
 pub(crate) struct Refitted {
     pub(crate) terms: Vec<FittedTerm>,
     /// (column, inclusion) of terms that did not stay, where resampled logs were asked.
@@ -138,7 +137,6 @@ struct Part {
     left: Vec<f64>,
 }
 
-/// All that is known of one group.
 struct GroupRefit<'a> {
     kept: &'a ActiveSet<'a>,
     /// Normal equations of all rows, of each equation.
@@ -152,7 +150,6 @@ struct GroupRefit<'a> {
     dependent: Vec<usize>,
     /// Whether the torque is explained but for rounding.
     is_explained: bool,
-    /// Sums of the parts of the sample.
     parts: Vec<Part>,
     /// Terms of less t² leave.
     least_t_squared: f64,

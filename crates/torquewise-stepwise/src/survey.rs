@@ -68,6 +68,35 @@ impl Survey {
         }
         Ok(())
     }
+
+    /// What a model keeps of the log it was fitted on; `residual_rms`: what it leaves of the torque
+    /// of each joint \[N·m\], n.
+    pub fn training(&self, residual_rms: Vec<f64>) -> Training {
+        Training {
+            rows: self.rows,
+            residual_rms,
+            torque_std: self.torque_std.clone(),
+            q_range: self.q_range.clone(),
+            dq_peak: self.dq_peak.clone(),
+            ddq_peak: self.ddq_peak.clone(),
+            ..Training::default()
+        }
+    }
+
+    /// Rows per second within trajectories \[Hz\]; zero for a single row.
+    pub fn rate(&self) -> f64 {
+        let steps = self.rows.saturating_sub(self.trajectories);
+        if self.seconds > 0.0 { steps as f64 / self.seconds } else { 0.0 }
+    }
+
+    /// Joints whose position never changes, but for quanta of an encoder.
+    pub fn constant_joints(&self) -> Vec<usize> {
+        let still = |joint: &usize| {
+            let [low, high] = self.q_range[*joint];
+            high - low <= AT_REST
+        };
+        (0..self.joints.len()).filter(still).collect()
+    }
 }
 
 /// Looks through a recording once, as if it were one log.
@@ -295,35 +324,4 @@ fn row_of(block: &Motion, row: usize) -> Vec<f64> {
     let values = signals.into_iter().flat_map(|x| joints.clone().map(move |joint| value(x, joint)));
     let memory = block.memory().into_iter().flat_map(|memory| memory.row(row));
     std::iter::once(block.t()[row]).chain(values).chain(memory).collect()
-}
-
-impl Survey {
-    /// What a model keeps of the log it was fitted on; `residual_rms`: what it leaves of the torque
-    /// of each joint \[N·m\], n.
-    pub fn training(&self, residual_rms: Vec<f64>) -> Training {
-        Training {
-            rows: self.rows,
-            residual_rms,
-            torque_std: self.torque_std.clone(),
-            q_range: self.q_range.clone(),
-            dq_peak: self.dq_peak.clone(),
-            ddq_peak: self.ddq_peak.clone(),
-            ..Training::default()
-        }
-    }
-
-    /// Rows per second within trajectories \[Hz\]; zero for a single row.
-    pub fn rate(&self) -> f64 {
-        let steps = self.rows.saturating_sub(self.trajectories);
-        if self.seconds > 0.0 { steps as f64 / self.seconds } else { 0.0 }
-    }
-
-    /// Joints whose position never changes, but for quanta of an encoder.
-    pub fn constant_joints(&self) -> Vec<usize> {
-        let still = |joint: &usize| {
-            let [low, high] = self.q_range[*joint];
-            high - low <= AT_REST
-        };
-        (0..self.joints.len()).filter(still).collect()
-    }
 }

@@ -16,7 +16,6 @@ pub(crate) struct SystematicSample {
     logs: Vec<Kept>,
 }
 
-/// The records of one log.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Kept {
     places: Vec<u64>,

@@ -14,7 +14,6 @@ use crate::outcome::Outcome;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use torquewise::control::{Gains, Law, Learned, Plant, Tracking, compare, mean_inertia};
-use torquewise::dynamics::Arm;
 use torquewise::logs::{Column, TableWriter, Values};
 use torquewise::model::Model;
 use torquewise::motion::Motion;
@@ -95,7 +94,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 
     let model = read_model(&arguments.model)?;
     let arm = read_arm(&arguments.arm, &arguments.plant.lock)?;
-    check_same_joints(&model, &arm)?;
+    // A model may name its joints by number alone, as logs without names do.
+    let mut numbered = model.joints.iter().enumerate();
+    let is_numbered = numbered.all(|(place, name)| *name == format!("joint{}", place + 1));
+    let is_alike = is_numbered || model.joints == arm.joints();
+    if model.n_joints() != arm.n_joints() || !is_alike {
+        let (model, arm) = (model.joints.join(", "), arm.joints().join(", "));
+        return Err(CliError::ModelOfAnotherArm { model, arm });
+    }
     let file = arguments.plant.friction.as_deref();
     let friction = match read_twin(&arguments.arm, file)? {
         Some(model) => twin::friction(&model)?,
@@ -114,18 +120,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         write_whole(file, &report::page(&arguments.arm, &compared)?)?;
     }
     Ok(summary::outcome(arguments, &compared))
-}
-
-/// A model may name its joints by number alone, as logs without names do.
-fn check_same_joints(model: &Model, arm: &Arm) -> Result<()> {
-    let mut numbered = model.joints.iter().enumerate();
-    let is_numbered = numbered.all(|(place, name)| *name == format!("joint{}", place + 1));
-    let same_count = model.n_joints() == arm.n_joints();
-    if same_count && (is_numbered || model.joints == arm.joints()) {
-        return Ok(());
-    }
-    let (model, arm) = (model.joints.join(", "), arm.joints().join(", "));
-    Err(CliError::ModelOfAnotherArm { model, arm })
 }
 
 fn compare_all(arguments: &Arguments, model: &Model, plant: &Plant) -> Result<Compared> {

@@ -9,9 +9,7 @@ use crate::outcome::Outcome;
 use crate::progress::share_bar;
 use clap::Args;
 use std::path::{Path, PathBuf};
-use torquewise::excite::{
-    Excitation, Limits, PerJoint, Plan, Planned, Torques, Wishes, excite, joint_trajectory, limits,
-};
+use torquewise::excite::{PerJoint, Plan, Torques, Wishes, excite, joint_trajectory, limits};
 use torquewise::logs::LogWriter;
 use torquewise::motion::Recording;
 use torquewise::motion::stats::whole;
@@ -109,41 +107,27 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     create_folder(&arguments.output)?;
     let inputs = [PathBuf::from(&arguments.arm)];
     check_files(&inputs, files.all().map(|file| (file.as_path(), &[][..])))?;
-    let planned = plan_and_write(arguments, &limits, torques.as_ref(), &files)?;
-    Ok(summary::outcome(arguments, (&limits, torques.as_ref()), &planned, &files))
-}
-
-fn plan_and_write(
-    arguments: &Arguments,
-    limits: &[Limits],
-    torques: Option<&Torques>,
-    files: &Files,
-) -> Result<Excitation> {
     let planned = {
         let bar = share_bar();
         bar.set_length(1000);
-        excite(limits, torques, &arguments.plan(), &mut |share, doing| {
+        excite(&limits, torques.as_ref(), &arguments.plan(), &mut |share, doing| {
             bar.set_position(whole(1000.0 * share) as u64);
             bar.set_message(doing);
         })?
     };
     let texts = planned.recordings.each_ref().map(|r| joint_trajectory(r, arguments.ros_rate));
-    let figure = figure::figure(&arguments.arm, limits, &planned)?;
+    let figure = figure::figure(&arguments.arm, &limits, &planned)?;
     for ((recording, [log, trajectory]), text) in
         planned.recordings.iter().zip(&files.recordings).zip(texts)
     {
         let text = text?;
-        write_log(log, recording)?;
+        let mut writer = LogWriter::create(&staged(log)?, recording.joints(), false)?;
+        recording.read(&mut |_, block| Ok(writer.append(block)?))?;
+        writer.finish()?;
         write_whole(trajectory, &text)?;
     }
     write_whole(&files.figure, &figure)?;
-    Ok(planned)
-}
-
-fn write_log(file: &Path, recording: &Planned) -> Result<()> {
-    let mut writer = LogWriter::create(&staged(file)?, recording.joints(), false)?;
-    recording.read(&mut |_, block| Ok(writer.append(block)?))?;
-    Ok(writer.finish()?)
+    Ok(summary::outcome(arguments, (&limits, torques.as_ref()), &planned, &files))
 }
 
 impl Files {

@@ -93,7 +93,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let exported = exported::export(&model, *to, &options)?;
     match &exported.files[..] {
         [(path, bytes)] if path.is_empty() => write_whole(output, bytes)?,
-        files => write_package(output, files)?,
+        files => {
+            create_folder(output)?;
+            for (path, bytes) in files {
+                let file = output.join(path);
+                file.parent().map_or(Ok(()), create_folder)?;
+                write_whole(&file, bytes)?;
+            }
+        }
     }
     if let Some(file) = &vectors {
         let model = arguments.reversal.map_or_else(|| model.clone(), |w| model.with_reversal(w));
@@ -182,18 +189,6 @@ fn name(arguments: &Arguments) -> String {
     arguments.name.clone().unwrap_or_else(|| {
         function_name(&arguments.output.file_stem().unwrap_or_default().to_string_lossy())
     })
-}
-
-fn write_package(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<()> {
-    create_folder(folder)?;
-    for (path, bytes) in files {
-        let file = folder.join(path);
-        if let Some(inner) = file.parent() {
-            create_folder(inner)?;
-        }
-        write_whole(&file, bytes)?;
-    }
-    Ok(())
 }
 
 fn outcome(

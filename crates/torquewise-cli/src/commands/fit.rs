@@ -13,7 +13,7 @@ use chrono::{DateTime, Utc};
 use clap::Args;
 use serde_json::json;
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::SystemTime;
 use torquewise::evaluate::{Evaluation, evaluate_prepared};
 use torquewise::identify::Warning;
@@ -99,8 +99,13 @@ fn report(
     fit: &FitResult,
     test: Option<&Prepared>,
 ) -> Result<String> {
+    let log_file = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        let written = path.metadata().and_then(|metadata| metadata.modified());
+        LogFile { name, date: written.map_or_else(|_| String::new(), date) }
+    };
     let [logs, tests] = [&arguments.logs, &arguments.test]
-        .map(|paths| paths.iter().map(|path| log_file(path)).collect::<Vec<_>>());
+        .map(|paths| paths.iter().map(log_file).collect::<Vec<_>>());
     let command: Vec<String> =
         words.iter().skip(1).map(|word| quoted(&word.to_string_lossy())).collect();
     let origin = Origin {
@@ -112,12 +117,6 @@ fn report(
         date: &date(SystemTime::now()),
     };
     Ok(page(fit, test, origin, &watch())?.unwrap_or_default())
-}
-
-fn log_file(path: &Path) -> LogFile {
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-    let written = path.metadata().and_then(|metadata| metadata.modified());
-    LogFile { name, date: written.map_or_else(|_| String::new(), date) }
 }
 
 pub(super) fn date(time: SystemTime) -> String {

@@ -81,15 +81,12 @@ fn suggested(arguments: &Arguments) -> Result<Option<Outcome>> {
     }))
 }
 
-fn escaped(names: &[String]) -> String {
-    names.iter().map(|name| name.escape_debug().to_string()).collect::<Vec<_>>().join(", ")
-}
-
 fn text(inspection: &Inspection) -> String {
     let Survey { joints, rows, trajectories, seconds, .. } = &inspection.survey;
+    let ignored = inspection.ignored_columns.iter().map(|name| name.escape_debug().to_string());
     let absent = [
         ("not recorded", inspection.missing.join(", ")),
-        ("columns not read", escaped(&inspection.ignored_columns)),
+        ("columns not read", ignored.collect::<Vec<_>>().join(", ")),
     ];
     let absent = absent.iter().filter(|(_, names)| !names.is_empty());
     format!(

@@ -38,7 +38,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_files(inputs, [(arguments.output.as_path(), &[][..])])?;
     let options = arguments.plan.options(arguments.method)?;
     // Wrong usage is told before the log is read.
-    arguments.plan.refuse_selection()?;
+    arguments.plan.selection.refuse()?;
     options.check()?;
     let log = arguments.signals.open(&arguments.logs)?;
     let request = arguments.request.as_deref().map(read_request).transpose()?;

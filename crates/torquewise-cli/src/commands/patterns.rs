@@ -9,10 +9,10 @@ use crate::progress::watch;
 use crate::signal_arguments::FilterArguments;
 use clap::Args;
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use torquewise::identify::{Patterns, find_patterns, survey};
 use torquewise::inspect::{PatternRows, missing_patterns};
-use torquewise::log::{Prepared, Rows};
+use torquewise::log::Rows;
 use torquewise::model::number;
 use torquewise::motion::Recording;
 use torquewise::observe::Watched;
@@ -41,16 +41,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         let watched = Watched::new(logs.rows(), &shown, "looking through the log", rows);
         find_patterns(&survey(&watched)?, &arguments.patterns.plan()?)?
     };
-    let counts = label_rows(&logs, &found, arguments.output.as_deref())?;
-    Ok(outcome(arguments, &found, counts))
-}
-
-/// Labels all rows, beyond the sample that was clustered.
-fn label_rows(logs: &Prepared, found: &Patterns, file: Option<&Path>) -> Result<[u64; 3]> {
-    let mut table = PatternTable::create(file)?;
+    // All rows, beyond the sample that was clustered.
+    let mut table = PatternTable::create(arguments.output.as_deref())?;
     Watched::new(logs.rows(), &watch(), "labelling rows", logs.rows_hint())
         .read(&mut |_, block| Ok(table.append(&found.label(block))?))?;
-    Ok(table.finish()?)
+    Ok(outcome(arguments, &found, table.finish()?))
 }
 
 fn outcome(arguments: &Arguments, found: &Patterns, counts: [u64; 3]) -> Outcome {

@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
-use torquewise_paper::{Claim, PaperError, Results, Settings, page, reproduce};
+use torquewise_paper::{Claim, PaperError, Settings, page, reproduce};
 
 /// Do the simulated experiments of the paper, and those beyond it: figures, tables, report
 #[derive(Args, Debug)]
@@ -60,10 +60,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         write_whole(&file, &figure.svg().map_err(failed)?)?;
         files.push(file.display().to_string());
     }
+    let claim = |claim: &Claim| {
+        let Claim { claim, source, measured, verdict } = claim;
+        let verdict = verdict.name();
+        format!("{source}: {verdict}\n  claim: {claim}\n  here:  {measured}\n")
+    };
     let report = report.display().to_string();
     let text = format!(
         "{}\n{} figures, results.json and report.html in {}, {seconds:.0} s\nreport: {report}\n",
-        claims_text(&results),
+        results.claims().map(claim).collect::<Vec<_>>().join("\n"),
         files.len(),
         output.display(),
     );
@@ -75,13 +80,4 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         "seconds": seconds,
     });
     Ok(Outcome { text, json, ..Outcome::default() })
-}
-
-fn claims_text(results: &Results) -> String {
-    let claim = |claim: &Claim| {
-        let Claim { claim, source, measured, verdict } = claim;
-        let verdict = verdict.name();
-        format!("{source}: {verdict}\n  claim: {claim}\n  here:  {measured}\n")
-    };
-    results.claims().map(claim).collect::<Vec<_>>().join("\n")
 }

@@ -54,27 +54,6 @@ impl ArrayRows {
     fn array(&self, column: usize) -> &Array {
         &self.arrays[self.series[column].0]
     }
-
-    /// What is read to have the chosen columns, each array as it is stored.
-    fn streams_of(&self, columns: &[usize]) -> Result<Vec<Stream>> {
-        // By array, and by the first series of what is read together.
-        let mut wanted: BTreeMap<(usize, usize), Vec<(usize, usize)>> = BTreeMap::new();
-        for (place, column) in columns.iter().enumerate() {
-            let (array, series) = self.series[*column];
-            let (first, within) =
-                if self.array(*column).is_by_instant() { (0, series) } else { (series, 0) };
-            wanted.entry((array, first)).or_default().push((within, place));
-        }
-        let stream = |((array, first), columns): (_, Vec<_>)| {
-            let own: &Array = &self.arrays[array];
-            let (instants, series) = own.instants_and_series();
-            let numbers = own.numbers(&self.file, (first * instants) as u64)?;
-            let width = if own.is_by_instant() { series } else { 1 };
-            let is_last = own.is_by_instant() || first + 1 == series;
-            Ok(Stream { numbers, instant: vec![0.0; width], columns, is_last })
-        };
-        wanted.into_iter().map(stream).collect()
-    }
 }
 
 impl Rows for ArrayRows {
@@ -98,7 +77,24 @@ impl Rows for ArrayRows {
             }
         }
         self.instants = columns.first().map_or(0, |first| instants(*first));
-        self.streams = self.streams_of(columns)?;
+        // What is read to have the chosen columns, each array as it is stored: by array, and by the
+        // first series of what is read together.
+        let mut wanted: BTreeMap<(usize, usize), Vec<(usize, usize)>> = BTreeMap::new();
+        for (place, column) in columns.iter().enumerate() {
+            let (array, series) = self.series[*column];
+            let (first, within) =
+                if self.array(*column).is_by_instant() { (0, series) } else { (series, 0) };
+            wanted.entry((array, first)).or_default().push((within, place));
+        }
+        let stream = |((array, first), columns): (_, Vec<_>)| {
+            let own: &Array = &self.arrays[array];
+            let (instants, series) = own.instants_and_series();
+            let numbers = own.numbers(&self.file, (first * instants) as u64)?;
+            let width = if own.is_by_instant() { series } else { 1 };
+            let is_last = own.is_by_instant() || first + 1 == series;
+            Ok(Stream { numbers, instant: vec![0.0; width], columns, is_last })
+        };
+        self.streams = wanted.into_iter().map(stream).collect::<Result<_>>()?;
         Ok(())
     }
 

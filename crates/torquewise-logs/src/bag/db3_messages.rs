@@ -37,6 +37,10 @@ const AS_RECORDED: &str = "SELECT rowid, timestamp, data FROM messages \
 const INDICES: &str = "SELECT COUNT(*) FROM pragma_index_list('messages') AS list, \
     pragma_index_info(list.name) AS part WHERE part.seqno = 0 AND part.name = 'timestamp'";
 
+/// A view or a virtual table under these names could do anything.
+const TABLES: &str = "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND rootpage > 0 \
+    AND name IN ('topics', 'messages')";
+
 /// Columns whose values the file computes, which may be any number of bytes.
 const GENERATED: &str = "SELECT (SELECT COUNT(*) FROM pragma_table_xinfo('messages') WHERE hidden) \
     + (SELECT COUNT(*) FROM pragma_table_xinfo('topics') WHERE hidden)";
@@ -70,15 +74,12 @@ pub(super) struct Db3Messages {
 impl Db3Messages {
     pub(super) fn open(file: &Path, topic: &str) -> Result<Self> {
         let connection = open(file)?;
-        let n_indices: i64 = connection
-            .0
-            .query_row(INDICES, [], |row| row.get(0))
-            .map_err(LogError::decode(file, Format::Db3))?;
+        let is_indexed = count(&connection.0, file, INDICES)? > 0;
         Ok(Self {
             file: file.into(),
             connection,
             topic: topic.to_owned(),
-            query: if n_indices > 0 { BY_TIME } else { AS_RECORDED },
+            query: if is_indexed { BY_TIME } else { AS_RECORDED },
             page: VecDeque::new(),
             last: (i64::MIN, i64::MIN),
             ended: false,
@@ -129,7 +130,15 @@ impl Drop for SharedMemory {
 }
 
 fn open(file: &Path) -> Result<Bag> {
-    check_magic(file)?;
+    // SQLite takes an empty or missing file for a new database.
+    let mut head = Vec::new();
+    let input = File::open(file).map_err(LogError::read(file))?;
+    input.take(MAGIC.len() as u64).read_to_end(&mut head).map_err(LogError::read(file))?;
+    match head.as_slice() {
+        [] => return Err(LogError::Empty { file: file.into() }),
+        MAGIC => {}
+        _ => return Err(LogError::NoBag { file: file.into() }),
+    }
     let mut shared = OsString::from(file);
     shared.push("-shm");
     let shared = Some(PathBuf::from(shared)).filter(|path| !path.exists()).map(SharedMemory);
@@ -143,32 +152,14 @@ fn open(file: &Path) -> Result<Bag> {
     let longest = i32::try_from(MAX_BYTES).unwrap_or(i32::MAX);
     connection.set_limit(Limit::SQLITE_LIMIT_LENGTH, longest).map_err(&refused)?;
     connection.pragma_update(None, "trusted_schema", false).map_err(&refused)?;
-    // A view or a virtual table under these names could do anything.
-    let tables = "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND rootpage > 0 \
-        AND name IN ('topics', 'messages')";
-    let n_tables: i64 = connection.query_row(tables, [], |row| row.get(0)).map_err(&refused)?;
-    if n_tables != 2 {
+    if count(&connection, file, TABLES)? != 2 || count(&connection, file, GENERATED)? != 0 {
         return Err(LogError::NoBag { file: file.into() });
     }
-    let n_generated: i64 =
-        connection.query_row(GENERATED, [], |row| row.get(0)).map_err(&refused)?;
-    if n_generated == 0 {
-        Ok(Bag(connection, shared))
-    } else {
-        Err(LogError::NoBag { file: file.into() })
-    }
+    Ok(Bag(connection, shared))
 }
 
-/// SQLite takes an empty or missing file for a new database.
-fn check_magic(file: &Path) -> Result<()> {
-    let mut head = Vec::new();
-    let input = File::open(file).map_err(LogError::read(file))?;
-    input.take(MAGIC.len() as u64).read_to_end(&mut head).map_err(LogError::read(file))?;
-    match head.as_slice() {
-        [] => Err(LogError::Empty { file: file.into() }),
-        MAGIC => Ok(()),
-        _ => Err(LogError::NoBag { file: file.into() }),
-    }
+fn count(connection: &Connection, file: &Path, query: &str) -> Result<i64> {
+    connection.query_row(query, [], |row| row.get(0)).map_err(LogError::decode(file, Format::Db3))
 }
 
 /// The address under which SQLite writes nothing beside the file, unless a recording left parts of

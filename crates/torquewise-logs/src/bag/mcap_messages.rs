@@ -170,16 +170,10 @@ fn cut_short() -> McapError {
     McapError::UnexpectedEof
 }
 
-/// A record whose texts lie within it.
-fn whole_record(opcode: u8, data: &[u8]) -> McapResult<Record<'_>> {
-    check_texts(opcode, data).ok_or_else(cut_short)?;
-    parse_record(opcode, data)
-}
-
-/// Nothing where a text of a chunk, a schema or a channel does not lie within it: a parser takes the
+/// A record of which the texts of a chunk, a schema or a channel lie within it: a parser takes the
 /// memory that a text claims before it looks for it.
-fn check_texts(opcode: u8, data: &[u8]) -> Option<()> {
-    match opcode {
+fn whole_record(opcode: u8, data: &[u8]) -> McapResult<Record<'_>> {
+    let within = || match opcode {
         op::CHUNK => after_text(data.get(BEFORE_COMPRESSION..)?).map(drop),
         op::SCHEMA => after_text(after_text(after_text(data.get(2..)?)?)?).map(drop),
         op::CHANNEL => {
@@ -192,7 +186,9 @@ fn check_texts(opcode: u8, data: &[u8]) -> Option<()> {
             Some(())
         }
         _ => Some(()),
-    }
+    };
+    within().ok_or_else(cut_short)?;
+    parse_record(opcode, data)
 }
 
 /// What follows a text: four bytes with its length, and so many more.

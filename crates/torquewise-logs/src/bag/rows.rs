@@ -1,7 +1,7 @@
 //! Rows of joint states, sorted by time.
 
 use crate::bag::Messages;
-use crate::bag::survey::{Aligned, Survey, decoded, places};
+use crate::bag::survey::{Aligned, Survey, decoded};
 use crate::error::{Place, Result};
 use crate::log_input::LogInput;
 use crate::rows::Rows;
@@ -50,36 +50,6 @@ impl BagRows {
             row: 0,
         })
     }
-
-    /// Reads messages until the next row in order is known.
-    fn look_ahead(&mut self) -> Result<()> {
-        while !self.ended && !self.in_order.is_full(self.chosen.len()) {
-            let Some(message) = self.messages.next()? else {
-                self.ended = true;
-                break;
-            };
-            self.n_messages += 1;
-            let (file, number) = (&self.file, self.n_messages);
-            let place = || Place { file: file.clone(), row: number, line: None };
-            let state = decoded(&message.bytes, place)?;
-            let Some(places) = places(&mut self.aligned, &state, place)? else {
-                self.n_passed_over += 1;
-                continue;
-            };
-            let stamp = self.survey.stamp(&state, message.received);
-            let n = places.len();
-            let mut signals = vec![&state.position];
-            signals.extend(self.survey.has_velocity.then_some(&state.velocity));
-            signals.extend(self.survey.has_effort.then_some(&state.effort));
-            let value = |column: &usize| match column.checked_sub(1) {
-                None => stamp as f64 / 1e9,
-                Some(k) => signals[k / n].get(places[k % n]).copied().unwrap_or(f64::NAN),
-            };
-            let values = self.chosen.iter().map(value).collect();
-            self.in_order.push(stamp, number, values);
-        }
-        Ok(())
-    }
 }
 
 impl Rows for BagRows {
@@ -97,8 +67,35 @@ impl Rows for BagRows {
     }
 
     fn next(&mut self, row: &mut [f64]) -> Result<bool> {
-        self.look_ahead()?;
-        let Some((number, values)) = self.in_order.pop() else { return Ok(false) };
+        // Messages are read until the next row in order is known.
+        while !self.ended && !self.in_order.is_full(self.chosen.len()) {
+            let Some(message) = self.messages.next()? else {
+                self.ended = true;
+                break;
+            };
+            self.n_messages += 1;
+            let (file, number) = (&self.file, self.n_messages);
+            let place = || Place { file: file.clone(), row: number, line: None };
+            let state = decoded(&message.bytes, place)?;
+            let Some(places) = self.aligned.find(&state, place)? else {
+                self.n_passed_over += 1;
+                continue;
+            };
+            let stamp = self.survey.stamp(&state, message.received);
+            let n = places.len();
+            let mut signals = vec![&state.position];
+            signals.extend(self.survey.has_velocity.then_some(&state.velocity));
+            signals.extend(self.survey.has_effort.then_some(&state.effort));
+            let value = |column: &usize| match column.checked_sub(1) {
+                None => stamp as f64 / 1e9,
+                Some(k) => signals[k / n].get(places[k % n]).copied().unwrap_or(f64::NAN),
+            };
+            let values = self.chosen.iter().map(value).collect();
+            self.in_order.push(stamp, number, values);
+        }
+        let Some(((_, number), values)) = self.in_order.waiting.pop_first() else {
+            return Ok(false);
+        };
         self.row = number;
         row.copy_from_slice(&values);
         Ok(true)
@@ -136,11 +133,6 @@ impl InOrder {
         self.n_late += u64::from(self.latest.is_some_and(|latest| stamp < latest));
         self.latest = self.latest.max(Some(stamp));
         self.waiting.insert((stamp, number), values);
-    }
-
-    /// Number and values of the row with the earliest stamp.
-    fn pop(&mut self) -> Option<(u64, Vec<f64>)> {
-        self.waiting.pop_first().map(|((_, number), values)| (number, values))
     }
 }
 

@@ -87,7 +87,7 @@ impl Survey {
             let state = decoded(&message.bytes, place)?;
             first_names.get_or_insert_with(|| state.names.clone());
             let aligned = aligned.get_or_insert_with(|| Aligned::new(&state.names, false));
-            let Some(places) = places(aligned, &state, place)? else { continue };
+            let Some(places) = aligned.find(&state, place)? else { continue };
             let is_known = |values: &[f64]| {
                 places.iter().any(|place| values.get(*place).is_some_and(|value| !value.is_nan()))
             };
@@ -121,18 +121,6 @@ pub(super) fn decoded(bytes: &[u8], place: impl Fn() -> Place) -> Result<JointSt
         LogError::unusable(place(), &problem, "record or convert the bag again")
     };
     JointState::decode(bytes).map_err(malformed)
-}
-
-pub(super) fn places<'a>(
-    aligned: &'a mut Aligned,
-    state: &JointState,
-    place: impl Fn() -> Place,
-) -> Result<Option<&'a [usize]>> {
-    aligned.find(state).map_err(|joint| LogError::JointGone {
-        place: place(),
-        joint: shown(joint.as_bytes()),
-        found: listed(&state.names, 40),
-    })
 }
 
 fn chosen(file: &Path, topics: &[Topic], wanted: Option<&str>) -> Result<String> {
@@ -190,15 +178,23 @@ impl Aligned {
         Self { joints: joints.to_vec(), passes_over, names: Vec::new(), places: Vec::new() }
     }
 
-    /// Where the joints stand in a message; `None` if it is about other joints, and the name of the
-    /// first that is not there if it has only some of them.
-    pub(super) fn find(&mut self, state: &JointState) -> Result<Option<&[usize]>, &str> {
+    /// Where the joints stand in a message; `None` if it is about other joints, an error if it has
+    /// only some of them.
+    pub(super) fn find(
+        &mut self,
+        state: &JointState,
+        place: impl Fn() -> Place,
+    ) -> Result<Option<&[usize]>> {
         if self.places.is_empty() || self.names != state.names {
-            let place = |joint: &String| state.names.iter().position(|name| name == joint);
-            let places: Vec<_> = self.joints.iter().map(place).collect();
+            let find = |joint: &String| state.names.iter().position(|name| name == joint);
+            let places: Vec<_> = self.joints.iter().map(find).collect();
+            if self.passes_over && places.iter().all(Option::is_none) {
+                return Ok(None);
+            }
             if let Some(missing) = places.iter().position(Option::is_none) {
-                let is_other = self.passes_over && places.iter().all(Option::is_none);
-                return if is_other { Ok(None) } else { Err(&self.joints[missing]) };
+                let joint = shown(self.joints[missing].as_bytes());
+                let (place, found) = (place(), listed(&state.names, 40));
+                return Err(LogError::JointGone { place, joint, found });
             }
             self.places = places.into_iter().flatten().collect();
             self.names.clone_from(&state.names);

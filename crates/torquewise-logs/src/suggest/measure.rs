@@ -35,19 +35,15 @@ pub(super) fn measure(t: Option<&[f64]>, values: &BTreeMap<Signal, Vec<Vec<f64>>
     let of = |signal| values.get(&signal).map_or(&[][..], Vec::as_slice);
     let (q, dq) = (of(Signal::Q), of(Signal::Dq));
     let largest = q.iter().flatten().filter(|x| x.is_finite());
-    let step = t.and_then(median_step);
+    let steps = t.unwrap_or_default().windows(2).map(|pair| pair[1] - pair[0]);
+    let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0 && step.is_finite()).collect();
+    let step = (!steps.is_empty()).then(|| median(&mut steps));
     let seconds = step.map_or(1.0, |step| of_step(step).1);
     Measured {
         step,
         largest_q: largest.map(|x| x.abs()).reduce(f64::max),
         ratio: t.and_then(|t| ratio(t, seconds, q, dq)),
     }
-}
-
-fn median_step(t: &[f64]) -> Option<f64> {
-    let steps = t.windows(2).map(|pair| pair[1] - pair[0]);
-    let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0 && step.is_finite()).collect();
-    (!steps.is_empty()).then(|| median(&mut steps))
 }
 
 /// Units of position and velocity that fit a ratio of velocity and slope to 10 %.

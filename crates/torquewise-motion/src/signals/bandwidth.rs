@@ -17,7 +17,6 @@ use faer::Mat;
 const MOST_CUTOFFS: i32 = 40;
 /// Rows that a cut-off leaves at least, those at the ends among them.
 const LEAST_LEFT: f64 = 150.0;
-/// Rows that are compared, about.
 const ROWS: usize = 4_000;
 /// Part of a piece that is left out at each end, and seconds at most: no filter has settled there.
 const ENDS: (f64, f64) = (0.1, 2.0);

@@ -1,7 +1,7 @@
 //! Conditioned blocks of a trajectory of any length, in fixed memory.
 
 use crate::error::{MotionError, Result};
-use crate::signals::clean::{Even, Outliers, clean};
+use crate::signals::clean::{Outliers, clean};
 use crate::signals::plan::Plan;
 use crate::signals::raw::Raw;
 use crate::signals::resample::count_gaps;
@@ -61,7 +61,18 @@ impl Conditioner {
     pub fn push(&mut self, block: Raw) -> Result<Vec<Motion>> {
         block.check()?;
         self.plan.check(&block)?;
-        self.join(block)?;
+        let Some(&first) = block.t.first() else { return Ok(Vec::new()) };
+        if self.waiting.t.last().is_some_and(|last| first <= *last) {
+            return Err(MotionError::TimeOrder { row: self.rows_before + self.waiting.t.len() });
+        }
+        let mut pairs = self.waiting.signals.iter().zip(&block.signals);
+        if self.origin.is_some() && pairs.any(|(waiting, new)| waiting.is_some() != new.is_some()) {
+            return Err(MotionError::Block);
+        }
+        self.origin.get_or_insert(first);
+        let new = self.waiting.t.len().saturating_sub(1);
+        self.waiting.append(block);
+        count_gaps(&self.waiting.t[new..], self.plan.rate, &mut self.repairs);
         let mut done = Vec::new();
         while self.waiting.t.len() >= self.part {
             done.extend(self.work_off(self.part, false)?);
@@ -81,30 +92,20 @@ impl Conditioner {
         Ok(self.work_off(rows, true)?.into_iter().collect())
     }
 
-    fn join(&mut self, block: Raw) -> Result<()> {
-        let Some(&first) = block.t.first() else { return Ok(()) };
-        if self.waiting.t.last().is_some_and(|last| first <= *last) {
-            return Err(MotionError::TimeOrder { row: self.rows_before + self.waiting.t.len() });
-        }
-        let pairs = || self.waiting.signals.iter().zip(&block.signals);
-        if self.origin.is_some() && pairs().any(|(waiting, new)| waiting.is_some() != new.is_some())
-        {
-            return Err(MotionError::Block);
-        }
-        self.origin.get_or_insert(first);
-        let new = self.waiting.t.len().saturating_sub(1);
-        self.waiting.append(block);
-        count_gaps(&self.waiting.t[new..], self.plan.rate, &mut self.repairs);
-        Ok(())
-    }
-
     /// Conditions the first `rows` that wait, hands out those of them that no later row can
     /// change, and forgets those that no row to come depends on.
     fn work_off(&mut self, rows: usize, last: bool) -> Result<Option<Motion>> {
         let part = self.waiting.select(&(0..rows).collect::<Vec<_>>());
         let origin = self.origin.unwrap_or_default();
         let even = clean(&part, &self.plan.base, (origin, self.rows_before))?;
-        self.count_outliers(&even, rows, last);
+        // Each replaced row counts once, though parts overlap: a row belongs to the part in which it
+        // lies before the overlap begins.
+        let counted_to = self.rows_before + if last { rows } else { rows - self.overlap };
+        for Outliers { signal, rows, .. } in &even.outliers {
+            let new = rows.iter().filter(|row| (self.counted_to..counted_to).contains(*row));
+            self.repairs.add_spikes(signal, new.count() as u64);
+        }
+        self.counted_to = counted_to;
         let filtered = filter(&even, &self.plan)?;
         let smooth = smooth(&filtered, &even, &self.plan)?;
         let held_back = if last { self.plan.trim } else { self.overlap };
@@ -121,18 +122,6 @@ impl Conditioner {
         self.waiting.forget(forgotten);
         self.rows_before += forgotten;
         Ok(motion)
-    }
-
-    /// Counts each replaced row once, though parts overlap: a row belongs to the part in which it
-    /// lies before the overlap begins.
-    fn count_outliers(&mut self, even: &Even, rows: usize, last: bool) {
-        let end = self.rows_before + if last { rows } else { rows - self.overlap };
-        let begin = self.counted_to;
-        for Outliers { signal, rows, .. } in &even.outliers {
-            let new = rows.iter().filter(|row| (begin..end).contains(*row)).count();
-            self.repairs.add_spikes(signal, new as u64);
-        }
-        self.counted_to = end;
     }
 }
 

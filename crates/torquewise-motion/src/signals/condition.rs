@@ -41,6 +41,7 @@ pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned> {
     let motion = smooth.rows(kept, plan.keep_every).ok_or(MotionError::NothingLeft { rows })?;
     // The lag is against the derivative of position, wherever velocity is taken from.
     let dq = smooth.motion.dq().to_owned();
+    let (dq_lag, dq_gain) = lags_and_gains(&dq, &filtered, &plan)?;
     let report = ConditionReport {
         rows_in: raw.t.len(),
         rows_out: motion.n_rows(),
@@ -54,8 +55,8 @@ pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned> {
         },
         signals: signal_reports(raw, &even, &filtered, &dq),
         outliers: even.outliers,
-        dq_lag: lags(&dq, &filtered, &plan)?,
-        dq_gain: gains(&dq, &filtered, &plan),
+        dq_lag,
+        dq_gain,
         seen_elsewhere: Vec::new(),
         delay: plan.settings.delay,
         trimmed: plan.trim as f64 / plan.rate,
@@ -65,63 +66,52 @@ pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned> {
 
 fn signal_reports(raw: &Raw, even: &Even, filtered: &Raw, dq: &Mat<f64>) -> Vec<SignalReport> {
     let still: Vec<Vec<bool>> = (0..dq.ncols()).map(|j| standstill(dq.col_as_slice(j))).collect();
+    let variance = |x: &[f64]| {
+        let mean = x.iter().sum::<f64>() / x.len() as f64;
+        x.iter().map(|x| (x - mean).powi(2)).sum::<f64>()
+    };
     let mut reports = Vec::new();
     for (((signal, raw_columns), (_, before)), (_, after)) in
         raw.present().zip(even.columns.present()).zip(filtered.present())
     {
         for (joint, name) in raw.joints.iter().enumerate() {
+            // Variance of the difference as a share of that before; zero for what does not move.
+            let off = before[joint].iter().zip(&after[joint]).map(|(b, a)| b - a);
+            let (off, whole) = (off.collect::<Vec<f64>>(), variance(&before[joint]));
             reports.push(SignalReport {
                 signal: signal.name(),
                 joint: name.clone(),
                 noise: white_noise(&before[joint], &still[joint]),
                 quantisation: quantisation(&raw_columns[joint]),
-                removed: removed(&before[joint], &after[joint]),
+                removed: if whole > 0.0 { (variance(&off) / whole).min(1.0) } else { 0.0 },
             });
         }
     }
     reports
 }
 
-/// Variance of the difference as a share of that of `before`; zero for what does not move.
-fn removed(before: &[f64], after: &[f64]) -> f64 {
-    let variance = |x: &[f64]| {
-        let mean = x.iter().sum::<f64>() / x.len() as f64;
-        x.iter().map(|x| (x - mean).powi(2)).sum::<f64>()
-    };
-    let off: Vec<f64> = before.iter().zip(after).map(|(b, a)| b - a).collect();
-    let whole = variance(before);
-    if whole > 0.0 { (variance(&off) / whole).min(1.0) } else { 0.0 }
-}
+type LagsAndGains = (Vec<Option<Shift>>, Vec<Option<f64>>);
 
-/// Σ measured · derived / Σ derived² of each joint, away from the ends.
-fn gains(dq: &Mat<f64>, filtered: &Raw, plan: &Plan) -> Vec<Option<f64>> {
+/// Lag of each joint's measured velocity, on rows thinned out as far as the filter allows, and
+/// Σ measured · derived / Σ derived², away from the ends.
+fn lags_and_gains(dq: &Mat<f64>, filtered: &Raw, plan: &Plan) -> Result<LagsAndGains> {
+    let every = keep_every(plan.cutoff, plan.rate);
+    let rate = plan.rate / every as f64;
     let rows = plan.trim..dq.nrows().saturating_sub(plan.trim);
-    let of = |(joint, measured): (usize, &Vec<f64>)| {
-        let derived = dq.col_as_slice(joint).get(rows.clone())?;
-        let measured = measured.get(rows.clone())?;
+    let thin =
+        |x: &[f64]| -> Vec<f64> { x.iter().step_by(every).take(LAG_ROWS).copied().collect() };
+    let (mut lags, mut gains) = (Vec::new(), Vec::new());
+    for (joint, measured) in filtered.of(Signal::Dq).iter().enumerate() {
+        let derived = dq.col_as_slice(joint).get(rows.clone()).unwrap_or_default();
+        let measured = measured.get(rows.clone()).unwrap_or_default();
+        let found = lag(&thin(derived), &thin(measured), rate, -LONGEST_LAG..=LONGEST_LAG);
+        lags.push(found.map_err(|e| e.of(Signal::Dq.name(), &filtered.joints[joint]))?);
         let square: f64 = derived.iter().map(|x| x * x).sum();
         let product: f64 = derived.iter().zip(measured).map(|(d, m)| d * m).sum();
         let moves = square > STILL * STILL * derived.len() as f64;
-        moves.then(|| product / square).filter(|gain| gain.is_finite())
-    };
-    filtered.of(Signal::Dq).iter().enumerate().map(of).collect()
-}
-
-/// Lag of each joint's measured velocity, on rows thinned out as far as the filter allows.
-fn lags(dq: &Mat<f64>, filtered: &Raw, plan: &Plan) -> Result<Vec<Option<Shift>>> {
-    let every = keep_every(plan.cutoff, plan.rate);
-    let rows = plan.trim..dq.nrows().saturating_sub(plan.trim);
-    let thin = |x: &[f64]| -> Vec<f64> {
-        let kept = x.get(rows.clone()).unwrap_or_default();
-        kept.iter().step_by(every).take(LAG_ROWS).copied().collect()
-    };
-    let rate = plan.rate / every as f64;
-    let of = |(joint, measured): (usize, &Vec<f64>)| {
-        let found =
-            lag(&thin(dq.col_as_slice(joint)), &thin(measured), rate, -LONGEST_LAG..=LONGEST_LAG);
-        found.map_err(|e| e.of(Signal::Dq.name(), &filtered.joints[joint]))
-    };
-    filtered.of(Signal::Dq).iter().enumerate().map(of).collect()
+        gains.push(moves.then(|| product / square).filter(|gain| gain.is_finite()));
+    }
+    Ok((lags, gains))
 }
 
 #[cfg(test)]

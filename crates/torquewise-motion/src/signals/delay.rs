@@ -58,29 +58,24 @@ pub(crate) fn best_shift(
     if best.0 == 0 || best.0 == steps {
         return Ok(Shift { seconds, error: best.1, at_end: true });
     }
-    let (seconds, found) = golden(finite_error, seconds - step, seconds + step, 1e-3 * step);
-    Ok(Shift { seconds, error: found, at_end: false })
-}
-
-/// Least value between `low` and `high` by golden sections.
-///
-/// Source: J. Kiefer, Proc. Am. Math. Soc. 4 (1953).
-fn golden(mut f: impl FnMut(f64) -> f64, mut low: f64, mut high: f64, width: f64) -> (f64, f64) {
+    // Golden sections: J. Kiefer, Proc. Am. Math. Soc. 4 (1953).
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut low, mut high) = (seconds - step, seconds + step);
     let (mut left, mut right) = (high - ratio * (high - low), low + ratio * (high - low));
-    let (mut f_left, mut f_right) = (f(left), f(right));
-    while high - low > width && left < right {
-        if f_left <= f_right {
-            (high, right, f_right) = (right, left, f_left);
+    let (mut at_left, mut at_right) = (finite_error(left), finite_error(right));
+    while high - low > 1e-3 * step && left < right {
+        if at_left <= at_right {
+            (high, right, at_right) = (right, left, at_left);
             left = high - ratio * (high - low);
-            f_left = f(left);
+            at_left = finite_error(left);
         } else {
-            (low, left, f_left) = (left, right, f_right);
+            (low, left, at_left) = (left, right, at_right);
             right = low + ratio * (high - low);
-            f_right = f(right);
+            at_right = finite_error(right);
         }
     }
-    if f_left <= f_right { (left, f_left) } else { (right, f_right) }
+    let (seconds, error) = if at_left <= at_right { (left, at_left) } else { (right, at_right) };
+    Ok(Shift { seconds, error, at_end: false })
 }
 
 /// x(t + `seconds`): a positive shift advances a signal that lags.
@@ -114,9 +109,17 @@ pub(crate) fn shift_at(
     let taps = TAPS.cast_signed();
     let weights: Vec<f64> = (1 - taps..=taps).map(|k| weight(k as f64 - rest)).collect();
     let sum: f64 = weights.iter().sum();
+    let last = x.len().cast_signed() - 1;
+    let at = |row: isize| x[row.clamp(0, last).unsigned_abs()];
+    // Continued by odd reflection, and by its ends beyond that.
+    let reflected = |row: isize| match row {
+        ..0 => 2.0 * at(0) - at(-row),
+        _ if row > last => 2.0 * at(last) - at(2 * last - row),
+        _ => at(row),
+    };
     let value = |row: isize| {
         let terms = (1 - taps..=taps).zip(&weights);
-        terms.map(|(k, w)| w * reflected(x, row + steps + k)).sum::<f64>() / sum
+        terms.map(|(k, w)| w * reflected(row + steps + k)).sum::<f64>() / sum
     };
     rows.map(|row| value(row.cast_signed())).collect()
 }
@@ -137,19 +140,6 @@ fn bessel(x: f64) -> f64 {
         sum += term;
     }
     sum
-}
-
-/// Sample of `x` continued by odd reflection, and by its ends beyond that.
-fn reflected(x: &[f64], row: isize) -> f64 {
-    let last = x.len().cast_signed() - 1;
-    let at = |row: isize| x[row.clamp(0, last).unsigned_abs()];
-    if row < 0 {
-        2.0 * at(0) - at(-row)
-    } else if row > last {
-        2.0 * at(last) - at(2 * last - row)
-    } else {
-        at(row)
-    }
 }
 
 /// How far a measured signal lags a derived one, such as q̇ from the log behind the derivative of

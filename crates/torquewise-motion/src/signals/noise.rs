@@ -36,15 +36,14 @@ pub(crate) fn white_noise(x: &[f64], still: &[bool]) -> f64 {
         windows().filter(|(_, still)| is_still(still)).map(|(x, _)| fourth(x)).collect();
     let is_enough = at_rest.len() >= MIN_STANDSTILL;
     let differences = if is_enough { at_rest } else { x.windows(5).map(fourth).collect() };
-    if differences.is_empty() { 0.0 } else { deviation(differences) / 70.0_f64.sqrt() }
-}
-
-/// Robust standard deviation of values around zero, the plain one if most are next to zero.
-fn deviation(values: Vec<f64>) -> f64 {
-    let mean_square = values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64;
-    let mut sizes: Vec<f64> = values.into_iter().map(f64::abs).collect();
+    if differences.is_empty() {
+        return 0.0;
+    }
+    let mean_square = differences.iter().map(|x| x * x).sum::<f64>() / differences.len() as f64;
+    let mut sizes: Vec<f64> = differences.into_iter().map(f64::abs).collect();
     let robust = median(&mut sizes) / 0.674_489_75;
-    if robust > 1e-3 * mean_square.sqrt() { robust } else { mean_square.sqrt() }
+    let plain = mean_square.sqrt();
+    (if robust > 1e-3 * plain { robust } else { plain }) / 70.0_f64.sqrt()
 }
 
 /// Rows where a joint is in the lower of two clusters of its own speed.

@@ -53,23 +53,19 @@ pub(crate) fn replace_outliers(t: &[f64], x: &mut [f64], scale: f64) -> Vec<usiz
         for &row in &found {
             is_spike[row] = true;
         }
-        replace(t, x, &found, &is_spike);
+        let good = |row: &usize| !is_spike[*row];
+        for &row in &found {
+            let mut near: Vec<usize> = (0..row).rev().filter(good).take(2).collect();
+            near.extend((row + 1..x.len()).filter(good).take(2));
+            let stamps: Vec<f64> = near.iter().map(|&row| t[row]).collect();
+            let weights = lagrange(&stamps, t[row]);
+            x[row] = near.iter().zip(weights).map(|(&row, weight)| x[row] * weight).sum();
+        }
         spikes.extend(found);
     }
     spikes.sort_unstable();
     spikes.dedup();
     spikes
-}
-
-fn replace(t: &[f64], x: &mut [f64], spikes: &[usize], is_spike: &[bool]) {
-    for &row in spikes {
-        let good = |row: &usize| !is_spike[*row];
-        let mut near: Vec<usize> = (0..row).rev().filter(good).take(2).collect();
-        near.extend((row + 1..x.len()).filter(good).take(2));
-        let stamps: Vec<f64> = near.iter().map(|&row| t[row]).collect();
-        let weights = lagrange(&stamps, t[row]);
-        x[row] = near.iter().zip(weights).map(|(&row, weight)| x[row] * weight).sum();
-    }
 }
 
 fn find(x: &[f64], scale: f64) -> Vec<usize> {

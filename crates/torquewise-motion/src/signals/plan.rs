@@ -108,7 +108,11 @@ impl Plan {
             keep_every: keep_every(cutoff.filter(|_| settings.thins), rate),
             trim: 0,
         };
-        plan.trim = plan.trimmed_rows(span);
+        let settled = cutoff.filter(|_| settings.trims);
+        let seconds =
+            settled.map_or(0.0, |cutoff| settle_time(cutoff, SETTLED).min(MAX_TRIM * span));
+        // Rounding of the rate is not to cost a row.
+        plan.trim = rows((seconds * rate - 1e-6).ceil()) + plan.shift_reach();
         Ok((plan, even))
     }
 
@@ -118,14 +122,6 @@ impl Plan {
     pub fn for_part(mut self) -> Self {
         self.base.scales = [const { Vec::new() }; 4];
         self
-    }
-
-    fn trimmed_rows(&self, span: f64) -> usize {
-        let settled = self.cutoff.filter(|_| self.settings.trims);
-        let seconds =
-            settled.map_or(0.0, |cutoff| settle_time(cutoff, SETTLED).min(MAX_TRIM * span));
-        // Rounding of the rate is not to cost a row.
-        rows((seconds * self.rate - 1e-6).ceil()) + self.shift_reach()
     }
 
     /// Rows to each side on which a conditioned row depends, to rounding.

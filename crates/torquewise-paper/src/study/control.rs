@@ -13,7 +13,7 @@ use torquewise_model::{Model, Torque};
 use torquewise_motion::Motion;
 use torquewise_motion::signals::{Conditioned, Conditioning, Cutoff, Raw, condition};
 use torquewise_report::html::number::significant;
-use torquewise_report::html::{Axis, Chart, Colour, Guide, Mark, Series};
+use torquewise_report::html::{Chart, Colour, Guide, Mark, Series};
 use torquewise_report::torque_charts;
 use torquewise_sim::control::knowledge::sharp;
 use torquewise_sim::control::{
@@ -149,8 +149,8 @@ fn friction(plant: &Plant, model: &Model, study: &mut Study) -> Result {
             line("model", Mark::Line, Colour::Series(0), 1),
         ];
         let guides = [-DEAD_ZONE, DEAD_ZONE].map(|at| Guide::at_x(at, "")).to_vec();
-        let axes = ["speed [rad/s]", "friction [N·m]"].map(Axis::named);
-        let chart = Chart::new(format!("Joint {}: friction", joint + 1), axes, series);
+        let axes = ["speed [rad/s]", "friction [N·m]"];
+        let chart = Chart::over(format!("Joint {}: friction", joint + 1), axes, series);
         study.figures[0].charts.push(Chart { guides, ..chart });
     }
     study.tables[0].push(&["".into()], worst_percent);
@@ -210,9 +210,9 @@ fn track(plant: &Plant, model: &Model, wanted: &Motion, settle: f64, study: &mut
             let points = t.iter().zip(error).map(|(&t, &error)| [t, 1e3 * error]);
             Series::new(*name, Mark::Line, Colour::Series(place), points.collect())
         });
-        let axes = ["time [s]", "error [mrad]"].map(Axis::named);
         let title = format!("Joint {}: tracking error", joint + 1);
-        Chart { linked: Some("control".into()), ..Chart::new(title, axes, series.collect()) }
+        let chart = Chart::over(title, ["time [s]", "error [mrad]"], series.collect());
+        Chart { linked: Some("control".into()), ..chart }
     };
     study.figures[2].charts = (0..wanted.n_joints()).map(of_joint).collect();
     Ok(())

@@ -5,7 +5,7 @@ use crate::results::{Cell, Study};
 use crate::scenario::Settings;
 use torquewise_report::order_charts;
 use torquewise_sim::Noise;
-use torquewise_stepwise::orders::{OrderCurve, OrderPlan, orders};
+use torquewise_stepwise::orders::{OrderPlan, orders};
 
 /// A residual has settled where it is below this part of what it was at first.
 const SETTLED: f64 = 0.5;
@@ -26,7 +26,8 @@ pub(crate) fn study(settings: &Settings) -> Result<Study> {
         for curve in &curves {
             let point = &curve.points[curve.chosen];
             let order = |order: u8| if order > 0 { order.to_string() } else { "–".into() };
-            let [first, residual] = [0, curve.chosen].map(|place| worst(curve, place));
+            let [first, residual] = [0, curve.chosen]
+                .map(|place| curve.points[place].residual.iter().copied().fold(0.0, f64::max));
             let head = [noise.to_string(), curve.name.clone()].map(Cell::from);
             let orders = [point.order, point.motion_order].map(|number| order(number).into());
             let found: [Cell; 2] = [point.candidates.into(), (100.0 * residual).into()];
@@ -45,10 +46,6 @@ pub(crate) fn study(settings: &Settings) -> Result<Study> {
     study.figures[0].charts = order_charts(&named);
     study.claims[0].judge([chosen.join("; ")], &settled);
     Ok(study)
-}
-
-fn worst(curve: &OrderCurve, place: usize) -> f64 {
-    curve.points[place].residual.iter().copied().fold(0.0, f64::max)
 }
 
 #[cfg(test)]

@@ -119,9 +119,9 @@ fn motion(scaled: &Clustered, log: &Motion) -> Chart {
         let label = format!("joint {}", joint + 1);
         Series::new(label, Mark::Line, Colour::Series(joint), points.collect())
     };
-    let axes = ["time [s]", "joint speed [rad/s]"].map(Axis::named);
-    let series = (0..part.n_joints()).map(joint).collect();
-    let chart = Chart::new("Joint speeds, coloured by the pattern found", axes, series);
+    let (title, axes) =
+        ("Joint speeds, coloured by the pattern found", ["time [s]", "joint speed [rad/s]"]);
+    let chart = Chart::over(title, axes, (0..part.n_joints()).map(joint).collect());
     Chart { bands: pattern_bands(part.t(), &scaled.patterns.label(&part)), ..chart }
 }
 

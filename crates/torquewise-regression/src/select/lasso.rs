@@ -158,34 +158,30 @@ impl Descent<'_> {
             if gap <= tolerance || sweeps >= max_sweeps {
                 return Some((gap, sweeps));
             }
-            sweeps += self.descend_in_active(lambda, tolerance, max_sweeps - sweeps - 1);
-        }
-    }
-
-    /// Sweeps over the weights that are not zero, in a problem of their own, then Newton steps where
-    /// these creep; returns how many of both.
-    fn descend_in_active(&mut self, lambda: f64, tolerance: f64, max_sweeps: usize) -> usize {
-        let places = nonzero(&self.weights, self.weights.len());
-        let own = |values: &[f64]| places.iter().map(|&j| values[j]).collect();
-        let (weights, slope) = (own(&self.weights), own(&self.slope));
-        let mut active = Descent { problem: &self.problem.restricted(&places), weights, slope };
-        let mut sweeps = 0;
-        while sweeps < max_sweeps.min(BURST) {
-            sweeps += 1;
-            if active.sweep(lambda) * places.len() as f64 <= tolerance {
-                break;
+            // The weights that are not zero in a problem of their own: sweeps, then Newton steps
+            // where these creep. What is left is one sweep over all.
+            let places = nonzero(&self.weights, self.weights.len());
+            let own = |values: &[f64]| places.iter().map(|&j| values[j]).collect();
+            let (weights, slope) = (own(&self.weights), own(&self.slope));
+            let mut active = Descent { problem: &self.problem.restricted(&places), weights, slope };
+            let (mut spent, left) = (0, max_sweeps - sweeps - 1);
+            while spent < left.min(BURST) {
+                spent += 1;
+                if active.sweep(lambda) * places.len() as f64 <= tolerance {
+                    break;
+                }
             }
-        }
-        while sweeps < max_sweeps {
-            sweeps += 1;
-            if !active.newton_step(lambda) {
-                break;
+            while spent < left {
+                spent += 1;
+                if !active.newton_step(lambda) {
+                    break;
+                }
             }
+            for (&j, weight) in places.iter().zip(active.weights) {
+                self.set_weight(j, weight);
+            }
+            sweeps += spent;
         }
-        for (&j, weight) in places.iter().zip(active.weights) {
-            self.set_weight(j, weight);
-        }
-        sweeps
     }
 
     fn set_weight(&mut self, j: usize, weight: f64) {

@@ -30,9 +30,12 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
     let mut items = vec![Item::Text(format!("{filter} {repaired}"))];
     if !total.is_none() {
         let each = training.conditioning.iter().map(|(log, repairs)| row(log, repairs));
+        let left_out = ["spikes replaced", "repeated stamps", "held rows", "other rows left out"];
+        let moved = ["late stamps", "gaps bridged", "longest [ms]", "splits"];
+        let numbers = left_out.into_iter().chain(moved).map(Column::numbers);
         items.push(Item::Table(Table {
             caption: "What was repaired in the logs; the others needed no repair.".into(),
-            columns: columns(),
+            columns: std::iter::once(Column::words("log")).chain(numbers).collect(),
             rows: each.chain([row("all", &total)]).collect(),
         }));
     }
@@ -40,13 +43,6 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
     items.push(Item::Text(words.into()));
     items.extend([reach(findings), noise(findings)].map(Item::Table));
     Section { heading: "Conditioning and ranges".into(), items }
-}
-
-fn columns() -> Vec<Column> {
-    let left_out = ["spikes replaced", "repeated stamps", "held rows", "other rows left out"];
-    let moved = ["late stamps", "gaps bridged", "longest [ms]", "splits"];
-    let numbers = left_out.into_iter().chain(moved).map(Column::numbers);
-    std::iter::once(Column::words("log")).chain(numbers).collect()
 }
 
 fn row(log: &str, repairs: &Repairs) -> Vec<Label> {

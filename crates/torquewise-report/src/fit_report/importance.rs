@@ -5,9 +5,10 @@ use crate::html::equation::{friction, term};
 use crate::html::number::count;
 use crate::html::{Bars, Colour, Item, Label, Section};
 use std::collections::BTreeMap;
+use torquewise_identify::diagnose::Importance;
+use torquewise_model::FrictionTerm;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::print::weighted_friction;
-use torquewise_model::{FrictionTerm, Term, Weighted};
 
 const MOST_TERMS: usize = 8;
 const MOST_DROPPED: usize = 12;
@@ -19,45 +20,33 @@ pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
         return None;
     }
     let equations = model.equations().into_iter().zip(weighted_friction(model));
-    let bars = equations.enumerate().map(|(joint, (equation, friction))| {
-        let terms = equation.iter().map(|(_, term)| (term.name(), term)).collect();
-        joint_bars(findings, joint, &terms, &friction)
-    });
-    let mut items = vec![Item::Text(words.into()), Item::Bars(bars.collect())];
-    items.extend(dropped(findings));
-    Some(Section { heading: "Terms".into(), items })
-}
-
-fn joint_bars(
-    findings: &Findings<'_>,
-    joint: usize,
-    terms: &BTreeMap<String, &Term>,
-    rubbing: &[Weighted<FrictionTerm>],
-) -> Bars {
-    let importance = &findings.diagnosis.importance[joint];
-    let rows: Vec<(Label, f64)> = importance
-        .iter()
-        .map(|found| {
+    let bars = equations.enumerate().map(|(joint, (equation, rubbing))| {
+        let terms: BTreeMap<_, _> = equation.iter().map(|(_, term)| (term.name(), term)).collect();
+        let label = |found: &Importance| -> Label {
             let own = terms.get(&found.name).map(|found| term(found));
             let rubs = rubbing.iter().find(|w| w.term.name() == found.name);
             let is_offset = |term: &FrictionTerm| term.law == FrictionLaw::Offset;
             let of_friction = |term| if is_offset(term) { "offset".into() } else { friction(term) };
             let name = own.or_else(|| rubs.map(|w| of_friction(&w.term)));
-            (name.unwrap_or_else(|| found.name.clone().into()), found.rms)
-        })
-        .collect();
-    let caption = match rows.len().saturating_sub(MOST_TERMS) {
-        0 => String::new(),
-        1 => "One smaller term is not shown.".into(),
-        n => format!("{} smaller terms are not shown.", count(n)),
-    };
-    Bars {
-        title: findings.joints()[joint].clone(),
-        caption,
-        label: "share of the torque [N·m]".into(),
-        colour: Colour::Series(0),
-        rows: rows.into_iter().take(MOST_TERMS).collect(),
-    }
+            name.unwrap_or_else(|| found.name.clone().into())
+        };
+        let all = &findings.diagnosis.importance[joint];
+        let caption = match all.len().saturating_sub(MOST_TERMS) {
+            0 => String::new(),
+            1 => "One smaller term is not shown.".into(),
+            n => format!("{} smaller terms are not shown.", count(n)),
+        };
+        Bars {
+            title: findings.joints()[joint].clone(),
+            caption,
+            label: "share of the torque [N·m]".into(),
+            colour: Colour::Series(0),
+            rows: all.iter().take(MOST_TERMS).map(|found| (label(found), found.rms)).collect(),
+        }
+    });
+    let mut items = vec![Item::Text(words.into()), Item::Bars(bars.collect())];
+    items.extend(dropped(findings));
+    Some(Section { heading: "Terms".into(), items })
 }
 
 fn dropped(findings: &Findings<'_>) -> Option<Item> {

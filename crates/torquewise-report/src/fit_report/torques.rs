@@ -4,9 +4,8 @@ use crate::fit_report::Findings;
 use crate::fit_report::clock::{self, Clock};
 use crate::html::number::significant;
 use crate::html::{Chart, Colour, Item, Mark, Section, Series};
-use faer::Mat;
 use torquewise_identify::Diagnosis;
-use torquewise_model::{JointKind, Torque, units};
+use torquewise_model::{Torque, units};
 
 /// Charts of time with this word share their zoom.
 pub(crate) const LINK: &str = "time";
@@ -37,8 +36,21 @@ fn charts(findings: &Findings<'_>, diagnosis: &Diagnosis, link: &str) -> Item {
     let clock = Clock::new(diagnosis.trace.motion.t());
     let charts = (0..diagnosis.scores.joints.len()).map(|joint| {
         let rubs = model.friction.iter().any(|law| law.term.acts_on(joint));
-        let friction = parts.as_ref().filter(|_| rubs).map(|parts| &parts.friction);
-        chart(diagnosis, &clock, (joint, model.kinds().of(joint), friction), link)
+        let friction = parts.as_ref().filter(|_| rubs).map(|parts| {
+            let points = clock.curve(|row| parts.friction[(row, joint)]);
+            Series::new("friction", Mark::Line, Colour::Series(1), points)
+        });
+        let (trace, score) = (&diagnosis.trace, &diagnosis.scores.joints[joint]);
+        let measured = trace.motion.tau().map(|tau| {
+            let points = clock.curve(|row| tau[(row, joint)]);
+            Series::new("measured", Mark::BroadLine, Colour::Measured, points)
+        });
+        let predicted = Series::line("predicted", clock.curve(|row| trace.tau_hat[(row, joint)]));
+        let title = format!("{}, NRMSE {} %", score.name, significant(score.nrmse_percent, 3));
+        let series = measured.into_iter().chain([predicted]).chain(friction).collect();
+        let label = units::unit(model.kinds().of(joint), "torque [N·m]");
+        let chart = Chart::over(title, [clock::LABEL, &label], series);
+        Chart { linked: Some(link.into()), ..chart }
     });
     Item::Charts(charts.collect())
 }
@@ -68,27 +80,4 @@ fn parts(findings: &Findings<'_>) -> Option<Item> {
     let summary = "Its parts: inertia, Coriolis, gravity, friction".into();
     let charts = (0..model.n_joints()).map(chart).collect();
     Some(Item::Details { summary, items: vec![Item::Charts(charts)] })
-}
-
-fn chart(
-    diagnosis: &Diagnosis,
-    clock: &Clock,
-    (joint, kind, friction): (usize, JointKind, Option<&Mat<f64>>),
-    link: &str,
-) -> Chart {
-    let trace = &diagnosis.trace;
-    let score = &diagnosis.scores.joints[joint];
-    let measured = trace.motion.tau().map(|tau| {
-        let points = clock.curve(|row| tau[(row, joint)]);
-        Series::new("measured", Mark::BroadLine, Colour::Measured, points)
-    });
-    let predicted = Series::line("predicted", clock.curve(|row| trace.tau_hat[(row, joint)]));
-    let friction = friction.map(|friction| {
-        let points = clock.curve(|row| friction[(row, joint)]);
-        Series::new("friction", Mark::Line, Colour::Series(1), points)
-    });
-    let title = format!("{}, NRMSE {} %", score.name, significant(score.nrmse_percent, 3));
-    let series = measured.into_iter().chain([predicted]).chain(friction).collect();
-    let chart = Chart::over(title, [clock::LABEL, &units::unit(kind, "torque [N·m]")], series);
-    Chart { linked: Some(link.into()), ..chart }
 }

@@ -125,7 +125,9 @@ fn error_table(findings: &Findings<'_>) -> Item {
         let test = findings.test.map(|_| percent(score.nrmse_percent));
         let unseen = held_out.get(joint).map(|error| percent(100.0 * error));
         let own = percent(fitted.scores.joints[joint].nrmse_percent);
-        let [rmse, r2] = [significant(score.rmse, DIGITS).into(), r_squared(score.r2).into()];
+        // Five decimals, since it is close to one.
+        let r2 = if score.r2.is_finite() { format!("{:.5}", score.r2) } else { "–".into() };
+        let [rmse, r2] = [significant(score.rmse, DIGITS), r2.replace('-', "−")].map(Label::from);
         let errors = test.into_iter().chain(unseen).chain([own, rmse, r2]);
         std::iter::once(score.name.as_str().into()).chain(errors).collect()
     };
@@ -147,9 +149,4 @@ fn error_table(findings: &Findings<'_>) -> Item {
         columns: std::iter::once(Column::words("joint")).chain(columns).collect(),
         rows: (0..findings.n_joints()).map(row).collect(),
     })
-}
-
-/// Five decimals, since it is close to one.
-fn r_squared(r2: f64) -> String {
-    if r2.is_finite() { format!("{r2:.5}").replace('-', "−") } else { "–".into() }
 }

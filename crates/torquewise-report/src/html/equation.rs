@@ -58,10 +58,19 @@ impl Equation {
         let safe = |label: &Label| Value::from_safe_string(label.to_string());
         let terms = self.terms.iter().map(|weighted| {
             let unit = self.unit.unwrap_or_else(|| unit_of(&weighted.term));
-            Line::of(weighted, unit, function_of(&weighted.term))
+            let is_one = weighted.term.interaction() == 0 && weighted.term.kind() == Kind::Gravity;
+            // Nothing for the constant 1.
+            let function = if is_one { Label::default() } else { term(&weighted.term) };
+            Line::of(weighted, unit, function)
         });
         let rubs = self.friction.iter().map(|weighted| {
-            Line::of(weighted, friction_unit(&weighted.term), friction(&weighted.term))
+            let unit = match (weighted.term.law, weighted.term.load) {
+                (FrictionLaw::Viscous, false) => "N·m·s",
+                (FrictionLaw::Viscous, true) => "s",
+                (_, false) => "N·m",
+                (_, true) => "",
+            };
+            Line::of(weighted, unit, friction(&weighted.term))
         });
         let lines: Vec<Line> = terms.chain(rubs).collect();
         let numbers: Vec<String> = lines.iter().map(|line| line.number[0].clone()).collect();
@@ -91,12 +100,6 @@ impl Equation {
             left_out => (self.left_out > 0).then(|| count(self.left_out)),
         }
     }
-}
-
-/// The function a coefficient stands before; nothing for the constant 1.
-fn function_of(function: &Term) -> Label {
-    let is_one = function.interaction() == 0 && function.kind() == Kind::Gravity;
-    if is_one { Label::default() } else { term(function) }
 }
 
 /// A share of resampled logs above this needs no mention: the term is always there.
@@ -154,15 +157,6 @@ const MENDED: [(&str, &str); 4] = [
     ("<mover><mi>q</mi><mi>˙</mi></mover>", "<mi>\u{1d45e}\u{307}</mi>"),
     ("<mover><mi>q</mi><mi>¨</mi></mover>", "<mi>\u{1d45e}\u{308}</mi>"),
 ];
-
-fn friction_unit(term: &FrictionTerm) -> &'static str {
-    match (term.law, term.load) {
-        (FrictionLaw::Viscous, false) => "N·m·s",
-        (FrictionLaw::Viscous, true) => "s",
-        (_, false) => "N·m",
-        (_, true) => "",
-    }
-}
 
 fn unit_of(term: &Term) -> &'static str {
     match (term.kind(), term.dq.iter().sum::<u8>()) {

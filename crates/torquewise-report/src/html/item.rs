@@ -89,7 +89,12 @@ impl<'a> Writer<'a> {
             Item::Callout(Callout { tone, heading, lines }) => {
                 ("callout", context! { tone => Serde(tone), heading, lines })
             }
-            Item::Table(table) => ("table", table_view(table)),
+            Item::Table(table) => {
+                let row = |row: &Vec<String>| row.iter().map(|cell| safe(cell)).collect();
+                let rows: Vec<Vec<Value>> = table.cells().iter().map(row).collect();
+                let (caption, columns) = (table.caption.as_str(), Serde(&table.columns));
+                ("table", context! { caption, columns, rows })
+            }
             Item::Charts(all) => {
                 let charts: Result<Vec<_>, _> = all.iter().map(|c| self.chart(c)).collect();
                 ("charts", context! { charts => charts?, beside => all.len() > 1 })
@@ -137,12 +142,6 @@ impl<'a> Writer<'a> {
             spec => safe(&spec_json(chart)?),
         })
     }
-}
-
-fn table_view(table: &Table) -> Value {
-    let rows: Vec<Vec<Value>> =
-        table.cells().iter().map(|row| row.iter().map(|cell| safe(cell)).collect()).collect();
-    context! { caption => table.caption.as_str(), columns => Serde(&table.columns), rows }
 }
 
 fn bars_view(bars: &Bars) -> Value {

@@ -41,7 +41,24 @@ pub(crate) fn spec_json(chart: &Chart) -> Result<String> {
         let first = &group[0].points;
         let x: Vec<f64> = rows.iter().map(|&row| first.points[row][0]).collect();
         for curve in &group {
-            series[curve.place] = Some(series_spec(chart, curve, &rows, columns.len()));
+            let own = &chart.series[curve.place];
+            let Sorted { points, spread } = &curve.points;
+            // The logarithm of what is not positive is a gap.
+            let height = |y: f64| if chart.y.log && y <= 0.0 { f64::NAN } else { y };
+            let pick = |end: usize| -> Vec<Plotted> {
+                let ends = rows.iter().filter_map(|&row| spread.get(row));
+                rounded(&ends.map(|ends| height(ends[end])).collect::<Vec<f64>>())
+            };
+            let y: Vec<f64> = rows.iter().map(|&row| height(points[row][1])).collect();
+            series[curve.place] = Some(SeriesSpec {
+                label: &own.label,
+                colour: own.colour.variable(),
+                mark: own.mark,
+                column: columns.len(),
+                y: rounded(&y),
+                low: pick(0),
+                high: pick(1),
+            });
         }
         columns.push(rounded(&x));
     }
@@ -49,13 +66,20 @@ pub(crate) fn spec_json(chart: &Chart) -> Result<String> {
         let spans: Vec<_> = band.spans.iter().map(|span| rounded(span)).collect();
         json!({ "colour": band.colour.variable(), "spans": spans })
     };
+    let guide = |guide: &Guide| {
+        let (axis, at) = match guide.at {
+            Position::X(at) => ("x", at),
+            Position::Y(at) => ("y", at),
+        };
+        at.is_finite().then(|| json!({ "axis": axis, "at": at }))
+    };
     let spec = Spec {
         x: drawable(&chart.x),
         y: drawable(&chart.y),
         columns,
         series: series.into_iter().flatten().collect(),
         bands: chart.bands.iter().map(band).collect(),
-        guides: chart.guides.iter().filter_map(guide_spec).collect(),
+        guides: chart.guides.iter().filter_map(guide).collect(),
         linked: chart.linked.as_deref(),
     };
     script_json(&spec)
@@ -86,47 +110,12 @@ fn groups(chart: &Chart) -> Vec<Vec<Curve>> {
     groups
 }
 
-fn series_spec<'a>(
-    chart: &'a Chart,
-    curve: &Curve,
-    rows: &[usize],
-    column: usize,
-) -> SeriesSpec<'a> {
-    let series = &chart.series[curve.place];
-    let Sorted { points, spread } = &curve.points;
-    // The logarithm of what is not positive is a gap.
-    let height = |y: f64| if chart.y.log && y <= 0.0 { f64::NAN } else { y };
-    let pick = |end: usize| -> Vec<Plotted> {
-        let ends: Vec<f64> =
-            rows.iter().filter_map(|&row| spread.get(row)).map(|ends| height(ends[end])).collect();
-        rounded(&ends)
-    };
-    let y: Vec<f64> = rows.iter().map(|&row| height(points[row][1])).collect();
-    SeriesSpec {
-        label: &series.label,
-        colour: series.colour.variable(),
-        mark: series.mark,
-        column,
-        y: rounded(&y),
-        low: pick(0),
-        high: pick(1),
-    }
-}
-
 /// The axis without a range that cannot be.
 fn drawable(axis: &Axis) -> Axis {
     let usable = |range: &[f64; 2]| {
         range.iter().all(|end| end.is_finite() && (!axis.log || *end > 0.0)) && range[0] < range[1]
     };
     Axis { range: axis.range.filter(usable), ..axis.clone() }
-}
-
-fn guide_spec(guide: &Guide) -> Option<Value> {
-    let (axis, at) = match guide.at {
-        Position::X(at) => ("x", at),
-        Position::Y(at) => ("y", at),
-    };
-    at.is_finite().then(|| json!({ "axis": axis, "at": at }))
 }
 
 #[cfg(test)]

@@ -91,7 +91,29 @@ impl<'a> Controller<'a> {
         for (integral, error) in self.integral.iter_mut().zip(&error) {
             *integral += self.period * error;
         }
-        let command = self.unlimited(wanted, [measured, &dq], [&error, &rate])?;
+        let command = if self.law == Law::ComputedTorque {
+            let w = self.gains.bandwidth;
+            let asked = (0..error.len()).map(|i| {
+                let feedback = w * w * self.integral[i] + 3.0 * (w * error[i] + rate[i]);
+                wanted.ddq[i] + w * feedback
+            });
+            let rigid = self.known.rigid(measured, &dq, &asked.collect::<Vec<_>>())?;
+            sum(rigid, 1.0, &self.known.friction(&self.path, &wanted.dq)?)
+        } else {
+            let Gains { proportional: p, integral, derivative, .. } = self.gains;
+            let feedback = (0..error.len())
+                .map(|i| p[i] * error[i] + integral[i] * self.integral[i] + derivative[i] * rate[i])
+                .collect();
+            let State { q, dq, ddq } = wanted;
+            let forward = match self.law {
+                Law::Controller1 => self.known.slow(&self.path, dq)?,
+                Law::Controller2 => {
+                    sum(self.known.rigid(q, dq, ddq)?, 1.0, &self.known.friction(&self.path, dq)?)
+                }
+                _ => vec![0.0; error.len()],
+            };
+            sum(feedback, 1.0, &forward)
+        };
         // Where a command is at its limit, the integral does not grow any further.
         for (joint, tau) in command.iter().enumerate() {
             if tau.abs() > self.plant.drive.limit[joint] && tau * error[joint] > 0.0 {
@@ -99,36 +121,6 @@ impl<'a> Controller<'a> {
             }
         }
         Ok(command)
-    }
-
-    fn unlimited(
-        &self,
-        wanted: &State,
-        [q, dq]: [&[f64]; 2],
-        [error, rate]: [&[f64]; 2],
-    ) -> Result<Vec<f64>> {
-        if self.law == Law::ComputedTorque {
-            let w = self.gains.bandwidth;
-            let asked = (0..error.len()).map(|i| {
-                let feedback = w * w * self.integral[i] + 3.0 * (w * error[i] + rate[i]);
-                wanted.ddq[i] + w * feedback
-            });
-            let rigid = self.known.rigid(q, dq, &asked.collect::<Vec<_>>())?;
-            return Ok(sum(rigid, 1.0, &self.known.friction(&self.path, &wanted.dq)?));
-        }
-        let Gains { proportional, integral, derivative, .. } = self.gains;
-        let feedback = (0..error.len()).map(|i| {
-            proportional[i] * error[i] + integral[i] * self.integral[i] + derivative[i] * rate[i]
-        });
-        let State { q, dq, ddq } = wanted;
-        let forward = match self.law {
-            Law::Controller1 => self.known.slow(&self.path, dq)?,
-            Law::Controller2 => {
-                sum(self.known.rigid(q, dq, ddq)?, 1.0, &self.known.friction(&self.path, dq)?)
-            }
-            _ => vec![0.0; error.len()],
-        };
-        Ok(sum(feedback.collect(), 1.0, &forward))
     }
 }
 

@@ -60,7 +60,13 @@ impl Integrator {
         while left > 0.0 {
             let last = self.step >= left;
             let h = if last { left } else { self.step };
-            self.stages(x, h, &mut slope)?;
+            for (stage, weights) in A.iter().enumerate() {
+                for (i, (trial, x)) in self.trial.iter_mut().zip(&*x).enumerate() {
+                    let sum: f64 = weights.iter().zip(&self.slopes).map(|(a, k)| a * k[i]).sum();
+                    *trial = x + h * sum;
+                }
+                slope(&self.trial, &mut self.slopes[stage + 1])?;
+            }
             let error = self.error(x, h);
             let [least, most] = GROWTH;
             let factor = (SAFETY * error.powf(-0.2)).clamp(least, most);
@@ -79,22 +85,6 @@ impl Integrator {
             if steps > MOST_STEPS || self.step < 1e-14 {
                 return Err(SimError::Diverged { t: t + seconds - left });
             }
-        }
-        Ok(())
-    }
-
-    fn stages(
-        &mut self,
-        x: &[f64],
-        h: f64,
-        slope: &mut impl FnMut(&[f64], &mut [f64]) -> Result<()>,
-    ) -> Result<()> {
-        for (stage, weights) in A.iter().enumerate() {
-            for (i, (trial, x)) in self.trial.iter_mut().zip(x).enumerate() {
-                let sum: f64 = weights.iter().zip(&self.slopes).map(|(a, k)| a * k[i]).sum();
-                *trial = x + h * sum;
-            }
-            slope(&self.trial, &mut self.slopes[stage + 1])?;
         }
         Ok(())
     }

@@ -95,21 +95,16 @@ impl<'a> Moving<'a> {
             for (mean, tau) in mean.iter_mut().zip(&tau) {
                 *mean += tau * seconds / period;
             }
-            self.move_under(&tau, external, seconds)?;
+            let total: Vec<f64> = tau.iter().zip(external).map(|(tau, more)| tau + more).collect();
+            let times = [self.t, seconds];
+            self.plant.follow(&mut self.integrator, &mut self.state, times, &total)?;
+            self.t += seconds;
+            if self.dq().iter().any(|dq| dq.abs() > FASTEST) {
+                return Err(SimError::Diverged { t: self.t });
+            }
         }
         self.commands.pop_front();
         Ok(mean)
-    }
-
-    fn move_under(&mut self, tau: &[f64], external: &[f64], seconds: f64) -> Result<()> {
-        let total: Vec<f64> = tau.iter().zip(external).map(|(tau, more)| tau + more).collect();
-        let times = [self.t, seconds];
-        self.plant.follow(&mut self.integrator, &mut self.state, times, &total)?;
-        self.t += seconds;
-        if self.dq().iter().any(|dq| dq.abs() > FASTEST) {
-            return Err(SimError::Diverged { t: self.t });
-        }
-        Ok(())
     }
 }
 

@@ -78,12 +78,32 @@ impl Task<'_> {
             chosen.push(next);
             progress(half * self.seconds_with(&chosen, None) / self.seconds);
         }
-        let total = (self.effort.rounds * chosen.len()).max(1) as f64;
-        for round in 0..self.effort.rounds {
-            for place in 0..chosen.len() {
-                self.improve(&mut information, &mut chosen, place, rng)?;
-                progress(0.5 + 0.5 * (round * chosen.len() + place + 1) as f64 / total);
+        let total = self.effort.rounds * chosen.len();
+        for step in 0..total {
+            let place = step % chosen.len();
+            let old = chosen[place].clone();
+            let kind = old.part.sweep.unwrap_or(Sweep::Together);
+            let mut drawn = Vec::new();
+            for k in 0..self.tries() {
+                let varied =
+                    if k % 4 == 3 { self.draw(kind, rng) } else { old.part.vary(self.limits, rng) };
+                let fits = |part: &Part| {
+                    self.seconds_with(&chosen, Some((place, part))) <= self.seconds
+                        && self.keeps(&chosen, place, part)
+                };
+                drawn.extend(varied.filter(fits).map(|part| (part, 1.0)));
             }
+            let mut without = information.clone();
+            without.add(old.rows.as_ref(), -1.0);
+            let kept = without.gain(old.rows.as_ref());
+            if let Some((better, gain)) = self.best(&without, drawn)?
+                && gain > kept
+            {
+                without.add(better.rows.as_ref(), 1.0);
+                information = without;
+                chosen[place] = better;
+            }
+            progress(0.5 + 0.5 * (step + 1) as f64 / total as f64);
         }
         Ok(chosen.into_iter().map(|chosen| chosen.part).collect())
     }
@@ -111,38 +131,6 @@ impl Task<'_> {
             }
         }
         Ok(self.best(information, drawn)?.map(|(chosen, _)| chosen))
-    }
-
-    fn improve(
-        &self,
-        information: &mut Information,
-        chosen: &mut [Chosen],
-        place: usize,
-        rng: &mut ChaCha8Rng,
-    ) -> Result<()> {
-        let old = chosen[place].clone();
-        let kind = old.part.sweep.unwrap_or(Sweep::Together);
-        let mut drawn = Vec::new();
-        for k in 0..self.tries() {
-            let varied =
-                if k % 4 == 3 { self.draw(kind, rng) } else { old.part.vary(self.limits, rng) };
-            let fits = |part: &Part| {
-                self.seconds_with(chosen, Some((place, part))) <= self.seconds
-                    && self.keeps(chosen, place, part)
-            };
-            drawn.extend(varied.filter(fits).map(|part| (part, 1.0)));
-        }
-        let mut without = information.clone();
-        without.add(old.rows.as_ref(), -1.0);
-        let kept = without.gain(old.rows.as_ref());
-        if let Some((better, gain)) = self.best(&without, drawn)?
-            && gain > kept
-        {
-            without.add(better.rows.as_ref(), 1.0);
-            *information = without;
-            chosen[place] = better;
-        }
-        Ok(())
     }
 
     /// The part that tells most per unit of its cost, the first of equals, and what it tells.
@@ -231,19 +219,15 @@ impl Task<'_> {
                 Part::sweep(kind, most, limits, rng)
             }
             Stage::Variable => {
-                let seconds = self.longest_period() * between(rng, PERIOD_SHARE);
-                Some(Part::sines(seconds, limits, rng))
+                // In which the joints, half of them at least, can cross their range and return.
+                let period = |limits: &Bounds| {
+                    TAU * (limits.position[1] - limits.position[0]) / 2.0 / limits.velocity
+                };
+                let mut periods: Vec<f64> = limits.iter().map(period).collect();
+                let room = 0.7 * self.seconds / PERIOD_SHARE[1];
+                let longest = median(&mut periods).clamp(PERIOD[0], PERIOD[1]).min(room);
+                Some(Part::sines(longest * between(rng, PERIOD_SHARE), limits, rng))
             }
         }
-    }
-
-    /// Period \[s\] in which the joints, half of them at least, can cross their range and return.
-    fn longest_period(&self) -> f64 {
-        let period = |limits: &Bounds| {
-            TAU * (limits.position[1] - limits.position[0]) / 2.0 / limits.velocity
-        };
-        let mut periods: Vec<f64> = self.limits.iter().map(period).collect();
-        let room = 0.7 * self.seconds / PERIOD_SHARE[1];
-        median(&mut periods).clamp(PERIOD[0], PERIOD[1]).min(room)
     }
 }

@@ -142,7 +142,19 @@ pub fn limits(arm: &Arm, wishes: &Wishes) -> Result<Vec<Limits>> {
             let distance = wishes.margin * (upper - lower);
             [lower + distance, upper - distance]
         });
-        let position = planned_range(joint, ranges[i], inner, turns[i])?;
+        // As asked, within the limits less their margin, at most one turn unless asked otherwise.
+        let [lower, upper] = match (ranges[i], inner) {
+            (Some([a, b]), Some([lower, upper])) => [a.max(lower), b.min(upper)],
+            (Some(range), None) => range,
+            (None, Some([lower, upper])) => [lower.max(turns[i][0]), upper.min(turns[i][1])],
+            (None, None) => turns[i],
+        };
+        let asked_well = ranges[i].is_none_or(|[a, b]| a < b);
+        let [least, most] = SENSIBLE;
+        if !(asked_well && upper - lower >= least && lower.abs().max(upper.abs()) <= most) {
+            let [lower, upper] = ranges[i].unwrap_or([lower, upper]);
+            return Err(SimError::Range { joint: joint.clone(), lower, upper });
+        }
         all.push(Limits {
             joint: joint.clone(),
             arm: Bounds {
@@ -150,35 +162,11 @@ pub fn limits(arm: &Arm, wishes: &Wishes) -> Result<Vec<Limits>> {
                 velocity: limit,
                 acceleration: accelerations[i].or(known.acceleration).unwrap_or(acceleration),
             },
-            planned: Bounds { position, velocity, acceleration },
+            planned: Bounds { position: [lower, upper], velocity, acceleration },
             assumed,
         });
     }
     Ok(all)
-}
-
-/// Positions to keep to: as asked, within the limits less their margin, at most one turn unless
-/// asked otherwise.
-fn planned_range(
-    joint: &str,
-    asked: Option<[f64; 2]>,
-    inner: Option<[f64; 2]>,
-    turn: [f64; 2],
-) -> Result<[f64; 2]> {
-    let [lower, upper] = match (asked, inner) {
-        (Some([a, b]), Some([lower, upper])) => [a.max(lower), b.min(upper)],
-        (Some(range), None) => range,
-        (None, Some([lower, upper])) => [lower.max(turn[0]), upper.min(turn[1])],
-        (None, None) => turn,
-    };
-    let asked_well = asked.is_none_or(|[a, b]| a < b);
-    let [least, most] = SENSIBLE;
-    if asked_well && upper - lower >= least && lower.abs().max(upper.abs()) <= most {
-        Ok([lower, upper])
-    } else {
-        let [lower, upper] = asked.unwrap_or([lower, upper]);
-        Err(SimError::Range { joint: joint.to_owned(), lower, upper })
-    }
 }
 
 pub(crate) fn check_rate(what: &'static str, joint: &str, found: f64) -> Result<()> {

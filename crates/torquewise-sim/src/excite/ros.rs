@@ -26,7 +26,12 @@ pub fn waypoints(recording: &Planned, rate: f64) -> Result<Vec<Waypoint>> {
     let breaks = recording.breaks();
     let mut points: Vec<Waypoint> = Vec::new();
     let mut add = |t: f64| {
-        let nanoseconds = whole_nanoseconds(t);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "from 0 to a few hours; a float cast saturates"
+        )]
+        let nanoseconds = (t * 1e9).round() as u64;
         if points.last().is_none_or(|last| last.nanoseconds + LEAST_STEP <= nanoseconds) {
             // The state of the time that is written, not of the one it was rounded from.
             let state = recording.state_at(nanoseconds as f64 / 1e9);
@@ -50,16 +55,6 @@ pub fn waypoints(recording: &Planned, rate: f64) -> Result<Vec<Waypoint>> {
 /// Points closer than a microsecond would be a division by nothing.
 const LEAST_STEP: u64 = 1_000;
 const SECOND: u64 = 1_000_000_000;
-
-fn whole_nanoseconds(t: f64) -> u64 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "from 0 to a few hours; a float cast saturates"
-    )]
-    let nanoseconds = (t * 1e9).round() as u64;
-    nanoseconds
-}
 
 /// The message as YAML, as `ros2 topic pub` and most tools read it.
 ///

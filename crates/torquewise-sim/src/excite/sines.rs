@@ -103,14 +103,39 @@ impl Series {
         centre: Option<f64>,
         rng: &mut ChaCha8Rng,
     ) -> Self {
-        rest_at_ends(&mut waves);
+        // Projected on Σ k aₖ = 0, no speed at the ends, and Σ k² bₖ = 0, no acceleration.
+        for (phase, power) in [(0, 1), (1, 2)] {
+            let weight = |place: usize| ((place + 1) as f64).powi(power);
+            let (mut moving, mut norm) = (0.0, 0.0);
+            for (place, wave) in waves.iter().enumerate() {
+                moving += weight(place) * wave[phase];
+                norm += weight(place).powi(2);
+            }
+            for (place, wave) in waves.iter_mut().enumerate() {
+                wave[phase] -= moving / norm * weight(place);
+            }
+        }
         let mut series = Self { centre: 0.0, waves };
         let (w, [lower, upper]) = (TAU / seconds, limits.position);
-        let [[least, greatest], [_, speed], [_, acceleration]] = series.peaks();
+        let points = POINTS * series.waves.len().max(1);
+        let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
+        for point in 0..points {
+            let values = series.value((TAU * point as f64 / points as f64).sin_cos());
+            for (ends, value) in ends.iter_mut().zip(values) {
+                *ends = [ends[0].min(value), ends[1].max(value)];
+            }
+        }
+        // A trigonometric polynomial of order K nowhere exceeds its peak over N > 2K even points
+        // by more than 1/cos(πK/N) (Ehlich and Zeller 1964).
+        let beyond = 1.0 / (PI / POINTS as f64).cos();
+        let [[least, greatest], dq, ddq] = ends;
+        let (middle, half) = (f64::midpoint(least, greatest), (greatest - least) / 2.0 * beyond);
+        let (least, greatest) = (middle - half, middle + half);
+        let size = |[low, high]: [f64; 2]| beyond * low.abs().max(high.abs());
         let bounds = [
             (upper - lower) / (greatest - least),
-            limits.velocity / (w * speed),
-            limits.acceleration / (w * w * acceleration),
+            limits.velocity / (w * size(dq)),
+            limits.acceleration / (w * w * size(ddq)),
         ];
         let most = bounds.into_iter().fold(f64::INFINITY, f64::min);
         let scale = if most.is_finite() { SLACK * most * between(rng, AMPLITUDE) } else { 0.0 };
@@ -139,41 +164,6 @@ impl Series {
             (s, c) = (s * cos + c * sin, c * cos - s * sin);
         }
         [q, dq, ddq]
-    }
-
-    /// Least and greatest of the value, and of the sizes of its two derivatives, as bounds.
-    ///
-    /// A trigonometric polynomial of order K nowhere exceeds its peak over N > 2K even points by
-    /// more than 1/cos(πK/N) (Ehlich and Zeller 1964).
-    fn peaks(&self) -> [[f64; 2]; 3] {
-        let points = POINTS * self.waves.len().max(1);
-        let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
-        for point in 0..points {
-            let values = self.value((TAU * point as f64 / points as f64).sin_cos());
-            for (ends, value) in ends.iter_mut().zip(values) {
-                *ends = [ends[0].min(value), ends[1].max(value)];
-            }
-        }
-        let beyond = 1.0 / (PI / POINTS as f64).cos();
-        let [[least, greatest], dq, ddq] = ends;
-        let (middle, half) = (f64::midpoint(least, greatest), (greatest - least) / 2.0 * beyond);
-        let size = |[low, high]: [f64; 2]| [0.0, beyond * low.abs().max(high.abs())];
-        [[middle - half, middle + half], size(dq), size(ddq)]
-    }
-}
-
-/// Projects on Σ k aₖ = 0, no speed at the ends, and Σ k² bₖ = 0, no acceleration.
-fn rest_at_ends(waves: &mut [[f64; 2]]) {
-    for (phase, power) in [(0, 1), (1, 2)] {
-        let weight = |place: usize| ((place + 1) as f64).powi(power);
-        let (mut moving, mut norm) = (0.0, 0.0);
-        for (place, wave) in waves.iter().enumerate() {
-            moving += weight(place) * wave[phase];
-            norm += weight(place).powi(2);
-        }
-        for (place, wave) in waves.iter_mut().enumerate() {
-            wave[phase] -= moving / norm * weight(place);
-        }
     }
 }
 

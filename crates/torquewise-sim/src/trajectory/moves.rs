@@ -49,9 +49,27 @@ impl Moves {
         let mut start = 0.0;
         while start <= seconds {
             let speed = PEAK_SPEED * between(rng, SPEED_SHARE);
-            let phases = Phases::draw(speed, rng);
+            let accelerate = speed / between(rng, ACCELERATION);
+            let brake = speed / between(rng, ACCELERATION);
+            let cruise = (accelerate + brake) * between(rng, CRUISE_SHARE);
+            let dwell = (accelerate + cruise + brake) * between(rng, DWELL_SHARE);
+            let phases = Phases { dwell, accelerate, cruise, brake };
             let reach = speed * phases.at_peak_speed();
-            let travel = draw_travel(&from, ranges, reach, &mut directions, rng);
+            // The fastest joint goes as far as it can, the others less, none out of its range.
+            let fastest = rng.random_range(0..from.len().max(1));
+            let mut travel = Vec::with_capacity(from.len());
+            for (i, (&from, &[lower, upper])) in from.iter().zip(ranges).enumerate() {
+                let share = if i == fastest { 1.0 } else { between(rng, TRAVEL_SHARE) };
+                let room = |way: f64| if way > 0.0 { upper - from } else { from - lower };
+                if rng.random_bool(TURN_BACK) {
+                    directions[i] = -directions[i];
+                }
+                if room(directions[i]) < share * reach && room(-directions[i]) > room(directions[i])
+                {
+                    directions[i] = -directions[i];
+                }
+                travel.push(directions[i] * (share * reach).min(room(directions[i])));
+            }
             let to = from.iter().zip(&travel).map(|(from, travel)| from + travel).collect();
             moves.push(Move { start, phases, from, travel });
             start += phases.total();
@@ -68,41 +86,7 @@ impl Moves {
     }
 }
 
-/// How far each joint goes: the fastest `reach` \[rad\], the others less, none out of its range.
-fn draw_travel(
-    from: &[f64],
-    ranges: &[[f64; 2]],
-    reach: f64,
-    directions: &mut [f64],
-    rng: &mut ChaCha8Rng,
-) -> Vec<f64> {
-    let fastest = rng.random_range(0..from.len().max(1));
-    let mut travel = Vec::with_capacity(from.len());
-    for (i, (&from, &[lower, upper])) in from.iter().zip(ranges).enumerate() {
-        let share = if i == fastest { 1.0 } else { between(rng, TRAVEL_SHARE) };
-        let room = |direction: f64| {
-            if direction > 0.0 { upper - from } else { from - lower }
-        };
-        if rng.random_bool(TURN_BACK) {
-            directions[i] = -directions[i];
-        }
-        if room(directions[i]) < share * reach && room(-directions[i]) > room(directions[i]) {
-            directions[i] = -directions[i];
-        }
-        travel.push(directions[i] * (share * reach).min(room(directions[i])));
-    }
-    travel
-}
-
 impl Phases {
-    fn draw(speed: f64, rng: &mut ChaCha8Rng) -> Self {
-        let accelerate = speed / between(rng, ACCELERATION);
-        let brake = speed / between(rng, ACCELERATION);
-        let cruise = (accelerate + brake) * between(rng, CRUISE_SHARE);
-        let dwell = (accelerate + cruise + brake) * between(rng, DWELL_SHARE);
-        Self { dwell, accelerate, cruise, brake }
-    }
-
     fn total(&self) -> f64 {
         self.dwell + self.accelerate + self.cruise + self.brake
     }

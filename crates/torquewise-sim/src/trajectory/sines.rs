@@ -16,6 +16,7 @@ const ROLL_OFF: f64 = 1.3;
 
 #[derive(Clone, Debug)]
 pub(crate) struct Sines {
+    /// Middle \[rad\] and sines of each joint.
     joints: Vec<(f64, Vec<Sine>)>,
 }
 
@@ -27,9 +28,27 @@ struct Sine {
 }
 
 impl Sines {
+    /// Draws sines for each joint, as large as range, speed and acceleration allow.
     pub(crate) fn draw(ranges: &[[f64; 2]], rng: &mut ChaCha8Rng) -> Self {
-        let joints = ranges.iter().map(|&range| draw_joint(range, rng)).collect();
-        Self { joints }
+        let band_width = (FREQUENCY[1] / FREQUENCY[0]).ln() / BANDS as f64;
+        let draw_joint = |&[lower, upper]: &[f64; 2]| {
+            let mut sines = Vec::with_capacity(BANDS);
+            for band in 0..BANDS {
+                let octave = (band as f64 + between(rng, [0.0, 1.0])) * band_width;
+                let w = TAU * FREQUENCY[0] * octave.exp();
+                let phase = between(rng, [-PI, PI]);
+                let amplitude = between(rng, [0.5, 1.0]) / w.powf(ROLL_OFF);
+                sines.push(Sine { amplitude, w, phase });
+            }
+            let most = |order| sines.iter().map(|s| s.amplitude * s.w.powi(order)).sum::<f64>();
+            let bounds = [(upper - lower) / 2.0 / most(0), BOUND[0] / most(1), BOUND[1] / most(2)];
+            let scale = bounds.into_iter().fold(f64::INFINITY, f64::min);
+            for sine in &mut sines {
+                sine.amplitude *= scale;
+            }
+            (f64::midpoint(lower, upper), sines)
+        };
+        Self { joints: ranges.iter().map(draw_joint).collect() }
     }
 
     pub(crate) fn state_at(&self, t: f64, state: &mut State) {
@@ -44,25 +63,4 @@ impl Sines {
             (state.q[i], state.dq[i], state.ddq[i]) = (q, dq, ddq);
         }
     }
-}
-
-/// Middle \[rad\] and sines of one joint, as large as range, speed and acceleration allow.
-fn draw_joint([lower, upper]: [f64; 2], rng: &mut ChaCha8Rng) -> (f64, Vec<Sine>) {
-    let band_width = (FREQUENCY[1] / FREQUENCY[0]).ln() / BANDS as f64;
-    let mut sines: Vec<Sine> = (0..BANDS)
-        .map(|band| {
-            let octave = (band as f64 + between(rng, [0.0, 1.0])) * band_width;
-            let w = TAU * FREQUENCY[0] * octave.exp();
-            let phase = between(rng, [-PI, PI]);
-            Sine { amplitude: between(rng, [0.5, 1.0]) / w.powf(ROLL_OFF), w, phase }
-        })
-        .collect();
-
-    let most = |order: i32| sines.iter().map(|s| s.amplitude * s.w.powi(order)).sum::<f64>();
-    let bounds = [(upper - lower) / 2.0 / most(0), BOUND[0] / most(1), BOUND[1] / most(2)];
-    let scale = bounds.into_iter().fold(f64::INFINITY, f64::min);
-    for sine in &mut sines {
-        sine.amplitude *= scale;
-    }
-    (f64::midpoint(lower, upper), sines)
 }

@@ -49,8 +49,16 @@ impl Staged {
         for (stage, last) in stages.into_iter().zip([n_rows / 3, 2 * n_rows / 3, n_rows]) {
             while first_row < last {
                 let (seconds, mut from) = stage(ranges.len(), rng);
-                for (i, &range) in ranges.iter().enumerate() {
-                    place(&mut from, i, seconds, range, rng);
+                // So that each joint stays in its range, slower where that is narrow.
+                for (i, &[lower, upper]) in ranges.iter().enumerate() {
+                    let [mut least, mut greatest] = reach(from.dq[i], from.ddq[i], seconds);
+                    let slower = ((upper - lower) / (greatest - least)).min(1.0);
+                    if slower < 1.0 {
+                        for x in [&mut from.dq[i], &mut from.ddq[i], &mut least, &mut greatest] {
+                            *x *= slower;
+                        }
+                    }
+                    from.q[i] = between(rng, [lower - least, upper - greatest]);
                 }
                 let start = staged.next_start(first_row, &from.q);
                 staged.arcs.push(Arc { first_row, start, from });
@@ -104,19 +112,6 @@ fn accelerate(n: usize, rng: &mut ChaCha8Rng) -> (f64, State) {
 
 fn speeds(n: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
     (0..n).map(|_| direction(rng) * between(rng, SPEED)).collect()
-}
-
-/// Draws where joint `i` starts so that it stays in its range; slows it down where that is narrow.
-fn place(from: &mut State, i: usize, seconds: f64, [lower, upper]: [f64; 2], rng: &mut ChaCha8Rng) {
-    let [mut least, mut greatest] = reach(from.dq[i], from.ddq[i], seconds);
-    let slower = ((upper - lower) / (greatest - least)).min(1.0);
-    if slower < 1.0 {
-        from.dq[i] *= slower;
-        from.ddq[i] *= slower;
-        least *= slower;
-        greatest *= slower;
-    }
-    from.q[i] = between(rng, [lower - least, upper - greatest]);
 }
 
 /// Least and greatest way \[rad\] from the start within `seconds`.

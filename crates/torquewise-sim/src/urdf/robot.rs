@@ -42,18 +42,15 @@ impl Robot {
         if root.tag_name().name() != "robot" {
             return Err(refused(root, "is not <robot>"));
         }
+        let link = |link| -> Result<Link> {
+            let inertial = child(link, "inertial").map(inertial).transpose()?;
+            Ok(Link { name: attribute(link, "name")?, inertial })
+        };
         Ok(Self {
             name: attribute(root, "name")?,
-            links: children(root, "link").map(Link::read).collect::<Result<_, _>>()?,
+            links: children(root, "link").map(link).collect::<Result<_, _>>()?,
             joints: children(root, "joint").map(Joint::read).collect::<Result<_, _>>()?,
         })
-    }
-}
-
-impl Link {
-    fn read(link: Node<'_, '_>) -> Result<Self> {
-        let inertial = child(link, "inertial").map(inertial).transpose()?;
-        Ok(Self { name: attribute(link, "name")?, inertial })
     }
 }
 

@@ -49,9 +49,22 @@ impl<'a> Tree<'a> {
         }
         let locked = locked.iter().map(String::as_str).collect();
         let tree = Self { links, below, root, locked };
-        tree.check_loops(robot)?;
-        tree.check_types(robot)?;
-        Ok(tree)
+        let joints = tree.all_below(tree.joints_below(tree.root).to_vec());
+        let children = joints.iter().map(|joint| joint.child.as_str());
+        let reached: HashSet<&str> = children.chain([tree.root]).collect();
+        if let Some(link) = robot.links.iter().find(|link| !reached.contains(link.name.as_str())) {
+            return Err(SimError::Loop { link: link.name.clone() });
+        }
+        let unsupported = |joint: &Joint| {
+            let why = match joint.kind {
+                "floating" | "planar" | "spherical" => Some(joint.kind),
+                _ => joint.mimics.then_some("mimic"),
+            };
+            Some(format!("`{}` ({})", joint.name, why.filter(|_| tree.moves(joint))?))
+        };
+        let unsupported: Vec<String> = robot.joints.iter().filter_map(unsupported).collect();
+        let refused = || SimError::UnsupportedJoints { joints: unsupported.join(", ") };
+        unsupported.is_empty().then_some(tree).ok_or_else(refused)
     }
 
     fn welded(&self, first: &'a str) -> Result<Welded<'a>> {
@@ -142,35 +155,6 @@ impl<'a> Tree<'a> {
             open.extend(self.joints_below(&joint.child));
         }
         all
-    }
-
-    fn check_loops(&self, robot: &Robot) -> Result<()> {
-        let joints = self.all_below(self.joints_below(self.root).to_vec());
-        let children = joints.iter().map(|joint| joint.child.as_str());
-        let reached: HashSet<&str> = children.chain([self.root]).collect();
-        match robot.links.iter().find(|link| !reached.contains(link.name.as_str())) {
-            Some(link) => Err(SimError::Loop { link: link.name.clone() }),
-            None => Ok(()),
-        }
-    }
-
-    fn check_types(&self, robot: &Robot) -> Result<()> {
-        let unsupported: Vec<String> = robot
-            .joints
-            .iter()
-            .filter(|joint| self.moves(joint))
-            .filter_map(|joint| Some(format!("`{}` ({})", joint.name, unsupported(joint)?)))
-            .collect();
-        let refused = || SimError::UnsupportedJoints { joints: unsupported.join(", ") };
-        unsupported.is_empty().then_some(()).ok_or_else(refused)
-    }
-}
-
-/// Why a joint may not move, if so.
-fn unsupported(joint: &Joint) -> Option<&'static str> {
-    match joint.kind {
-        "floating" | "planar" | "spherical" => Some(joint.kind),
-        _ => joint.mimics.then_some("mimic"),
     }
 }
 

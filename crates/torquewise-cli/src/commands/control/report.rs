@@ -36,7 +36,12 @@ pub(super) fn page(arm: &str, compared: &Compared) -> Result<String> {
         sections: vec![
             section("Errors", std::iter::once(table(compared)).chain(charts(errors)).collect()),
             section("Positions", charts(positions)),
-            section("Torques", charts(torques)),
+            section(
+                "Torques",
+                charts(|compared, joint| {
+                    chart(compared, joint, ("command [N·m]", 1.0), |run| &run.tau, Vec::new())
+                }),
+            ),
         ],
         ..Page::default()
     };
@@ -70,10 +75,6 @@ fn positions(compared: &Compared, joint: usize) -> Chart {
     let points = (0..wanted.n_rows()).map(|row| [wanted.t()[row], wanted.q()[(row, joint)]]);
     let desired = Series::new("desired", Mark::BroadLine, Colour::Measured, points.collect());
     chart(compared, joint, ("position [rad]", 1.0), |tracking| &tracking.q, vec![desired])
-}
-
-fn torques(compared: &Compared, joint: usize) -> Chart {
-    chart(compared, joint, ("command [N·m]", 1.0), |tracking| &tracking.tau, Vec::new())
 }
 
 /// - `axis`: its name, and how much of it a unit of the signal is

@@ -62,22 +62,18 @@ fn json(arguments: &Arguments, compared: &Compared) -> Value {
         "plot": arguments.plot,
         "report": arguments.report,
     });
-    for run in &compared.runs {
-        object[&run.name] = of_run(run, compared.settle);
+    let settle = compared.settle;
+    for Run { name, tracking, law } in &compared.runs {
+        object[name] = json!({
+            "rms_error_rad": tracking.rms_error(settle),
+            "peak_error_rad": tracking.peak_error(settle),
+            "saturated": tracking.saturated,
+        });
+        if *law == Law::HandGuiding {
+            object[name]["rms_hand_nm"] = json!(tracking.rms_hand(settle));
+        }
     }
     object
-}
-
-fn of_run(Run { tracking, law, .. }: &Run, settle: f64) -> Value {
-    let mut value = json!({
-        "rms_error_rad": tracking.rms_error(settle),
-        "peak_error_rad": tracking.peak_error(settle),
-        "saturated": tracking.saturated,
-    });
-    if *law == Law::HandGuiding {
-        value["rms_hand_nm"] = json!(tracking.rms_hand(settle));
-    }
-    value
 }
 
 /// Share of the ticks at the limit of the torque from which on it is said.

@@ -23,7 +23,8 @@ pub(crate) fn figure(arm: &str, limits: &[Limits], planned: &Excitation) -> Resu
             let points = states.iter().map(|(t, state)| [*t, of(state)]).collect();
             let x = Axis::named(if is_last { "time [s]" } else { "" });
             let axes = [x, Axis { range, ..Axis::named(unit) }];
-            let bands = if joint == 0 { bands.clone() } else { unnamed(&bands) };
+            let name = |own: &Band| if joint == 0 { own.label.clone() } else { String::new() };
+            let bands = bands.iter().map(|own| Band { label: name(own), ..own.clone() }).collect();
             let guides = ends.map(|end| Guide::at_y(end, "")).to_vec();
             Chart { bands, guides, ..Chart::new(title, axes, vec![Series::line("", points)]) }
         };
@@ -55,8 +56,4 @@ fn states(recordings: &[Planned; 3]) -> (Vec<(f64, State)>, Vec<Band>) {
         start = end;
     }
     (states, bands)
-}
-
-fn unnamed(bands: &[Band]) -> Vec<Band> {
-    bands.iter().map(|band| Band { label: String::new(), ..band.clone() }).collect()
 }

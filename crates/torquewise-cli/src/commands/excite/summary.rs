@@ -22,13 +22,16 @@ pub(super) fn outcome(
     let mut text = text(arguments, limits, planned, files);
     let mut json = json(arguments, limits, planned, files);
     if let (Some(torques), Some(peaks)) = (torques, &planned.torques) {
-        text = format!("{}\n{text}", torques_text(limits, torques, peaks, planned.speed));
         json["speed"] = json!(planned.speed);
-        for ((joint, peak), most) in
-            json["joints"].as_array_mut().into_iter().flatten().zip(peaks).zip(torques.most())
-        {
+        let mut table = Table::new(["joint", "peak tau [N·m]", "limit"]);
+        let joints = json["joints"].as_array_mut().into_iter().flatten().zip(limits);
+        for (((joint, own), peak), most) in joints.zip(peaks).zip(torques.most()) {
+            table.row(&own.joint, [*peak, *most].map(number));
             joint["torque"] = json!({ "peak": peak, "limit": most });
         }
+        let slowed = "of those planned without limits of the torque";
+        let speed = number(planned.speed);
+        text = format!("Speeds are {speed} {slowed}:\n\n{}\n{text}", table.text());
     }
     Outcome { text, json, warnings: warnings(planned), ..Outcome::default() }
 }
@@ -96,17 +99,6 @@ fn limits_text(limits: &[Limits], planned: &Excitation) -> String {
         table.row(&limits.joint, positions.into_iter().chain(rates.map(number)));
     }
     table.text()
-}
-
-/// What the drives are asked for, and how much slower the plan is for it.
-fn torques_text(limits: &[Limits], torques: &Torques, peaks: &[f64], speed: f64) -> String {
-    let mut table = Table::new(["joint", "peak tau [N·m]", "limit"]);
-    for ((own, peak), most) in limits.iter().zip(peaks).zip(torques.most()) {
-        table.row(&own.joint, [*peak, *most].map(number));
-    }
-    let slowed =
-        format!("Speeds are {} of those planned without limits of the torque", number(speed));
-    format!("{slowed}:\n\n{}", table.text())
 }
 
 fn assumed_text(limits: &[Limits]) -> String {
