@@ -16,9 +16,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let Some(folder) = env::var_os("TORQUEWISE_PAGE").filter(|folder| !folder.is_empty()) {
         let folder = Path::new(&folder);
         println!("cargo:rerun-if-changed={}", folder.display());
-        let files = fs::read_dir(folder);
-        for entry in files.map_err(|error| format!("{}: {error}", folder.display()))? {
-            let file = entry?;
+        let no = |error| format!("TORQUEWISE_PAGE, {}: {error}", folder.display());
+        let mut files =
+            fs::read_dir(folder).and_then(Iterator::collect::<Result<Vec<_>, _>>).map_err(no)?;
+        files.sort_by_key(fs::DirEntry::file_name);
+        for file in files {
             let name = file.file_name().to_string_lossy().into_owned();
             let mut packed = GzEncoder::new(Vec::new(), Compression::best());
             packed.write_all(&fs::read(file.path())?)?;

@@ -10,7 +10,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Arc;
 use torquewise::control::{
-    Drive, Gains, Law, Learned, Periodic, Plant, Sensors, Tracking, compare, mean_inertia, periodic,
+    Drive, Gains, Law, Learned, Periodic, Plant, Sensors, Tracking, compare, each, is_of_joints,
+    mean_inertia, periodic,
 };
 use torquewise::dynamics::Friction;
 use torquewise::motion::Motion;
@@ -58,11 +59,9 @@ pub(crate) fn control<'py>(
     let laws = laws.collect::<PyResult<Vec<_>>>()?;
     let (arm, of_model) = arm_of(&arm, &lock)?;
     let (n, joints) = (arm.n_joints(), arm.joints().to_vec());
-    if n != model.get().n() {
-        return wrong(format!(
-            "arm: expected {} joints, as the model has, not {n}",
-            model.get().n()
-        ));
+    if !is_of_joints(&model.get().model, &arm) {
+        let (expected, found) = (model.get().model.joints.join(", "), joints.join(", "));
+        return wrong(format!("arm: expected the joints of the model, {expected}, not {found}"));
     }
     let friction = match (of_model, friction) {
         (Some(_), Some(_)) => return wrong("friction is not for a model, which has its own"),
@@ -70,7 +69,11 @@ pub(crate) fn control<'py>(
         (None, Some(text)) => Friction::from_toml(text, &joints).map_err(value_error)?,
         (None, None) => Friction::none(n),
     };
-    let arm = if rotor.is_empty() { arm } else { arm.with_rotors(&rotor).map_err(value_error)? };
+    let arm = if rotor.is_empty() {
+        arm
+    } else {
+        arm.with_rotors(&each(&rotor, n)).map_err(value_error)?
+    };
     let (counts, noise, cutoff, seed) = sensors;
     let sensors = Sensors { noise, cutoff, seed, ..Sensors::of_counts(counts) };
     let drive = Drive::new(n, &torque_limit, delay);

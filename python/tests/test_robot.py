@@ -61,12 +61,13 @@ def test_control_follows_a_motion_of_ones_own_within_the_limits_of_drives(chain)
 @pytest.mark.parametrize(
     "wrong, named",
     [
-        (dict(arm="planar-2"), "expected 3 joints, as the model has, not 2"),
+        (dict(arm="planar-2"), "expected the joints of the model, joint1"),
         (dict(controllers=["fast"]), "controllers"),
         (dict(settle=1), "settle=1 leaves nothing of 1 s"),
         (dict(delay=9), "delay"),
         (dict(rotor=[0.1, 0.1]), "rotor"),
-        (dict(motion={"t": [0, 1]}), "q is missing"),
+        (dict(motion={"t": [0, 1]}, seconds=None), "q is missing"),
+        (dict(motion={"t": [0, 1]}), "seconds would be ignored"),
         (dict(noise=float("nan")), "noise"),
     ],
 )

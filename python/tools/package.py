@@ -90,8 +90,10 @@ def wheel(tools: Path, archive: Path) -> Path:
     path = os.pathsep.join([str(program(tools, "python").parent), os.environ["PATH"]])
     build = (program(tools, "maturin"), "build", "--release", *ZIG, "--out", DIST)
     page = ROOT / "web/dist"  # of `cargo xtask web`
-    own = {"TORQUEWISE_PAGE": str(page)} if page.exists() else {}
-    call(*build, folder=unpacked, PATH=path, CARGO_TARGET_DIR=str(FOLDER / "target"), **own)
+    if not page.exists():
+        print("no web/dist: `torquewise serve` of this wheel has no page")
+    has = {"TORQUEWISE_PAGE": str(page)} if page.exists() else {}
+    call(*build, folder=unpacked, PATH=path, CARGO_TARGET_DIR=str(FOLDER / "target"), **has)
     (found,) = DIST.glob("*.whl")
     with zipfile.ZipFile(found) as own:
         require(own.namelist(), (*LICENCES, notices.FILE.name, "py.typed", "_core.pyi"), found)

@@ -54,7 +54,9 @@ pub(crate) enum CliError {
     #[diagnostic(forward(source))]
     Experiment { source: torquewise_paper::PaperError },
     #[error("this program was built without the page")]
-    #[diagnostic(help("`cargo xtask web` builds one that has it, see docs/browser.md"))]
+    #[diagnostic(help(
+        "that of the Python package has it (pip install torquewise), and `cargo xtask web` builds one"
+    ))]
     NoPage,
     #[error("no page can be served at {address}")]
     #[diagnostic(help("choose another --port"))]

@@ -11,7 +11,9 @@ type Vector = [Id; 3];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Motion {
+    /// Gravity alone.
     Rest,
+    /// Velocities, no gravity.
     Steady,
     Whole,
 }

@@ -70,8 +70,8 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
     let names = chain.map_or(&model.joints, |names| &names.joints);
     let down = None;
     let chain = UrdfChain::of_joints(text, names, locked, down)?;
-    let tilt = torquewise_rigid::geometry::PER_BASE;
-    let pairs = || chain.geometry.parameters()[tilt..].iter().zip(&geometry.parameters()[tilt..]);
+    let base = torquewise_rigid::geometry::PER_BASE;
+    let pairs = || chain.geometry.parameters()[base..].iter().zip(&geometry.parameters()[base..]);
     let kinds = [&chain.geometry, &geometry].map(Geometry::kinds);
     let other = (0..names.len()).find(|&joint| kinds[0].of(joint) != kinds[1].of(joint));
     if let Some(joint) = other {

@@ -106,12 +106,7 @@ pub(crate) fn learn(
     let is_given = options.geometry.is_some();
     let given = given_kinds(motion, options)?;
     let (mut spec, mut chain) = match &options.geometry {
-        Some(known) => {
-            let (spec, chain) = learner.at_geometry(known, &at_kinds, &mut choices)?;
-            let chain = learner.coupled_at(&spec, chain, &mut choices)?;
-            learner.coordinates(&spec, &chain, &mut choices)?;
-            (spec, chain)
-        }
+        Some(known) => learner.at_given(known, &at_kinds, &mut choices)?,
         None => learner.moving_geometry(given, &at_kinds, &mut choices)?,
     };
     let kinds = chain.geometry.kinds().clone();
@@ -312,7 +307,6 @@ impl<'a> ChainLearner<'a> {
         // A log without noise bears next to no ridge.
         let search = Search { ridge: NO_RIDGE, ..spec.search.clone() };
         let exact = refine(&rows, &chain, &spec.free, &search, &searching(self.watch))?;
-        let left = |chain: &Chain| geometric_mean(&chain.residual_rms);
         if left(&exact) < NOTHING * left(&chain) {
             chain = exact;
         }
@@ -340,6 +334,11 @@ pub(crate) fn searching(watch: Watch<'_>) -> impl Fn(Stage) -> ControlFlow<()> +
             }
         })
     }
+}
+
+/// What a chain leaves of all torques \[N·m\], by which those of other weights are compared.
+fn left(chain: &Chain) -> f64 {
+    geometric_mean(&chain.residual_rms)
 }
 
 /// RMS of what a chain leaves of each joint \[N·m\], all rows alike, n.

@@ -3,7 +3,7 @@
 use crate::estimate::Linearisation;
 use crate::excitation::Finding;
 use crate::unseen::{CHOICE_ROWS, HeldOut, Unseen, both_ways, geometric_mean};
-use faer::{ColRef, Mat};
+use faer::Mat;
 use std::ops::Range;
 use torquewise_motion::Motion;
 use torquewise_regression::normal_equations::NormalEquations;
@@ -58,10 +58,6 @@ pub(crate) fn torque_kind(
     }
     let (columns, weights) = at.columns_of(&motion)?;
     let tau = motion.require_tau()?.to_owned();
-    let is_constant = |tau: ColRef<'_, f64>| tau.iter().all(|own| *own == tau[0]);
-    if tau.col_iter().any(is_constant) {
-        return Ok(None);
-    }
     let targets = [(&tau, &tau)];
     let held_out = both_ways(&motion, sample);
     let left = |columns: &Mat<f64>| -> Option<Vec<f64>> {

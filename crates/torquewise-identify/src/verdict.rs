@@ -44,22 +44,11 @@ impl Verdict {
     ///   grade is that of the larger errors. One that is not finite, as that of a torque that never
     ///   changes, tells nothing.
     pub fn of(found: &Reconstruction, test: &[f64]) -> Self {
-        let training = &found.model.training;
-        let named = |errors: Vec<f64>| found.model.joints.iter().zip(errors).collect::<Vec<_>>();
-        let held_out = named(training.held_out_errors().unwrap_or_default());
-        let is_refit = found.warnings.iter().any(|own| matches!(own, Warning::Refit { .. }));
-        // What was judged on held-out rows is not what a refit left.
-        let left =
-            training.residual_rms.iter().zip(&training.torque_std).map(|(rms, std)| rms / std);
-        let mut fitted = named(left.filter(|_| is_refit).collect());
-        let mut test = named(test.to_vec());
-        for errors in [&mut fitted, &mut test] {
-            errors.retain(|(_, error)| error.is_finite());
-        }
-        let judged = [("held-out", &held_out), ("fitted", &fitted), ("test", &test)];
-        let judged = judged.into_iter().filter(|(_, errors)| !errors.is_empty());
+        let all = errors(found, test);
+        let has_held_out = !all[0].1.is_empty();
+        let judged = all.iter().filter(|(_, errors)| !errors.is_empty());
         let missed = |is: &dyn Fn(f64) -> bool, how: &str| -> Vec<String> {
-            let of = |(rows, errors): (&str, &Vec<(&String, f64)>)| {
+            let of = |(rows, errors): &(&str, Vec<(&String, f64)>)| {
                 let named = errors.iter().filter(|(_, error)| is(*error));
                 let named: Vec<String> = named.map(|(name, _)| (*name).clone()).collect();
                 (!named.is_empty()).then(|| format!("{rows} torque of {} is {how}", list(&named)))
@@ -83,7 +72,7 @@ impl Verdict {
                 "{missed:.0} % of the spread of the torque is missed in the mean of the joints"
             ));
         }
-        let has_no_doubt = !held_out.is_empty() && poor.is_empty() && doubts.is_empty();
+        let has_no_doubt = has_held_out && poor.is_empty() && doubts.is_empty();
         let grade = match because.is_empty() {
             false => Grade::Unusable,
             true if has_no_doubt && mean <= GOOD => Grade::Good,
@@ -92,7 +81,7 @@ impl Verdict {
         because.extend(doubts);
         because.extend(one_way(&found.warnings));
         because.extend(poor);
-        if held_out.is_empty() {
+        if !has_held_out {
             because.push("too few rows to hold any out".to_owned());
         }
         because.extend(judged.map(|(rows, errors)| {
@@ -107,6 +96,34 @@ impl Verdict {
         }
         Self { grade, because }
     }
+}
+
+/// Errors of the joints whose torque changes, on the rows that judge: those held out, all where a refit
+/// left more, and of a test.
+fn errors<'a>(
+    found: &'a Reconstruction,
+    test: &[f64],
+) -> [(&'static str, Vec<(&'a String, f64)>); 3] {
+    let training = &found.model.training;
+    let is_constant = |name: &String| {
+        let is_it =
+            |own: &Warning| matches!(own, Warning::ConstantTorque { joint } if joint == name);
+        found.warnings.iter().any(is_it)
+    };
+    let named = |errors: Vec<f64>| {
+        let named = found.model.joints.iter().zip(errors);
+        named.filter(|(name, _)| !is_constant(name)).collect::<Vec<_>>()
+    };
+    let held_out = named(training.held_out_errors().unwrap_or_default());
+    let is_refit = found.warnings.iter().any(|own| matches!(own, Warning::Refit { .. }));
+    // What was judged on held-out rows is not what a refit left.
+    let left = training.residual_rms.iter().zip(&training.torque_std).map(|(rms, std)| rms / std);
+    let mut fitted = named(left.filter(|_| is_refit).collect());
+    let mut test = named(test.to_vec());
+    for errors in [&mut fitted, &mut test] {
+        errors.retain(|(_, error)| error.is_finite());
+    }
+    [("held-out", held_out), ("fitted", fitted), ("test", test)]
 }
 
 /// What makes a model useless whatever the error on its own log.
@@ -155,6 +172,7 @@ fn doubts(found: &Reconstruction) -> Vec<String> {
         Warning::Coordinates { .. } => {
             Some("joints seem to be counted otherwise than in the URDF".to_owned())
         }
+        Warning::ConstantTorque { joint } => Some(format!("the torque of {joint} never changes")),
         Warning::Repeated => Some("a log was given twice".to_owned()),
         _ => None,
     });

@@ -134,8 +134,7 @@ mod tests {
         // Rows that are no path.
         assert_eq!(odd(seen(|row, _| [1, 2, 3].map(|k| noise(k * row)))), None);
         // One row in ten of a log, the stamps of them all.
-        let thinned =
-            |_, t: f64| [-(30.0 * t).cos() / 3.0, (30.0 * t).sin(), noise((1e3 * t) as usize)];
+        let thinned = |row, t: f64| [-(30.0 * t).cos() / 3.0, (30.0 * t).sin(), noise(row)];
         assert_eq!(odd(seen(thinned)), None);
         // One file whose accelerations follow keeps those of all.
         let files = [sine(|_, _| 0.0), sine(measured)].map(|file| file.correlation());

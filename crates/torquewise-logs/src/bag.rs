@@ -27,6 +27,7 @@ struct Topic {
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Message {
+    /// When the bag received it \[ns\].
     received: i64,
     bytes: Vec<u8>,
 }

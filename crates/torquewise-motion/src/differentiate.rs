@@ -101,7 +101,8 @@ struct Stencil {
     weights: Vec<f64>,
     /// Window times relative to `at`, in half widths of the window.
     u: Vec<f64>,
-    /// Orthogonal polynomials Pₖ₋₁ and Pₖ on the window, and their derivatives at `at`.
+    /// Orthogonal polynomials Pₖ₋₁ and Pₖ on the window; `slopes_previous` and `slopes` are their
+    /// derivatives at `at`.
     previous: Vec<f64>,
     current: Vec<f64>,
     slopes_previous: Vec<f64>,

@@ -36,6 +36,7 @@ pub struct NormalSums {
     /// (E7); Σ s sᵀ, s = Jᵀe of the rows that err alike; Jᵀe and the squares of each column by equation. Then of each equation
     /// Σ e², Σ w² and Σ (e/w)², w what its rows were multiplied by.
     sums: ExactSums,
+    /// Instants of each fold.
     rows: Vec<u64>,
     blocks: u64,
 }

@@ -6,6 +6,9 @@ use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, N_LANES, State};
 use faer::{Mat, MatRef};
 use simba::simd::SimdValue;
 
+/// A spread of torque below this part of its mean is rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// Rows of one arm and what is known beside the chain.
 #[derive(Clone, Debug)]
 pub struct Rows {
@@ -106,12 +109,13 @@ impl Rows {
         self
     }
 
-    /// Standard deviation of the torque of a joint \[N·m\].
+    /// Standard deviation of the torque of a joint \[N·m\], zero where it never changes.
     pub fn deviation_of(&self, joint: usize) -> f64 {
         let torque = self.torque_of(joint);
         let m = torque.len().max(1) as f64;
         let mean = torque.iter().sum::<f64>() / m;
-        (torque.iter().map(|tau| (tau - mean).powi(2)).sum::<f64>() / m).sqrt()
+        let std = (torque.iter().map(|tau| (tau - mean).powi(2)).sum::<f64>() / m).sqrt();
+        if std > ROUNDING * mean.abs() { std } else { 0.0 }
     }
 
     /// Calls `visit` with four states at a time, the row of the first of them and how many of them

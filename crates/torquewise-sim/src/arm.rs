@@ -130,25 +130,19 @@ impl Arm {
 
     /// The same arm with other rotors.
     ///
-    /// - `rotors` \[kg·m²\], n or one for all: inertia of each motor's rotor as felt at its joint, gear² × rotor
+    /// - `rotors` \[kg·m²\], n: inertia of each motor's rotor as felt at its joint, gear² × rotor
     ///
     /// # Errors
     /// [`SimError::JointCount`] for another number of them than n;
     /// [`SimError::NotFinite`] or [`SimError::Inertia`] for one that no rotor has.
     pub fn with_rotors(mut self, rotors: &[f64]) -> Result<Self> {
-        let rotors = each(rotors, self.n_joints());
         check_joints("rotor inertia", rotors.len(), self.n_joints())?;
-        for ((joint, name), rotor) in self.joints.iter_mut().zip(&self.joint_names).zip(rotors) {
+        for ((joint, name), &rotor) in self.joints.iter_mut().zip(&self.joint_names).zip(rotors) {
             joint.rotor = rotor;
             joint.check(name)?;
         }
         Ok(self)
     }
-}
-
-/// One number for all joints, or one each.
-pub(crate) fn each(given: &[f64], n: usize) -> Vec<f64> {
-    if let [all] = given { vec![*all; n] } else { given.to_vec() }
 }
 
 /// An arm by its frames and bodies, as a learned model has them.

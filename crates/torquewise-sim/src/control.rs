@@ -30,7 +30,7 @@ pub mod record;
 
 pub use controller::{Law, Tracking, compare, track};
 pub use gains::{Gains, mean_inertia};
-pub use knowledge::{Knowledge, Learned};
-pub use plant::{Drive, Plant, Sensors};
+pub use knowledge::{Knowledge, Learned, is_of_joints};
+pub use plant::{Drive, Plant, Sensors, each};
 pub use record::record;
 pub use reference::{Periodic, periodic};

@@ -184,6 +184,7 @@ struct CrossValidation<'a> {
     survey: &'a Survey,
     candidates: Candidates,
     groups: Vec<Group>,
+    /// `[block][equation]`
     blocks: Vec<Vec<NormalEquations>>,
 }
 

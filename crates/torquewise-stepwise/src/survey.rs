@@ -289,7 +289,7 @@ impl SurveySum {
         })
     }
 
-    /// Mean and standard deviation.
+    /// Mean and standard deviation, zero where it is rounding.
     fn torque(&self, joint: usize) -> (f64, f64) {
         let m = self.rows.max(1) as f64;
         let ([sum, sum_rest], [squares, squares_rest]) =
@@ -299,9 +299,13 @@ impl SurveySum {
         let product = mean * sum;
         let product_rest = mean.mul_add(sum, -product) + mean * sum_rest;
         let difference = (squares - product) + (squares_rest - product_rest);
-        (mean, (difference / m).max(0.0).sqrt())
+        let std = (difference / m).max(0.0).sqrt();
+        (mean, if std > ROUNDING * mean.abs() { std } else { 0.0 })
     }
 }
+
+/// A spread below this part of the mean is rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// At most `count` rows, evenly spread.
 pub fn thinned(motion: &Motion, count: usize) -> Motion {

@@ -18,6 +18,17 @@ from ._simulation import named_arm
 from ._tables import frame
 
 
+#: A periodic motion, unless more is said.
+_WAVES: dict[str, Any] = {
+    "seconds": 16.0,
+    "period": 8.0,
+    "rate": 1000.0,
+    "speed": 1.0,
+    "acceleration": 2.0,
+    "seed": 0,
+}
+
+
 @dataclass(eq=False)
 class Tracking:
     """What a controlled arm did, at each of m ticks."""
@@ -60,12 +71,12 @@ def control(
     perfect: bool = False,
     bandwidth: float = 15.0,
     settle: float | None = None,
-    seconds: float = 16.0,
-    rate: float = 1000.0,
-    period: float = 8.0,
-    speed: float = 1.0,
-    acceleration: float = 2.0,
-    seed: int = 0,
+    seconds: float | None = None,
+    rate: float | None = None,
+    period: float | None = None,
+    speed: float | None = None,
+    acceleration: float | None = None,
+    seed: int | None = None,
     friction: Path | None = None,
     lock: Sequence[str] = (),
     rotor: float | Sequence[float] = (),
@@ -82,8 +93,8 @@ def control(
         The true one: built-in, a path of a ``.urdf`` or of a ``.toml`` with a DH table, or a model.
     motion
         What is wanted: a dict with t, q, dq and ddq, as :func:`simulate` returns. Without, a smooth
-        periodic motion of so many ``seconds`` at ``rate`` [Hz], with ``period`` [s], ``speed`` [rad/s]
-        and ``acceleration`` [rad/s²] at most.
+        periodic motion of so many ``seconds`` (16) at ``rate`` (1000) [Hz], with ``period`` (8) [s],
+        ``speed`` (1) [rad/s] and ``acceleration`` (2) [rad/s²] at most.
     controllers
         Feedback alone; with what the model knew after its first step; with all it knows; feedback
         linearisation; the model's gravity alone while a hand leads the arm.
@@ -98,21 +109,26 @@ def control(
         Of the sensors: counts to a turn, 0 for exact positions; standard deviation of a position
         [rad]; cut-off of the velocity [Hz].
     """
-    own = None
+    waves = {"seconds": seconds, "rate": rate, "period": period, "speed": speed}
+    waves |= {"acceleration": acceleration, "seed": seed}
+    given = {name: own for name, own in waves.items() if own is not None}
+    own, long = None, {**_WAVES, **given}["seconds"]
     if motion is not None:
+        if given:
+            raise ValueError(f"{', '.join(given)} would be ignored beside a motion: leave it out")
         missing = [name for name in ("t", "q", "dq", "ddq") if name not in motion]
         if missing:
             raise ValueError(f"motion: expected t, q, dq and ddq, {missing[0]} is missing")
         t, *rows = (numbers(motion[name]) for name in ("t", "q", "dq", "ddq"))
         own = (t.tolist(), *rows)
-        seconds = float(np.ptp(t)) if t.size else 0.0
-    if settle is not None and not 0 <= settle < seconds:
-        raise ValueError(f"settle={settle} leaves nothing of {seconds:g} s: take less")
+        long = float(np.ptp(t)) if t.size else 0.0
+    if settle is not None and not 0 <= settle < long:
+        raise ValueError(f"settle={settle} leaves nothing of {long:g} s: take less")
     found = _core.control(
         model,
         named_arm(arm),
         wanted=own,
-        waves=(seconds, period, rate, speed, acceleration, seed),
+        waves=tuple({**_WAVES, **given}[name] for name in _WAVES),
         controllers=list(dict.fromkeys(controllers)),
         perfect=perfect,
         bandwidth=bandwidth,

@@ -13,7 +13,9 @@ use crate::files::{
 use crate::outcome::Outcome;
 use clap::Args;
 use std::path::{Path, PathBuf};
-use torquewise::control::{Gains, Law, Learned, Plant, Tracking, compare, mean_inertia};
+use torquewise::control::{
+    Gains, Law, Learned, Plant, Tracking, compare, is_of_joints, mean_inertia,
+};
 use torquewise::logs::{Column, TableWriter, Values};
 use torquewise::model::Model;
 use torquewise::motion::Motion;
@@ -94,11 +96,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 
     let model = read_model(&arguments.model)?;
     let arm = read_arm(&arguments.arm, &arguments.plant.lock)?;
-    // A model may name its joints by number alone, as logs without names do.
-    let mut numbered = model.joints.iter().enumerate();
-    let is_numbered = numbered.all(|(place, name)| *name == format!("joint{}", place + 1));
-    let is_alike = is_numbered || model.joints == arm.joints();
-    if model.n_joints() != arm.n_joints() || !is_alike {
+    if !is_of_joints(&model, &arm) {
         let (model, arm) = (model.joints.join(", "), arm.joints().join(", "));
         return Err(CliError::ModelOfAnotherArm { model, arm });
     }

@@ -6,6 +6,7 @@ use clap::Args;
 use std::io;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::thread;
 use tiny_http::{Header, Request, Response, Server};
 
 /// Name and compressed content of each file of the page; none in a program built without it.
@@ -35,11 +36,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if !arguments.no_browser {
         open(&address);
     }
-    for request in server.incoming_requests() {
-        // Ignored: a browser may turn away from what it asked for.
-        let _ = answer(request);
+    loop {
+        match server.recv() {
+            // One that is slow keeps no other waiting; a browser may turn away from what it asked for.
+            Ok(request) => drop(thread::spawn(move || answer(request))),
+            Err(source) => return Err(CliError::Port { address, source: source.into() }),
+        }
     }
-    Ok(Outcome::default())
 }
 
 fn answer(request: Request) -> io::Result<()> {

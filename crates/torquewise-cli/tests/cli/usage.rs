@@ -48,6 +48,14 @@ fn help_and_version_are_results() {
 }
 
 #[test]
+fn a_program_without_the_page_says_who_has_it() {
+    let said = Terminal::new().run("serve --no-browser");
+
+    assert_eq!((said.code, said.stdout.as_str()), (1, ""), "{said:?}");
+    assert!(said.stderr.contains("pip install torquewise"), "{said:?}");
+}
+
+#[test]
 fn completions_are_printed_for_every_shell() {
     let terminal = Terminal::new();
 

@@ -14,7 +14,7 @@ use torquewise_stepwise::held_out::mean;
 /// A residual below this part of the torque is taken for it: weights stay finite.
 pub(crate) const LEAST_RESIDUAL: f64 = 1e-4;
 /// Noise of a torque that was not measured, in spreads of the largest.
-const UNMEASURED: f64 = 1e6;
+const UNMEASURED: f64 = 1e3;
 /// So much the cost may still fall for each parameter, in squares of the noise of an independent
 /// row: parameters are then within about a tenth of their standard errors.
 const LEAST_GAIN: f64 = 0.005;
@@ -193,10 +193,14 @@ fn repeats(sums: &NormalSums, gram: &Mat<f64>) -> f64 {
 /// One over the residual of each joint \[1/(N·m)\], n. A torque that never changes is none that was
 /// measured: it counts next to nothing.
 pub(crate) fn weights(residual_rms: &[f64], sizes: &Sizes) -> Vec<f64> {
-    let largest = sizes.torque.iter().fold(f64::MIN_POSITIVE, |most, torque| most.max(*torque));
+    let largest = sizes.torque.iter().fold(0.0_f64, |most, torque| most.max(*torque));
+    let unmeasured = UNMEASURED * if largest > 0.0 { largest } else { 1.0 };
     let residuals = residual_rms.iter().zip(&sizes.torque);
-    let noise = residuals.map(|(rms, torque)| {
-        if *torque > 0.0 { rms.max(LEAST_RESIDUAL * torque) } else { UNMEASURED * largest }
-    });
+    let noise =
+        residuals.map(
+            |(rms, torque)| {
+                if *torque > 0.0 { rms.max(LEAST_RESIDUAL * torque) } else { unmeasured }
+            },
+        );
     noise.map(|noise| 1.0 / noise).collect()
 }

@@ -2,7 +2,7 @@
 //! another zero.
 
 use super::gravity::AS_GIVEN;
-use super::{ChainLearner, TRIAL_ROWS, searching};
+use super::{ChainLearner, TRIAL_ROWS, left, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
@@ -16,8 +16,8 @@ use torquewise_stepwise::survey::thinned;
 pub(super) const COORDINATES: &str = "coordinates";
 /// Rows that all ways are tried on.
 const ROWS: usize = 300;
-/// Each way of counting must leave this part of the mean square that the one before leaves.
-const PROMISING: f64 = 0.6;
+/// Each joint counted otherwise must leave this part of what is left before, RMS.
+const PROMISING: f64 = 0.8;
 /// Read as given, held-out rows must be missed by more than this part above what all leave: a right
 /// file must never be doubted.
 const WORTH: f64 = 0.5;
@@ -86,16 +86,17 @@ impl ChainLearner<'_> {
         let (mut found, as_given) = (Vec::<Counted>::new(), fitted(&[])?);
         let mut best = as_given.clone();
         loop {
-            let left = (0..self.motion.n_joints())
+            let others = (0..self.motion.n_joints())
                 .filter(|joint| found.iter().all(|own| own.joint != *joint));
             // Where the first begins is where gravity pulls.
             let turns = |joint: usize| joint > 0 && chain.geometry.kinds().of(joint).turns();
-            let ways = left.flat_map(|joint| Counted::ways(joint, turns(joint)));
+            let ways = others.flat_map(|joint| Counted::ways(joint, turns(joint)));
             let ways: Vec<Vec<Counted>> = ways.map(|own| [&found[..], &[own]].concat()).collect();
             let tried = ways.par_iter().map(|counted| fitted(counted));
             let tried = tried.collect::<Result<Vec<Chain>, IdentifyError>>()?;
-            let least = ways.into_iter().zip(tried).min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
-            let Some(least) = least.filter(|(_, own)| own.cost <= PROMISING * best.cost) else {
+            let least =
+                ways.into_iter().zip(tried).min_by(|a, b| left(&a.1).total_cmp(&left(&b.1)));
+            let Some(least) = least.filter(|(_, own)| left(own) <= PROMISING * left(&best)) else {
                 break;
             };
             (found, best) = least;

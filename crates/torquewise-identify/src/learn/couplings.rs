@@ -1,6 +1,6 @@
 //! Joints that several logged coordinates turn, where the log shows it (E18).
 
-use super::{ChainLearner, FINAL_ROWS, TRIAL_ROWS, searching};
+use super::{ChainLearner, FINAL_ROWS, TRIAL_ROWS, left, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
@@ -66,15 +66,15 @@ impl ChainLearner<'_> {
         let watch = searching(self.watch);
         for _ in 0..MOST_COUPLED {
             let known = chain.geometry.coupling();
-            let without = refine(&few, &chain, &spec.free, &spec.search, &watch)?.cost;
+            let without = left(&refine(&few, &chain, &spec.free, &spec.search, &watch)?);
             let tried = self.pairs(chain.geometry.kinds(), known).into_par_iter().map(|own| {
                 let geometry = chain.geometry.clone().coupled(known.with(own));
                 let start = Chain { geometry, ..chain.clone() };
                 Ok((label(own), refine(&few, &start, &spec.free, &spec.search, &watch)?))
             });
             let tried = tried.collect::<Result<Vec<_>, IdentifyError>>()?;
-            let best = tried.into_iter().min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
-            let best = best.filter(|(_, found)| found.cost <= PROMISING * without);
+            let best = tried.into_iter().min_by(|a, b| left(&a.1).total_cmp(&left(&b.1)));
+            let best = best.filter(|(_, found)| left(found) <= PROMISING * without);
             let Some((label, found)) = best else { break };
             let trials = [
                 trial("none".to_owned(), spec, &few, &chain, &watch)?,

@@ -1,7 +1,7 @@
 //! The chain at axes that are given, and where gravity pulls on it.
 
 use super::coordinates::COORDINATES;
-use super::{ChainLearner, Judged, TRIAL_ROWS, searching};
+use super::{ChainLearner, Judged, TRIAL_ROWS, left, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::plan::KnownGeometry;
 use crate::warning::Warning;
@@ -39,9 +39,22 @@ pub(crate) fn against_axes(choices: &[Choice]) -> Option<Warning> {
 }
 
 impl ChainLearner<'_> {
+    /// The chain at a given geometry, and what held-out rows say against it.
+    pub(super) fn at_given(
+        &self,
+        known: &KnownGeometry,
+        at: &impl Fn(JointKinds) -> ChainSpec,
+        choices: &mut Vec<Choice>,
+    ) -> Result<(ChainSpec, Chain), IdentifyError> {
+        let (spec, chain) = self.at_geometry(known, at, choices)?;
+        let chain = self.coupled_at(&spec, chain, choices)?;
+        self.coordinates(&spec, &chain, choices)?;
+        Ok((spec, chain))
+    }
+
     /// The chain at a given geometry, which stays; but a base is never level, and may hang on a wall:
     /// where held-out rows are for it, gravity is tilted, or said to pull elsewhere.
-    pub(super) fn at_geometry(
+    fn at_geometry(
         &self,
         known: &KnownGeometry,
         at: &impl Fn(JointKinds) -> ChainSpec,
@@ -62,7 +75,7 @@ impl ChainLearner<'_> {
         }
         let others = others.par_iter().map(|other| at(&tilted, other));
         let others = others.collect::<Result<Vec<Chain>, ChainError>>()?;
-        let other = others.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let other = others.into_iter().min_by(|a, b| left(a).total_cmp(&left(b)));
         let few = self.rows(&held, TRIAL_ROWS)?;
         let judged = |label: String, spec: ChainSpec, chain: Chain| {
             Ok::<Judged, IdentifyError>((trial(label, &spec, &few, &chain, &watch)?, spec, chain))

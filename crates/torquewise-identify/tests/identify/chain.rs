@@ -232,7 +232,8 @@ fn a_joint_behind_a_parallelogram_is_found() {
 
         assert_eq!(chosen(&found, "coupling"), Some(label));
         // A URDF may say where the axes lie, and nothing of the parallelogram.
-        let geometry = found.model.chain.clone().unwrap().geometry.coupled(Coupling::default());
+        let chain = found.model.chain.as_ref().unwrap();
+        let geometry = chain.axes().unwrap().coupled(Coupling::default());
         let base = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let geometry = Some(KnownGeometry { geometry, robot: None, base });
         let options =

@@ -1,6 +1,9 @@
 //! Torques of the wrong sign are named, one and all.
-use crate::support::{deviation, fit, motion, with_torque};
+use crate::support::{chain, deviation, fit, motion, normals, percent, with_torque};
+use faer::Mat;
 use torquewise_identify::excitation::Finding;
+use torquewise_identify::plan::FrictionKind;
+use torquewise_identify::verdict::{Grade, Verdict};
 use torquewise_identify::{Plan, Warning};
 use torquewise_motion::Motion;
 use torquewise_sim::{Arm, MotionKind};
@@ -40,6 +43,58 @@ fn one_two_and_all_torques_of_the_wrong_sign_are_named() {
             assert_eq!(named(arm, turned, friction), expected, "{arm}, friction {friction}");
         }
     }
+}
+
+#[test]
+fn of_a_wrist_the_torque_that_is_turned_is_named_and_no_other() {
+    for joint in [3, 5] {
+        let expected = [Arm::builtin("generic-6").unwrap().joints()[joint].clone()];
+        assert_eq!(named("generic-6", &[joint], 2.0), expected);
+    }
+}
+
+#[test]
+fn a_torque_that_never_changes_leaves_the_others_as_they_are() {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let log = |seed| motion(&arm, MotionKind::Sines, 40.0, 50.0, seed);
+    let said = |unmeasured: &[usize], value: f64| {
+        let spoilt = with_torque(log(1), |_, tau| unmeasured.iter().for_each(|k| tau[*k] = value));
+        fit(&spoilt, &chain(FrictionKind::Linear))
+    };
+    for value in [0.0, 0.3] {
+        let found = said(&[2], value);
+
+        let constant = Warning::ConstantTorque { joint: arm.joints()[2].clone() };
+        assert!(found.warnings.contains(&constant), "{:?}", found.warnings);
+        let others = |own: &Warning| matches!(own, Warning::Excitation(_) | Warning::Refit { .. });
+        assert!(!found.warnings.iter().any(others), "{:?}", found.warnings);
+        let errors = percent(&found.model, &log(2));
+        assert!(errors[..2].iter().all(|error| *error < 1.0), "{errors:?}");
+        assert_ne!(Verdict::of(&found, &[]).grade, Grade::Good);
+    }
+    let constant = said(&[0, 1, 2], 0.0).warnings.into_iter();
+    assert_eq!(constant.filter(|own| matches!(own, Warning::ConstantTorque { .. })).count(), 3);
+}
+
+#[test]
+fn poses_without_velocities_are_no_path_for_friction() {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let poses = |seed| {
+        let moving = motion(&arm, MotionKind::Sines, 400.0, 1.0, seed);
+        let (m, mut signals) = (moving.n_rows(), moving.into_signals());
+        (signals.dq, signals.ddq) = (Mat::zeros(m, 3), Mat::zeros(m, 3));
+        let mut normal = normals(seed);
+        with_torque(Motion::new(signals).unwrap(), |[q, ..], tau| {
+            let gravity = arm.gravity_torque(q);
+            tau.iter_mut().zip(gravity).for_each(|(tau, own)| *tau = own + 0.05 * normal());
+        })
+    };
+
+    let found = fit(&poses(1), &chain(FrictionKind::Auto)).model;
+
+    assert!(found.travels().is_empty());
+    let errors = percent(&found, &poses(2));
+    assert!(errors[1..].iter().all(|error| *error < 5.0), "{errors:?}");
 }
 
 /// What a fit says of torques with dry friction once they are spoilt.

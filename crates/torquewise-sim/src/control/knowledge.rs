@@ -1,5 +1,6 @@
 //! What a controller may ask about the arm before it.
 
+use crate::Arm;
 use crate::control::plant::Plant;
 use crate::error::Result;
 use faer::Mat;
@@ -41,6 +42,14 @@ pub struct Learned {
 /// Half width \[rad/s\] of reversals: no drive should follow a jump, but a desired velocity is free
 /// of the noise that the learner smooths them for.
 const REVERSAL: f64 = 0.002;
+
+/// Whether a model is of the joints of an arm: by name, or by their number where it has no names.
+pub fn is_of_joints(model: &Model, arm: &Arm) -> bool {
+    let mut numbered = model.joints.iter().enumerate();
+    let is_numbered = numbered.all(|(place, name)| *name == format!("joint{}", place + 1));
+    let same_count = model.n_joints() == arm.n_joints();
+    same_count && (is_numbered || model.joints == arm.joints())
+}
 
 impl Learned {
     /// Takes the model as it is, and for controller 1 its friction and the gravity that was known

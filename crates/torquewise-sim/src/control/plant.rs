@@ -1,6 +1,5 @@
 //! What a controller has before it: arm, friction, drives and encoders.
 
-use crate::arm::each;
 use crate::control::integrate::Integrator;
 use crate::error::{Result, check_above_zero, check_between, check_joints};
 use crate::{Arm, Friction};
@@ -65,6 +64,11 @@ impl Drive {
         let limit = if limits.is_empty() { vec![f64::INFINITY; n] } else { each(limits, n) };
         Self { limit, delay }
     }
+}
+
+/// One number for all joints, or one each.
+pub fn each(given: &[f64], n: usize) -> Vec<f64> {
+    if let [all] = given { vec![*all; n] } else { given.to_vec() }
 }
 
 impl Sensors {
