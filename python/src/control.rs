@@ -17,14 +17,6 @@ use torquewise::dynamics::Friction;
 use torquewise::motion::Motion;
 use torquewise::twin;
 
-const LAWS: [(&str, Law); 5] = [
-    ("pid", Law::Pid),
-    ("controller1", Law::Controller1),
-    ("controller2", Law::Controller2),
-    ("computed_torque", Law::ComputedTorque),
-    ("hand_guiding", Law::HandGuiding),
-];
-
 /// Time stamps, positions, velocities and accelerations.
 type Desired<'py> = (Vec<f64>, Rows<'py>, Rows<'py>, Rows<'py>);
 
@@ -55,7 +47,8 @@ pub(crate) fn control<'py>(
     delay: f64,
     sensors: (u32, f64, f64, u64),
 ) -> PyResult<Vec<(String, Bound<'py, PyDict>)>> {
-    let laws = controllers.iter().map(|name| choice("controllers", name, &LAWS));
+    let named = Law::ALL.map(|law| (law.name(), law));
+    let laws = controllers.iter().map(|name| choice("controllers", name, &named));
     let laws = laws.collect::<PyResult<Vec<_>>>()?;
     let (arm, of_model) = arm_of(&arm, &lock)?;
     let (n, joints) = (arm.n_joints(), arm.joints().to_vec());

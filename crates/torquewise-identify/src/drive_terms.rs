@@ -74,11 +74,6 @@ impl DriveTerm {
         functions.into_iter().map(spring).collect()
     }
 
-    /// Whether it is the rotor of a shaft that several joints turn.
-    pub(crate) fn is_shared(&self) -> bool {
-        matches!(self, Self::Rotor(shaft) if shaft.iter().filter(|part| **part != 0.0).count() > 1)
-    }
-
     /// The law, if it is friction.
     pub(crate) fn law(&self) -> Option<&FrictionTerm> {
         match self {

@@ -7,6 +7,7 @@ use crate::plan::{ChainOptions, FrictionKind};
 use crate::reconstruction::{Progress, Watch};
 use crate::unseen::geometric_mean;
 pub(crate) use gravity::against_axes;
+use kinds::upright;
 use offers::Offer;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -121,7 +122,9 @@ pub(crate) fn learn(
     match friction {
         FrictionKind::None | FrictionKind::Linear => {}
         FrictionKind::Stribeck => {
-            spec = learner.with_stribeck(ChainSpec { drive: known(&kinds), ..spec }, &searched);
+            spec.drive = known(&kinds);
+            spec.drive.extend(DriveTerm::friction(learner.laws.of(FrictionKind::Stribeck)));
+            spec = upright(spec, &searched);
         }
         FrictionKind::Auto => {
             let laws = learner.friction(&searched);
@@ -137,12 +140,17 @@ pub(crate) fn learn(
         // Where no joint wants more than dry and viscous friction, what was offered is left out.
         offered.clear();
     }
-    if !is_given && spec.drive.iter().any(DriveTerm::is_shared) {
+    if !is_given && spec.drive.iter().any(is_shared) {
         choices.retain(|choice: &Choice| choice.what != AXES);
         chain = learner.geometry(&mut spec, Some(chain), &mut choices)?;
     }
     Progress::Refit.tell(watch)?;
     learner.finish((spec, offered), &chain, choices)
+}
+
+/// Whether it is the rotor of a shaft that several joints turn.
+fn is_shared(own: &DriveTerm) -> bool {
+    matches!(own, DriveTerm::Rotor(shaft) if shaft.iter().filter(|part| **part != 0.0).count() > 1)
 }
 
 /// Which joints are said to slide, if that is said: as many as the log has, and as a given geometry has
@@ -312,7 +320,12 @@ impl<'a> ChainLearner<'a> {
         }
         let residual_rms = residual_rms(&chain, &rows);
         let (laws, found) = (self.laws.clone(), self.found.clone());
-        choices.extend((!offered.is_empty()).then(offers::mean_of_laws));
+        choices.extend((!offered.is_empty()).then(|| Choice {
+            what: "friction as saved".to_owned(),
+            chosen: "mean of the laws chosen and of all offered".to_owned(),
+            rule: "errors of laws differ by little [E21]".to_owned(),
+            from: Vec::new(),
+        }));
         Ok(Learned { chain, residual_rms, spec, offered, choices, laws, found })
     }
 

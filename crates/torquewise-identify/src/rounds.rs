@@ -53,7 +53,10 @@ impl Request {
         watch: Watch<'_>,
     ) -> Result<Self, IdentifyError> {
         Progress::Geometry.tell(watch)?;
-        let joints = before.map(Self::into_joints);
+        let joints = before.map(|Self { passes, choices, .. }| {
+            let axes = &passes.at.geometry;
+            Joints { kinds: axes.kinds().clone(), coupling: axes.coupling().clone(), choices }
+        });
         let learned = learn(&survey.sample, options, (seed, joints), watch)?;
         Progress::Refit.tell(watch)?;
         let sizes = Sizes::of(survey);
@@ -62,18 +65,10 @@ impl Request {
         let at = refine(&sample, &start, &sizes, watch)?.widened(&learned.offered, &sample)?;
         let at = cut_for(at, survey.rows);
         let mut passes = Passes::over_all(at, MOST_PASSES);
-        if options.geometry.is_some() {
-            passes = passes.with_given_geometry();
-        }
+        passes.may_release = options.geometry.is_none();
         let Learned { residual_rms: searched_rms, choices, found, .. } = learned;
         let joints = survey.joints.clone();
         Ok(Self { joints, passes, sizes, choices, found, searched_rms })
-    }
-
-    fn into_joints(self) -> Joints {
-        let axes = &self.passes.at.geometry;
-        let (kinds, coupling) = (axes.kinds().clone(), axes.coupling().clone());
-        Joints { kinds, coupling, choices: self.choices }
     }
 
     /// The same for logs of so many rows.

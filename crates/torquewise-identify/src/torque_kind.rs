@@ -126,7 +126,11 @@ impl Gains {
     /// `None` where they are no gains.
     fn of(parts: &[JointRows], linear: &[f64]) -> Option<Self> {
         let all = JointRows::of(parts.iter())?;
-        let most = all.most_loaded(linear);
+        // The joint that links load most.
+        let links = all.links(linear);
+        let load = |joint: usize| (links.transpose() * &all.sums[joint].gram * &links)[(0, 0)];
+        let joints = 0..all.sums.len();
+        let most = joints.max_by(|a, b| load(*a).total_cmp(&load(*b))).unwrap_or(0);
         let (per, loads) = all.gains(linear, most)?;
         let others = |part: usize| parts[..part].iter().chain(&parts[part + 1..]);
         let without = |part: usize| Some(JointRows::of(others(part))?.gains(linear, most)?.0);
@@ -185,13 +189,6 @@ impl JointRows {
     fn links(&self, linear: &[f64]) -> Mat<f64> {
         let p = self.sums[0].n_columns();
         Mat::from_fn(p, 1, |k, _| if k < self.drive[0] { linear[k] } else { 0.0 })
-    }
-
-    /// The joint that links load most.
-    fn most_loaded(&self, linear: &[f64]) -> usize {
-        let links = self.links(linear);
-        let load = |joint: usize| (links.transpose() * &self.sums[joint].gram * &links)[(0, 0)];
-        (0..self.sums.len()).max_by(|a, b| load(*a).total_cmp(&load(*b))).unwrap_or(0)
     }
 
     fn factor(&self, per: f64, column: usize) -> f64 {

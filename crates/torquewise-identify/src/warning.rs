@@ -70,7 +70,7 @@ pub enum Warning {
     },
     /// The log seems to count joints otherwise than the file that their axes are from.
     Coordinates {
-        /// What each may be in that file, `joint3 as 90° - q`.
+        /// What each may be in that file, `joint3 as -q + 90°`.
         joints: String,
     },
     /// Two logs hold the same rows.

@@ -27,7 +27,7 @@ pub const PER_BASE: usize = 2;
 pub struct Geometry {
     /// Turns of gravity from −z of the base about x and y \[rad\], then w₁, w₂ \[rad\], p₁, p₂
     /// \[m\] of joints 2…n.
-    parameters: Vec<f64>,
+    pub(crate) parameters: Vec<f64>,
     /// How logged coordinates turn the joints.
     coupling: Coupling,
     /// Which of the joints turn and which slide.
@@ -169,10 +169,6 @@ impl Geometry {
     /// The parameters: two of gravity, then four of each joint from the second on.
     pub fn parameters(&self) -> &[f64] {
         &self.parameters
-    }
-
-    pub(crate) fn parameters_mut(&mut self) -> &mut [f64] {
-        &mut self.parameters
     }
 
     /// Direction (w₁, w₂) of the axis of a joint, counted from 0, in the frame before; that of the

@@ -142,7 +142,7 @@ impl Target<'_> {
                 let share = if longest > LONGEST { LONGEST / longest } else { 1.0 };
                 let mut geometry = best.geometry.clone();
                 for (&parameter, x) in free.iter().zip(step.iter()) {
-                    geometry.parameters_mut()[parameter] += share * x;
+                    geometry.parameters[parameter] += share * x;
                 }
                 if let Ok(found) = self.fit(&geometry)
                     && found.cost < best.cost

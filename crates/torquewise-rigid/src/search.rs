@@ -228,7 +228,10 @@ pub fn search(rows: &Rows, search: &Search, watch: Watch<'_>) -> Result<Found, C
         starts = batch.end;
         found.extend(batch.into_par_iter().filter_map(made).collect::<Vec<_>>());
         found.sort_by(|a, b| rank(&a.1).total_cmp(&rank(&b.1)).then(a.0.cmp(&b.0)));
-        times = found.iter().filter(|own| are_same(&own.1, &found[0].1, &start)).count();
+        let scores: Vec<f64> =
+            found.iter().map(|own| score(&own.1, &start, NOTHING / FIRST_NOISE)).collect();
+        let within = SAME * start.n_joints() as f64;
+        times = scores.iter().filter(|own| (*own - scores[0]).abs() < within).count();
         tell(watch, Stage::Starts { made: starts, agreeing: times })?;
     }
     found.truncate(FINALISTS);
@@ -241,12 +244,6 @@ pub fn search(rows: &Rows, search: &Search, watch: Watch<'_>) -> Result<Found, C
     let rank = |chain: &Chain| score(chain, &finals, LEAST_RESIDUAL);
     chains.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     if chains.is_empty() { Err(ChainError::Singular) } else { Ok(Found { chains, times, starts }) }
-}
-
-/// Whether two chains explain the rows alike.
-fn are_same(a: &Chain, b: &Chain, rows: &Rows) -> bool {
-    let score = |chain| score(chain, rows, NOTHING / FIRST_NOISE);
-    (score(a) - score(b)).abs() < SAME * rows.n_joints() as f64
 }
 
 /// What the best of the starts leaves of few rows, before any is refined: a first look at a

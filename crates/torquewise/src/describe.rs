@@ -46,6 +46,12 @@ pub fn description(model: &Model, selection: &Selection) -> Result<Value, ModelE
         selection.has_part(Kind::Friction) && joints.any(|(joint, _)| selection.has_joint(joint))
     };
     let shafts = ShaftFriction::all(model).into_iter().filter(|shaft| turns(shaft.shaft()));
+    let shafts = shafts.map(|shaft| {
+        let mut json = json!(shaft.parameters());
+        json["name"] = json!(shaft.name());
+        json["shaft"] = json!(shaft.shaft());
+        json
+    });
     // Laws of a shaft, before its joints share it.
     let laws = model.friction.iter().filter(|law| turns(&law.term.shaft));
     let laws = laws.map(|law| term_json(law, &law.term.name(), ("shaft", json!(law.term.shaft))));
@@ -53,7 +59,7 @@ pub fn description(model: &Model, selection: &Selection) -> Result<Value, ModelE
         "geometry": learned::joint_geometry(model)?,
         "joints": joints.collect::<Vec<_>>(),
         "energies": energies,
-        "friction_parameters": shafts.map(|shaft| shaft_json(&shaft)).collect::<Vec<_>>(),
+        "friction_parameters": shafts.collect::<Vec<_>>(),
         "friction": laws.collect::<Vec<_>>(),
         "choices": model.choices,
         "conditioning": AllRepairs::of(&model.training.conditioning),
@@ -73,11 +79,4 @@ fn term_json<T>(weighted: &Weighted<T>, name: &str, (key, more): (&str, Value)) 
         "std_error": weighted.std_error,
         "inclusion": weighted.inclusion,
     })
-}
-
-fn shaft_json(shaft: &ShaftFriction<'_>) -> Value {
-    let mut json = json!(shaft.parameters());
-    json["name"] = json!(shaft.name());
-    json["shaft"] = json!(shaft.shaft());
-    json
 }

@@ -93,23 +93,24 @@ fn joints_that_a_log_counts_otherwise_than_the_urdf_are_told() {
     terminal.done("simulate puma560-3 -o log.csv --seconds 40 --rate 50 --case 2 --seed 1");
     terminal.done("fit log.csv --library chain -o arm.json");
     terminal.done("export arm.json --to urdf -o arm.urdf");
-    let table = Table::of(&terminal, "log.csv").with("q2", |_, q, _| q - FRAC_PI_2);
-    let other = table.scaled(&["q3", "dq3", "ddq3", "tau3"], -1.0);
-    terminal.write("other.csv", &other.text());
+    let log = Table::of(&terminal, "log.csv");
+    terminal.write("turned.csv", &log.clone().scaled(&["q3", "dq3", "ddq3", "tau3"], -1.0).text());
+    terminal.write("zero.csv", &log.with("q2", |_, q, _| q - FRAC_PI_2).text());
 
     let said = |log: &str| terminal.run(&format!("fit {log} --urdf arm.urdf -o new.json"));
-    let (same, other) = (said("log.csv"), said("other.csv"));
+    let (same, turned, zero) = (said("log.csv"), said("turned.csv"), said("zero.csv"));
 
     assert!(!same.stderr.contains("count joints otherwise"), "{same:?}");
-    assert!(other.stderr.contains("joint2 as 90° + q, joint3 as -q"), "{other:?}");
-    assert!(other.stdout.contains("counted otherwise than in the URDF"), "{other:?}");
+    assert!(turned.stderr.contains("with joint3 as -q held-out torque"), "{turned:?}");
+    assert!(turned.stdout.contains("counted otherwise than in the URDF"), "{turned:?}");
+    assert!(zero.stderr.contains("with joint2 as q + 90° held-out torque"), "{zero:?}");
     // Said so in a profile, they fit.
     let signals = ["q", "dq", "ddq", "tau"].map(|signal| {
         let zero = if signal == "q" { "offset = [0, 1.5707963, 0]" } else { "" };
-        format!("[{signal}]\ncolumns = \"{signal}\"\nunit = \"\"\nscale = [1, 1, -1]\n{zero}\n")
+        format!("[{signal}]\ncolumns = \"{signal}\"\n{zero}\n")
     });
     terminal.write("arm.toml", &format!("[t]\ncolumn = \"t\"\n{}", signals.concat()));
-    let cured = said("other.csv --profile arm.toml");
+    let cured = said("zero.csv --profile arm.toml");
     assert!(!cured.stderr.contains("count joints otherwise"), "{cured:?}");
     assert_eq!(cured.code, 0, "{cured:?}");
 }

@@ -111,7 +111,10 @@ fn summed(block: &Block, at: &Linearisation) -> Result<BlockSums, IdentifyError>
     let fold = at.regions.of_row(motion, motion.n_rows() / 2);
     let mut sums = BlockSums::new(fold, rows.as_ref(), &weights, (at.n_joints(), Alike::Block));
     let noise = match &block.noise {
-        Some(noise) => Some(side_by_side(noise)),
+        Some(noise) => {
+            let (n, signals) = (noise.n_joints(), [noise.q(), noise.dq(), noise.ddq()]);
+            Some(Mat::from_fn(noise.n_rows(), 3 * n, |row, j| signals[j / n][(row, j % n)]))
+        }
         None => (!at.noise.is_none()).then(|| {
             let mut random = ChaCha8Rng::seed_from_u64(at.seed);
             random.set_stream(block.stream());
@@ -125,10 +128,4 @@ fn summed(block: &Block, at: &Linearisation) -> Result<BlockSums, IdentifyError>
         }
     }
     Ok(sums)
-}
-
-/// q, q̇ and q̈ of a motion, m×3n.
-fn side_by_side(motion: &Motion) -> Mat<f64> {
-    let (n, signals) = (motion.n_joints(), [motion.q(), motion.dq(), motion.ddq()]);
-    Mat::from_fn(motion.n_rows(), 3 * n, |row, j| signals[j / n][(row, j % n)])
 }

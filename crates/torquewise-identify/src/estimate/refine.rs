@@ -48,15 +48,10 @@ pub(crate) struct Passes {
     /// Passes at most.
     most: usize,
     /// Whether parameters of the geometry that the sample held may be released.
-    may_release: bool,
+    pub(crate) may_release: bool,
 }
 
 impl Passes {
-    /// The same where the geometry is given: nothing of it is released.
-    pub(crate) fn with_given_geometry(self) -> Self {
-        Self { may_release: false, ..self }
-    }
-
     /// Passes over all rows, `most` at most.
     pub(crate) fn over_all(at: Linearisation, most: usize) -> Self {
         let (tuning, best, reach) = (None, None, REACH[0]);

@@ -5,6 +5,7 @@ use super::gravity::AS_GIVEN;
 use super::{ChainLearner, TRIAL_ROWS, left, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_2;
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
@@ -18,30 +19,36 @@ pub(super) const COORDINATES: &str = "coordinates";
 const ROWS: usize = 300;
 /// Each joint counted otherwise must leave this part of what is left before, RMS.
 const PROMISING: f64 = 0.8;
+/// So many of the best are gone on with: of two joints, the right way of one may not be the best alone.
+const KEPT: usize = 8;
+/// What is left is alike within this factor.
+const ALIKE: f64 = 1.05;
 /// Read as given, held-out rows must be missed by more than this part above what all leave: a right
 /// file must never be doubted.
 const WORTH: f64 = 0.5;
 
-/// A joint as it may be counted: its position times a sign, and quarters of a turn.
-#[derive(Clone, Copy, Debug)]
+/// A joint as it may be counted: turned round or not, and from a zero some quarters of a turn away.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Counted {
     joint: usize,
-    sign: f64,
+    is_turned: bool,
     quarters: u8,
 }
 
 impl Counted {
     /// Every other way to count a joint.
     fn ways(joint: usize, turns: bool) -> impl Iterator<Item = Self> {
-        let all = [1.0, -1.0].into_iter().flat_map(|sign| (0..4).map(move |own| (sign, own)));
-        let others = all.filter(|way| *way != (1.0, 0));
+        let all =
+            [false, true].into_iter().flat_map(|is_turned| (0..4).map(move |own| (is_turned, own)));
+        let others = all.filter(|way| *way != (false, 0));
         let others = others.filter(move |(_, quarters)| turns || *quarters == 0);
-        others.map(move |(sign, quarters)| Self { joint, sign, quarters })
+        others.map(move |(is_turned, quarters)| Self { joint, is_turned, quarters })
     }
 
     /// The same motion, with the joint counted so.
     fn read(self, motion: Motion) -> Result<Motion, IdentifyError> {
-        let Self { joint, sign, quarters } = self;
+        let Self { joint, is_turned, quarters } = self;
+        let sign = if is_turned { -1.0 } else { 1.0 };
         let mut signals = motion.into_signals();
         let turned = [&mut signals.q, &mut signals.dq, &mut signals.ddq].into_iter();
         for x in turned.chain(&mut signals.tau) {
@@ -51,15 +58,11 @@ impl Counted {
         Ok(Motion::new(signals)?)
     }
 
-    /// `joint3 as 90° - q`.
+    /// `joint3 as -q + 90°`.
     fn told(&self, name: &str) -> String {
-        let zero = ["", "90° ", "180° ", "-90° "][usize::from(self.quarters)];
-        let sign = match (self.sign < 0.0, zero.is_empty()) {
-            (true, true) => "-",
-            (true, false) => "- ",
-            (false, _) => "+ ",
-        };
-        format!("{name} as {zero}{sign}q")
+        let sign = if self.is_turned { "-" } else { "" };
+        let zero = ["", " + 90°", " + 180°", " - 90°"][usize::from(self.quarters)];
+        format!("{name} as {sign}q{zero}")
     }
 }
 
@@ -83,24 +86,40 @@ impl ChainLearner<'_> {
         let fitted = |counted: &[Counted]| -> Result<Chain, IdentifyError> {
             Ok(refine(&read(counted, ROWS)?, chain, &spec.free, &spec.search, &watch)?)
         };
-        let (mut found, as_given) = (Vec::<Counted>::new(), fitted(&[])?);
-        let mut best = as_given.clone();
+        let as_given = fitted(&[])?;
+        let (mut best, mut kept) = ((Vec::new(), as_given.clone()), vec![Vec::new()]);
+        // Where the first begins is where gravity pulls.
+        let turns = |joint: usize| joint > 0 && chain.geometry.kinds().of(joint).turns();
+        let joints = 0..self.motion.n_joints();
+        let all: Vec<Counted> =
+            joints.flat_map(|joint| Counted::ways(joint, turns(joint))).collect();
         loop {
-            let others = (0..self.motion.n_joints())
-                .filter(|joint| found.iter().all(|own| own.joint != *joint));
-            // Where the first begins is where gravity pulls.
-            let turns = |joint: usize| joint > 0 && chain.geometry.kinds().of(joint).turns();
-            let ways = others.flat_map(|joint| Counted::ways(joint, turns(joint)));
-            let ways: Vec<Vec<Counted>> = ways.map(|own| [&found[..], &[own]].concat()).collect();
-            let tried = ways.par_iter().map(|counted| fitted(counted));
-            let tried = tried.collect::<Result<Vec<Chain>, IdentifyError>>()?;
-            let least =
-                ways.into_iter().zip(tried).min_by(|a, b| left(&a.1).total_cmp(&left(&b.1)));
-            let Some(least) = least.filter(|(_, own)| left(own) <= PROMISING * left(&best)) else {
-                break;
-            };
-            (found, best) = least;
+            let mut ways = BTreeSet::new();
+            for counted in &kept {
+                let is_other =
+                    |own: &&Counted| counted.iter().all(|known: &Counted| known.joint != own.joint);
+                for own in all.iter().filter(is_other) {
+                    let mut counted = [&counted[..], &[*own]].concat();
+                    counted.sort_unstable();
+                    ways.insert(counted);
+                }
+            }
+            let ways: Vec<Vec<Counted>> = ways.into_iter().collect();
+            let tried = ways.into_par_iter().filter_map(|counted| {
+                let chain = fitted(&counted).ok()?;
+                Some((counted, chain))
+            });
+            let mut tried: Vec<(Vec<Counted>, Chain)> = tried.collect();
+            // Half a turn more is often the same to all torques: the plainest of those alike.
+            let least = tried.iter().map(|(_, own)| left(own)).fold(f64::INFINITY, f64::min);
+            let plainest = tried.iter().find(|(_, own)| left(own) <= ALIKE * least).cloned();
+            let plainest = plainest.filter(|(_, own)| left(own) <= PROMISING * left(&best.1));
+            let Some(plainest) = plainest else { break };
+            best = plainest;
+            tried.sort_by(|a, b| left(&a.1).total_cmp(&left(&b.1)));
+            kept = tried.into_iter().take(KEPT).map(|(counted, _)| counted).collect();
         }
+        let (found, best) = best;
         if found.is_empty() {
             return Ok(());
         }

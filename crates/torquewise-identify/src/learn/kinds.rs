@@ -12,7 +12,6 @@ use torquewise_motion::Motion;
 use torquewise_rigid::search::{all_parameters, glance, refine};
 use torquewise_rigid::{Chain, Rows, Search};
 use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::friction::FrictionKind;
 
 /// Travel \[m\] of a slide at most: a joint that goes farther is taken to turn. Arms with longer ones
 /// are told of them.
@@ -167,12 +166,6 @@ impl ChainLearner<'_> {
         Ok(chain)
     }
 
-    /// A specification with the whole dictionary of friction.
-    pub(super) fn with_stribeck(&self, mut spec: ChainSpec, searched: &JointKinds) -> ChainSpec {
-        spec.drive.extend(DriveTerm::friction(self.laws.of(FrictionKind::Stribeck)));
-        upright(spec, searched)
-    }
-
     /// The kinds that few rows are best with, one joint changed after another as long as that is worth
     /// it, and those that may slide all the same.
     fn first_look(
@@ -253,7 +246,7 @@ pub(super) fn is_told_from_gravity(term: &FrictionTerm, searched: &JointKinds) -
 }
 
 /// A specification with friction that can be told from gravity alone.
-fn upright(spec: ChainSpec, searched: &JointKinds) -> ChainSpec {
+pub(super) fn upright(spec: ChainSpec, searched: &JointKinds) -> ChainSpec {
     let is_told =
         |term: &DriveTerm| term.law().is_none_or(|term| is_told_from_gravity(term, searched));
     ChainSpec { drive: spec.drive.iter().filter(|term| is_told(term)).cloned().collect(), ..spec }

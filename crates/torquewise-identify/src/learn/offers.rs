@@ -74,14 +74,6 @@ pub(super) fn given_balance(motion: &Motion, joint: usize) -> Choice {
     Choice { what, chosen, rule: "as given".to_owned(), from: Vec::new() }
 }
 
-/// What a model with more than dry and viscous friction keeps of its laws (E21).
-pub(super) fn mean_of_laws() -> Choice {
-    let chosen = "mean of the laws chosen and of all offered".to_owned();
-    let (what, rule) =
-        ("friction as saved".to_owned(), "errors of laws differ by little [E21]".to_owned());
-    Choice { what, chosen, rule, from: Vec::new() }
-}
-
 /// The choice of a spring, as the model file has it.
 fn balance_of(motion: &Motion, joint: usize) -> String {
     format!("counterbalance of {}", motion.joints()[joint])

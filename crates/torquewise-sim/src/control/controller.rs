@@ -28,6 +28,10 @@ pub enum Law {
 }
 
 impl Law {
+    /// All of them.
+    pub const ALL: [Self; 5] =
+        [Self::Pid, Self::Controller1, Self::Controller2, Self::ComputedTorque, Self::HandGuiding];
+
     /// Name in tables and files.
     pub fn name(self) -> &'static str {
         match self {
