@@ -75,11 +75,6 @@ pub(crate) enum Command {
 }
 
 impl Command {
-    /// Whether it goes on until Ctrl-C.
-    pub(crate) fn is_endless(&self) -> bool {
-        matches!(self, Self::Serve(_))
-    }
-
     /// - `words`: of the whole line, for reports
     pub(crate) fn run(&self, words: &[OsString]) -> Result<Outcome> {
         match self {

@@ -29,7 +29,7 @@ use std::ffi::OsString;
 pub fn run(words: &[OsString]) -> u8 {
     match commands::CommandLine::try_parse_from(words) {
         Ok(line) => {
-            interrupt::listen(line.command.is_endless());
+            interrupt::listen(matches!(line.command, commands::Command::Serve(_)));
             threads::start();
             let run = || line.command.run(words);
             outcome::report(files::all_or_none(run), line.json, line.strict)

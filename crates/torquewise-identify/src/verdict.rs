@@ -68,9 +68,8 @@ impl Verdict {
         let mean = means.fold(0.0, f64::max);
         if mean >= HALF && because.is_empty() {
             let missed = 100.0 * mean;
-            because.push(format!(
-                "{missed:.0} % of the spread of the torque is missed in the mean of the joints"
-            ));
+            because
+                .push(format!("{missed:.0} % of the torque is missed in the mean of the joints"));
         }
         let has_no_doubt = has_held_out && poor.is_empty() && doubts.is_empty();
         let grade = match because.is_empty() {

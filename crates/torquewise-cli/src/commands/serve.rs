@@ -4,7 +4,6 @@ use crate::error::{CliError, Result};
 use crate::outcome::Outcome;
 use clap::Args;
 use std::io;
-use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread;
 use tiny_http::{Header, Request, Response, Server};
@@ -51,14 +50,11 @@ fn answer(request: Request) -> io::Result<()> {
     let Some((name, content)) = PAGE.iter().find(|(file, _)| *file == name) else {
         return request.respond(Response::from_string("not found").with_status_code(404));
     };
-    let kind = match Path::new(name).extension().and_then(|ending| ending.to_str()) {
-        Some("html") => "text/html; charset=utf-8",
-        Some("js") => "text/javascript; charset=utf-8",
-        _ => "application/octet-stream",
-    };
+    let kind = if *name == "index.html" { "text/html" } else { "text/javascript" };
     let header = |field: &str, value: &str| Header::from_bytes(field, value).ok();
     let mut response = Response::from_data(*content);
-    let own = [header("Content-Type", kind), header("Content-Encoding", "gzip")];
+    let kind = format!("{kind}; charset=utf-8");
+    let own = [header("Content-Type", &kind), header("Content-Encoding", "gzip")];
     own.into_iter().flatten().for_each(|header| response.add_header(header));
     request.respond(response)
 }

@@ -45,6 +45,11 @@ impl Counted {
         others.map(move |(is_turned, quarters)| Self { joint, is_turned, quarters })
     }
 
+    /// How many turns and zeros are others.
+    fn oddity(all: &[Self]) -> usize {
+        all.iter().map(|own| usize::from(own.is_turned) + usize::from(own.quarters > 0)).sum()
+    }
+
     /// The same motion, with the joint counted so.
     fn read(self, motion: Motion) -> Result<Motion, IdentifyError> {
         let Self { joint, is_turned, quarters } = self;
@@ -112,10 +117,12 @@ impl ChainLearner<'_> {
             let mut tried: Vec<(Vec<Counted>, Chain)> = tried.collect();
             // Half a turn more is often the same to all torques: the plainest of those alike.
             let least = tried.iter().map(|(_, own)| left(own)).fold(f64::INFINITY, f64::min);
-            let plainest = tried.iter().find(|(_, own)| left(own) <= ALIKE * least).cloned();
-            let plainest = plainest.filter(|(_, own)| left(own) <= PROMISING * left(&best.1));
-            let Some(plainest) = plainest else { break };
-            best = plainest;
+            let alike = tried.iter().filter(|(_, own)| left(own) <= ALIKE * least);
+            let plainest = alike.min_by_key(|(counted, _)| Counted::oddity(counted)).cloned();
+            match plainest.filter(|(_, own)| left(own) <= PROMISING * left(&best.1)) {
+                Some(plainest) => best = plainest,
+                None => break,
+            }
             tried.sort_by(|a, b| left(&a.1).total_cmp(&left(&b.1)));
             kept = tried.into_iter().take(KEPT).map(|(counted, _)| counted).collect();
         }
