@@ -37,7 +37,13 @@ def test_control_tracks_better_the_more_a_model_knows(chain):
     found = torquewise.control(chain, "puma560-3", seconds=2, perfect=True)
 
     errors = {name: own.rms_error.max() for name, own in found.items()}
-    assert list(found) == ["pid", "controller1", "controller2", "controller1_perfect", "controller2_perfect"]
+    assert list(found) == [
+        "pid",
+        "controller1",
+        "controller2",
+        "controller1_perfect",
+        "controller2_perfect",
+    ]
     assert errors["controller2_perfect"] < errors["controller2"] < 0.1 * errors["controller1"]
     assert errors["controller1"] < errors["pid"]
     own = found["pid"]
@@ -49,7 +55,9 @@ def test_control_tracks_better_the_more_a_model_knows(chain):
 def test_control_follows_a_motion_of_ones_own_within_the_limits_of_drives(chain):
     wanted = torquewise.simulate("puma560-3", motion="sines", seconds=1, rate=1000, seed=3)
 
-    found = torquewise.control(chain, chain, wanted, controllers=["pid"], torque_limit=5.0, settle=0)
+    found = torquewise.control(
+        chain, chain, wanted, controllers=["pid"], torque_limit=5.0, settle=0
+    )
     tau, saturated = found["pid"].tau, found["pid"].saturated
     assert len(tau) == len(wanted["t"]) and np.abs(tau).max() <= 5.0
     assert np.allclose(saturated, (np.abs(tau) >= 5.0).mean(axis=0)) and saturated.max() > 0

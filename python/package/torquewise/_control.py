@@ -17,7 +17,6 @@ from ._options import Path
 from ._simulation import named_arm
 from ._tables import frame
 
-
 #: A periodic motion, unless more is said.
 _WAVES: dict[str, Any] = {
     "seconds": 16.0,
@@ -56,7 +55,9 @@ class Tracking:
     def to_frame(self) -> Any:
         """A frame of pandas with a row for each tick: q1, …, error1, …, tau1, … over t."""
         signals = {"q": self.q, "error": self.error, "tau": self.tau}
-        columns = {f"{name}{k + 1}": x[:, k] for name, x in signals.items() for k in range(x.shape[1])}
+        columns = {
+            f"{name}{k + 1}": x[:, k] for name, x in signals.items() for k in range(x.shape[1])
+        }
         return frame({"t": self.t, **columns}, index="t")
 
 
