@@ -10,8 +10,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Arc;
 use torquewise::control::{
-    Drive, Gains, Law, Learned, Periodic, Plant, Sensors, Tracking, compare, each, is_of_joints,
-    mean_inertia, periodic,
+    Drive, Law, Learned, Periodic, Plant, Run, Sensors, Tracking, compare, each, is_of_joints,
+    periodic,
 };
 use torquewise::dynamics::Friction;
 use torquewise::motion::Motion;
@@ -20,14 +20,14 @@ use torquewise::twin;
 /// Time stamps, positions, velocities and accelerations.
 type Desired<'py> = (Vec<f64>, Rows<'py>, Rows<'py>, Rows<'py>);
 
-/// Numbers of a periodic motion: seconds, period, rate, speed, acceleration and seed.
-type Waves = (f64, f64, f64, f64, f64, u64);
+/// Numbers of a periodic motion: seconds, period, rate, speed and acceleration.
+type Waves = [Option<f64>; 5];
 
 /// What the arm did, a pair of name and dict for each controller.
 ///
 /// - `sensors`: counts of the encoders, noise, cut-off of the velocity, seed
 #[pyfunction]
-#[pyo3(signature = (model, arm, *, wanted, waves, controllers, perfect, bandwidth, settle, friction, lock,
+#[pyo3(signature = (model, arm, *, wanted, waves, seed, controllers, perfect, bandwidth, settle, friction, lock,
                     rotor, torque_limit, delay, sensors))]
 #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
 pub(crate) fn control<'py>(
@@ -36,6 +36,7 @@ pub(crate) fn control<'py>(
     arm: ArmSource<'py>,
     wanted: Option<Desired<'py>>,
     waves: Waves,
+    seed: u64,
     controllers: Vec<String>,
     perfect: bool,
     bandwidth: f64,
@@ -67,31 +68,35 @@ pub(crate) fn control<'py>(
     } else {
         arm.with_rotors(&each(&rotor, n)).map_err(value_error)?
     };
-    let (counts, noise, cutoff, seed) = sensors;
-    let sensors = Sensors { noise, cutoff, seed, ..Sensors::of_counts(counts) };
+    let (counts, noise, cutoff, noise_seed) = sensors;
+    let sensors = Sensors { noise, cutoff, seed: noise_seed, ..Sensors::of_counts(counts) };
     let drive = Drive::new(n, &torque_limit, delay);
     let plant = Plant { friction, drive, sensors, ..Plant::ideal(arm) };
-    let wanted = desired(wanted, waves, &plant)?;
+    let wanted = desired(wanted, (waves, seed), &plant)?;
+    let long = wanted.t().last().map_or(0.0, |end| end - wanted.t()[0]);
+    let settle = settle.unwrap_or(long / 2.0);
+    if !(0.0..long).contains(&settle) {
+        return wrong(format!("settle={settle} leaves nothing of {long} s: take less"));
+    }
     let known = Arc::clone(&model.get().model);
     let job = move || -> Result<_, torquewise::Error> {
         let known = Learned::new(&known)?;
-        let gains = Gains::critically_damped(bandwidth, &mean_inertia(&known, &wanted)?);
-        let mut found = compare(&plant, &known, &laws, &gains, &wanted)?;
-        if perfect {
-            let laws = [Law::Controller1, Law::Controller2];
-            found.extend(compare(&plant, &plant, &laws, &gains, &wanted)?);
-        }
-        Ok(found)
+        Ok(compare(&plant, &known, (&laws, perfect), bandwidth, &wanted)?.1)
     };
     let found = work(py, None, move |_| Ok(job()))?.map_err(value_error)?;
-    let perfect = ["controller1_perfect", "controller2_perfect"].map(str::to_owned);
-    let names = controllers.into_iter().chain(perfect);
-    names.zip(&found).map(|(name, own)| Ok((name, tracking_dict(py, own, settle)?))).collect()
+    found.iter().map(|own| Ok((own.name.clone(), tracking_dict(py, own, settle)?))).collect()
 }
 
-fn desired(wanted: Option<Desired<'_>>, waves: Waves, plant: &Plant) -> PyResult<Motion> {
+fn desired(
+    wanted: Option<Desired<'_>>,
+    (waves, seed): (Waves, u64),
+    plant: &Plant,
+) -> PyResult<Motion> {
     let Some((t, q, dq, ddq)) = wanted else {
-        let (seconds, period, rate, speed, acceleration, seed) = waves;
+        let Periodic { seconds, period, rate, speed, acceleration, .. } = Periodic::default();
+        let mut usual = [seconds, period, rate, speed, acceleration];
+        usual.iter_mut().zip(waves).for_each(|(usual, own)| *usual = own.unwrap_or(*usual));
+        let [seconds, period, rate, speed, acceleration] = usual;
         let waves = Periodic { seconds, period, rate, speed, acceleration, seed };
         return periodic(&plant.arm, &waves).map_err(value_error);
     };
@@ -99,13 +104,12 @@ fn desired(wanted: Option<Desired<'_>>, waves: Waves, plant: &Plant) -> PyResult
     motion(plant.arm.joints(), t, rows, None)
 }
 
-/// - `settle`: when errors begin to count \[s\]; halfway without
+/// - `settle`: when errors begin to count \[s\]
 fn tracking_dict<'py>(
     py: Python<'py>,
-    found: &Tracking,
-    settle: Option<f64>,
+    Run { tracking: found, .. }: &Run,
+    settle: f64,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let settle = settle.unwrap_or(found.t.last().map_or(0.0, |end| end / 2.0));
     let dict = PyDict::new(py);
     let Tracking { q, dq, error, tau, hand, .. } = found;
     for (name, rows) in [("q", q), ("dq", dq), ("error", error), ("tau", tau), ("hand", hand)] {

@@ -65,9 +65,10 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     }
     cargo("build --release")?;
     step("the program that users get");
-    run_release(&program(root), &target.join("demo"))?;
+    run_release(&program(root, "release"), &target.join("demo"))?;
     step("web");
-    web::run(root)?;
+    // With the program of the tests: linking another for users takes minutes.
+    web::run(root, "debug")?;
     step("clean work tree");
     if changes(root) != tree {
         bail!("files of the work tree changed: see `git status`");
@@ -81,14 +82,15 @@ pub(crate) fn target(root: &Path) -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from)
 }
 
-/// Builds the program that users get with the page in this folder.
-pub(crate) fn release(root: &Path, page: &Path) -> Result<()> {
-    call(command(root, "build --release").env("TORQUEWISE_PAGE", page))
+/// Builds the program with the page in this folder, in the folder of a profile.
+pub(crate) fn build_with(root: &Path, page: &Path, profile: &str) -> Result<PathBuf> {
+    let flags = if profile == "release" { "--release" } else { "--workspace --bin torquewise" };
+    call(command(root, &format!("build {flags}")).env("TORQUEWISE_PAGE", page))?;
+    Ok(program(root, profile))
 }
 
-/// The program that users get.
-pub(crate) fn program(root: &Path) -> PathBuf {
-    target(root).join(format!("release/torquewise{EXE_SUFFIX}"))
+fn program(root: &Path, profile: &str) -> PathBuf {
+    target(root).join(profile).join(format!("torquewise{EXE_SUFFIX}"))
 }
 
 /// What git says of the work tree; nothing where it is none.

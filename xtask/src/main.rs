@@ -24,7 +24,7 @@ fn main() -> ExitCode {
         ["ci"] => ci::run(&root()),
         ["python"] => python::run(&root(), &ci::target(&root())).map(drop),
         ["package", flags @ ..] => python::package(&root(), flags),
-        ["web"] => web::run(&root()),
+        ["web"] => web::run(&root(), "release"),
         ["tidy"] => tidy::run(&root()),
         _ => {
             eprintln!("{USAGE}");

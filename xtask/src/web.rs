@@ -1,7 +1,7 @@
 //! The page: its engine compiled to WebAssembly, the page made around it, the program that serves it,
 //! and all of it tried in a browser.
 
-use crate::ci::{call, is_there, program, release, target};
+use crate::ci::{build_with, call, is_there, target};
 use anyhow::{Context, Result, bail};
 use std::env;
 use std::ffi::OsString;
@@ -24,7 +24,9 @@ const LARGEST_ENGINE: u64 = 6_000_000;
 
 /// Builds the page into `web/dist` and the program that has it, and tries both; says what is missing
 /// where it cannot.
-pub(crate) fn run(root: &Path) -> Result<()> {
+///
+/// - `profile`: folder that the program is built in, `release` or `debug`
+pub(crate) fn run(root: &Path, profile: &str) -> Result<()> {
     let is_required = env::var_os("TORQUEWISE_WEB_REQUIRED").is_some();
     if is_required && Path::new(APT).exists() {
         install(&lacking())?;
@@ -48,9 +50,9 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     if compressed > LARGEST_ENGINE {
         bail!("the engine has {compressed} bytes, at most {LARGEST_ENGINE} are allowed");
     }
-    release(root, &page)?;
+    let program = build_with(root, &page, profile)?;
     let mut npm = npm(root, &["test"]);
-    call(npm.env("TORQUEWISE_CHROMIUM", chromium()).env("TORQUEWISE_PROGRAM", program(root)))
+    call(npm.env("TORQUEWISE_CHROMIUM", chromium()).env("TORQUEWISE_PROGRAM", program))
 }
 
 fn npm(root: &Path, words: &[&str]) -> Command {

@@ -104,14 +104,9 @@ fn errors<'a>(
     test: &[f64],
 ) -> [(&'static str, Vec<(&'a String, f64)>); 3] {
     let training = &found.model.training;
-    let is_constant = |name: &String| {
-        let is_it =
-            |own: &Warning| matches!(own, Warning::ConstantTorque { joint } if joint == name);
-        found.warnings.iter().any(is_it)
-    };
     let named = |errors: Vec<f64>| {
-        let named = found.model.joints.iter().zip(errors);
-        named.filter(|(name, _)| !is_constant(name)).collect::<Vec<_>>()
+        let named = found.model.joints.iter().zip(errors).zip(&training.torque_std);
+        named.filter(|(_, std)| **std > 0.0).map(|(named, _)| named).collect::<Vec<_>>()
     };
     let held_out = named(training.held_out_errors().unwrap_or_default());
     let is_refit = found.warnings.iter().any(|own| matches!(own, Warning::Refit { .. }));

@@ -44,6 +44,7 @@ fn digits_before(x: f64) -> i32 {
 
 /// A sum with its name, ready to be printed.
 struct Equation {
+    /// As in `M12`, and as in `M_{1,2}`.
     name: String,
     latex: String,
     terms: Vec<Weighted<Term>>,

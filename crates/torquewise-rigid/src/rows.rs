@@ -6,8 +6,12 @@ use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, N_LANES, State};
 use faer::{Mat, MatRef};
 use simba::simd::SimdValue;
 
-/// A spread of torque below this part of its mean is rounding.
-const ROUNDING: f64 = 1e-9;
+/// A spread of torque about its mean \[N·m\]; zero where it is rounding, as where torque never changes.
+pub fn told_spread(std: f64, mean: f64) -> f64 {
+    /// Below this part of the mean.
+    const ROUNDING: f64 = 1e-9;
+    if std > ROUNDING * mean.abs() { std } else { 0.0 }
+}
 
 /// Rows of one arm and what is known beside the chain.
 #[derive(Clone, Debug)]
@@ -114,8 +118,8 @@ impl Rows {
         let torque = self.torque_of(joint);
         let m = torque.len().max(1) as f64;
         let mean = torque.iter().sum::<f64>() / m;
-        let std = (torque.iter().map(|tau| (tau - mean).powi(2)).sum::<f64>() / m).sqrt();
-        if std > ROUNDING * mean.abs() { std } else { 0.0 }
+        let squares = torque.iter().map(|tau| (tau - mean).powi(2)).sum::<f64>();
+        told_spread((squares / m).sqrt(), mean)
     }
 
     /// Calls `visit` with four states at a time, the row of the first of them and how many of them

@@ -11,6 +11,7 @@ use torquewise_motion::path::{Path, TRAVELS};
 use torquewise_motion::{Motion, Recording, Signals};
 use torquewise_regression::SparseError;
 use torquewise_regression::exact::ExactSums;
+use torquewise_rigid::rows::told_spread;
 
 /// What one pass over a log finds.
 #[derive(Clone, Debug)]
@@ -299,13 +300,9 @@ impl SurveySum {
         let product = mean * sum;
         let product_rest = mean.mul_add(sum, -product) + mean * sum_rest;
         let difference = (squares - product) + (squares_rest - product_rest);
-        let std = (difference / m).max(0.0).sqrt();
-        (mean, if std > ROUNDING * mean.abs() { std } else { 0.0 })
+        (mean, told_spread((difference / m).max(0.0).sqrt(), mean))
     }
 }
-
-/// A spread below this part of the mean is rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// At most `count` rows, evenly spread.
 pub fn thinned(motion: &Motion, count: usize) -> Motion {

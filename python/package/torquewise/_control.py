@@ -17,16 +17,6 @@ from ._options import Path
 from ._simulation import named_arm
 from ._tables import frame
 
-#: A periodic motion, unless more is said.
-_WAVES: dict[str, Any] = {
-    "seconds": 16.0,
-    "period": 8.0,
-    "rate": 1000.0,
-    "speed": 1.0,
-    "acceleration": 2.0,
-    "seed": 0,
-}
-
 
 @dataclass(eq=False)
 class Tracking:
@@ -110,11 +100,11 @@ def control(
         Of the sensors: counts to a turn, 0 for exact positions; standard deviation of a position
         [rad]; cut-off of the velocity [Hz].
     """
-    waves = {"seconds": seconds, "rate": rate, "period": period, "speed": speed}
-    waves |= {"acceleration": acceleration, "seed": seed}
-    given = {name: own for name, own in waves.items() if own is not None}
-    own, long = None, {**_WAVES, **given}["seconds"]
+    waves = {"seconds": seconds, "period": period, "rate": rate, "speed": speed}
+    waves["acceleration"] = acceleration
+    own = None
     if motion is not None:
+        given = [name for name, own in {**waves, "seed": seed}.items() if own is not None]
         if given:
             raise ValueError(f"{', '.join(given)} would be ignored beside a motion: leave it out")
         missing = [name for name in ("t", "q", "dq", "ddq") if name not in motion]
@@ -122,15 +112,13 @@ def control(
             raise ValueError(f"motion: expected t, q, dq and ddq, {missing[0]} is missing")
         t, *rows = (numbers(motion[name]) for name in ("t", "q", "dq", "ddq"))
         own = (t.tolist(), *rows)
-        long = float(np.ptp(t)) if t.size else 0.0
-    if settle is not None and not 0 <= settle < long:
-        raise ValueError(f"settle={settle} leaves nothing of {long:g} s: take less")
     found = _core.control(
         model,
         named_arm(arm),
         wanted=own,
-        waves=tuple({**_WAVES, **given}[name] for name in _WAVES),
-        controllers=list(dict.fromkeys(controllers)),
+        waves=list(waves.values()),
+        seed=seed or 0,
+        controllers=list(controllers),
         perfect=perfect,
         bandwidth=bandwidth,
         settle=settle,

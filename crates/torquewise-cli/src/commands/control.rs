@@ -13,9 +13,7 @@ use crate::files::{
 use crate::outcome::Outcome;
 use clap::Args;
 use std::path::{Path, PathBuf};
-use torquewise::control::{
-    Gains, Law, Learned, Plant, Tracking, compare, is_of_joints, mean_inertia,
-};
+use torquewise::control::{Gains, Law, Learned, Plant, Run, compare, is_of_joints};
 use torquewise::logs::{Column, TableWriter, Values};
 use torquewise::model::Model;
 use torquewise::motion::Motion;
@@ -71,13 +69,6 @@ const LAWS: [Word<Law>; 5] = [
     ("hand-guiding", "The model's gravity alone, while a hand leads the arm", Law::HandGuiding),
 ];
 
-struct Run {
-    /// Name in tables, files and JSON.
-    name: String,
-    law: Law,
-    tracking: Tracking,
-}
-
 struct Compared {
     wanted: Motion,
     gains: Gains,
@@ -122,30 +113,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 
 fn compare_all(arguments: &Arguments, model: &Model, plant: &Plant) -> Result<Compared> {
     let wanted = arguments.motion.wanted(&plant.arm)?;
-    let known = Learned::new(model)?;
-    let gains = Gains::critically_damped(arguments.bandwidth, &mean_inertia(&known, &wanted)?);
     let seconds = wanted.t().last().copied().unwrap_or_default();
     let settle = arguments.settle.unwrap_or(seconds / 2.0);
     if !(0.0..seconds).contains(&settle) {
         let message = format!("--settle {settle} leaves nothing of {seconds} s: take less");
         return Err(CliError::Usage(message));
     }
-    let mut laws: Vec<Law> = Vec::new();
-    for law in &arguments.controllers {
-        if !laws.contains(law) {
-            laws.push(*law);
-        }
-    }
-    let named = |suffix: &str, laws: &[Law], found: Vec<Tracking>| -> Vec<Run> {
-        let runs = laws.iter().zip(found);
-        let name = |law: Law| format!("{}{suffix}", law.name());
-        runs.map(|(&law, tracking)| Run { name: name(law), law, tracking }).collect()
-    };
-    let mut runs = named("", &laws, compare(plant, &known, &laws, &gains, &wanted)?);
-    if arguments.perfect {
-        let laws = [Law::Controller1, Law::Controller2];
-        runs.extend(named("_perfect", &laws, compare(plant, plant, &laws, &gains, &wanted)?));
-    }
+    let laws = (&arguments.controllers[..], arguments.perfect);
+    let (gains, runs) = compare(plant, &Learned::new(model)?, laws, arguments.bandwidth, &wanted)?;
     Ok(Compared { wanted, gains, settle, runs })
 }
 

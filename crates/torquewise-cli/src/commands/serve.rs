@@ -50,11 +50,11 @@ fn answer(request: Request) -> io::Result<()> {
     let Some((name, content)) = PAGE.iter().find(|(file, _)| *file == name) else {
         return request.respond(Response::from_string("not found").with_status_code(404));
     };
-    let kind = if *name == "index.html" { "text/html" } else { "text/javascript" };
+    let is_html = *name == "index.html";
+    let kind = if is_html { "text/html; charset=utf-8" } else { "text/javascript; charset=utf-8" };
     let header = |field: &str, value: &str| Header::from_bytes(field, value).ok();
     let mut response = Response::from_data(*content);
-    let kind = format!("{kind}; charset=utf-8");
-    let own = [header("Content-Type", &kind), header("Content-Encoding", "gzip")];
+    let own = [header("Content-Type", kind), header("Content-Encoding", "gzip")];
     own.into_iter().flatten().for_each(|header| response.add_header(header));
     request.respond(response)
 }

@@ -195,12 +195,8 @@ fn repeats(sums: &NormalSums, gram: &Mat<f64>) -> f64 {
 pub(crate) fn weights(residual_rms: &[f64], sizes: &Sizes) -> Vec<f64> {
     let largest = sizes.torque.iter().fold(0.0_f64, |most, torque| most.max(*torque));
     let unmeasured = UNMEASURED * if largest > 0.0 { largest } else { 1.0 };
-    let residuals = residual_rms.iter().zip(&sizes.torque);
-    let noise =
-        residuals.map(
-            |(rms, torque)| {
-                if *torque > 0.0 { rms.max(LEAST_RESIDUAL * torque) } else { unmeasured }
-            },
-        );
-    noise.map(|noise| 1.0 / noise).collect()
+    let noise = |(rms, torque): (&f64, &f64)| {
+        if *torque > 0.0 { rms.max(LEAST_RESIDUAL * torque) } else { unmeasured }
+    };
+    residual_rms.iter().zip(&sizes.torque).map(|pair| 1.0 / noise(pair)).collect()
 }

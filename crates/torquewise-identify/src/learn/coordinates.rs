@@ -81,29 +81,29 @@ impl ChainLearner<'_> {
         choices: &mut Vec<Choice>,
     ) -> Result<(), IdentifyError> {
         let watch = searching(self.watch);
-        let read = |counted: &[Counted], count: usize| {
-            let motion = thinned(self.motion, count);
-            let motion = counted.iter().try_fold(motion, |motion, own| own.read(motion))?;
+        let read = |counted: &[Counted], motion: &Motion| {
+            let read = counted.iter().try_fold(motion.clone(), |motion, own| own.read(motion))?;
             let learner =
-                ChainLearner { laws: self.laws.clone(), ..ChainLearner::new(&motion, self.watch) };
-            learner.rows(spec, count)
+                ChainLearner { laws: self.laws.clone(), ..ChainLearner::new(&read, self.watch) };
+            learner.rows(spec, read.n_rows())
         };
+        let (few, all) = (thinned(self.motion, ROWS), thinned(self.motion, TRIAL_ROWS));
         let fitted = |counted: &[Counted]| -> Result<Chain, IdentifyError> {
-            Ok(refine(&read(counted, ROWS)?, chain, &spec.free, &spec.search, &watch)?)
+            Ok(refine(&read(counted, &few)?, chain, &spec.free, &spec.search, &watch)?)
         };
         let as_given = fitted(&[])?;
         let (mut best, mut kept) = ((Vec::new(), as_given.clone()), vec![Vec::new()]);
         // Where the first begins is where gravity pulls.
         let turns = |joint: usize| joint > 0 && chain.geometry.kinds().of(joint).turns();
         let joints = 0..self.motion.n_joints();
-        let all: Vec<Counted> =
+        let other: Vec<Counted> =
             joints.flat_map(|joint| Counted::ways(joint, turns(joint))).collect();
         loop {
             let mut ways = BTreeSet::new();
             for counted in &kept {
                 let is_other =
                     |own: &&Counted| counted.iter().all(|known: &Counted| known.joint != own.joint);
-                for own in all.iter().filter(is_other) {
+                for own in other.iter().filter(is_other) {
                     let mut counted = [&counted[..], &[*own]].concat();
                     counted.sort_unstable();
                     ways.insert(counted);
@@ -133,8 +133,8 @@ impl ChainLearner<'_> {
         let told = found.iter().map(|own| own.told(&self.motion.joints()[own.joint]));
         let label = told.collect::<Vec<_>>().join(", ");
         let trials = [
-            trial(AS_GIVEN.to_owned(), spec, &read(&[], TRIAL_ROWS)?, &as_given, &watch)?,
-            trial(label, spec, &read(&found, TRIAL_ROWS)?, &best, &watch)?,
+            trial(AS_GIVEN.to_owned(), spec, &read(&[], &all)?, &as_given, &watch)?,
+            trial(label, spec, &read(&found, &all)?, &best, &watch)?,
         ];
         record_worth(COORDINATES, &trials, WORTH, choices);
         Ok(())

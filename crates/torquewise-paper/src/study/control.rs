@@ -16,9 +16,7 @@ use torquewise_report::html::number::significant;
 use torquewise_report::html::{Chart, Colour, Guide, Mark, Series};
 use torquewise_report::torque_charts;
 use torquewise_sim::control::knowledge::sharp;
-use torquewise_sim::control::{
-    Gains, Law, Learned, Periodic, Plant, Sensors, compare, mean_inertia, periodic, record,
-};
+use torquewise_sim::control::{Law, Learned, Periodic, Plant, Sensors, compare, periodic, record};
 use torquewise_sim::excite::{self as excite, Planned, Wishes};
 use torquewise_sim::{Arm, Friction, Stribeck};
 
@@ -183,15 +181,12 @@ fn steps(plant: &Plant, model: &Model, wanted: &Motion, study: &mut Study) -> Re
 /// - `settle`: from when on errors count \[s\]
 fn track(plant: &Plant, model: &Model, wanted: &Motion, settle: f64, study: &mut Study) -> Result {
     let known = Learned::new(model)?;
-    let gains = Gains::critically_damped(BANDWIDTH, &mean_inertia(&known, wanted)?);
     let learned = [Law::Pid, Law::Controller1, Law::Controller2, Law::ComputedTorque];
-    let perfect = [Law::Controller1, Law::Controller2];
-    let mut found = compare(plant, &known, &learned, &gains, wanted)?;
-    found.extend(compare(plant, plant, &perfect, &gains, wanted)?);
-    let pid = found[0].rms_error(settle);
+    let (_, found) = compare(plant, &known, (&learned, true), BANDWIDTH, wanted)?;
+    let pid = found[0].tracking.rms_error(settle);
     let mut worst = Vec::new();
     for (name, found) in NAMES.iter().zip(&found) {
-        let errors = found.rms_error(settle);
+        let errors = found.tracking.rms_error(settle);
         let shares: Vec<f64> = errors.iter().zip(&pid).map(|(error, pid)| error / pid).collect();
         let percent = shares.iter().map(|share| 100.0 * share);
         let errors = errors.iter().map(|error| 1e3 * error);
@@ -206,7 +201,7 @@ fn track(plant: &Plant, model: &Model, wanted: &Motion, settle: f64, study: &mut
     let of_joint = |joint: usize| {
         // PID, controller 1 and controller 2.
         let series = NAMES.iter().zip(&found).take(3).enumerate().map(|(place, (name, found))| {
-            let error = found.error.col_as_slice(joint).iter().step_by(SHOWN);
+            let error = found.tracking.error.col_as_slice(joint).iter().step_by(SHOWN);
             let points = t.iter().zip(error).map(|(&t, &error)| [t, 1e3 * error]);
             Series::new(*name, Mark::Line, Colour::Series(place), points.collect())
         });

@@ -1,6 +1,6 @@
 //! Controllers: PID, 1 and 2 of the paper, and two beyond it; the closed loop at a fixed rate.
 
-use crate::control::gains::Gains;
+use crate::control::gains::{Gains, mean_inertia};
 use crate::control::knowledge::{Knowledge, sum};
 use crate::control::moving::{Moving, Slopes};
 use crate::control::plant::Plant;
@@ -201,27 +201,55 @@ pub fn track(
     Ok(Tracking { t, q, dq, error, tau, hand: led, saturated })
 }
 
-/// Lets each law drive the plant along the same desired motion with the same gains, each on a
+/// What a controlled arm did under a law.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Name in tables and files: that of the law, `_perfect` where the plant itself was known.
+    pub name: String,
+    /// How commands came about.
+    pub law: Law,
+    /// At each tick.
+    pub tracking: Tracking,
+}
+
+/// Lets each law, once, drive the plant along the same desired motion with the same gains, each on a
 /// thread of its own.
 ///
+/// - `perfect`: whether controllers 1 and 2 also run with perfect knowledge of the plant
+/// - `bandwidth`: of the gains \[rad/s\], which are made for `known`
+///
 /// # Errors
-/// Those of [`track`], of the first law that has one.
+/// Those of [`mean_inertia`], and of [`track`] of the first law that has one.
 pub fn compare(
     plant: &Plant,
     known: &dyn Knowledge,
-    laws: &[Law],
-    gains: &Gains,
+    (laws, perfect): (&[Law], bool),
+    bandwidth: f64,
     wanted: &Motion,
-) -> Result<Vec<Tracking>> {
+) -> Result<(Gains, Vec<Run>)> {
+    let gains = Gains::critically_damped(bandwidth, &mean_inertia(known, wanted)?);
     plant.check()?;
-    let run = |law: Law| track(plant, law, known, gains, wanted);
-    std::thread::scope(|scope| {
-        let running: Vec<_> = laws.iter().map(|&law| scope.spawn(move || run(law))).collect();
+    let mut ways: Vec<(Law, &str, &dyn Knowledge)> = Vec::new();
+    for &law in laws {
+        if ways.iter().all(|way| way.0 != law) {
+            ways.push((law, "", known));
+        }
+    }
+    if perfect {
+        ways.extend([Law::Controller1, Law::Controller2].map(|law| (law, "_perfect", plant as _)));
+    }
+    let run = |(law, suffix, known): (Law, &str, &dyn Knowledge)| {
+        let name = format!("{}{suffix}", law.name());
+        Ok(Run { name, law, tracking: track(plant, law, known, &gains, wanted)? })
+    };
+    let runs = std::thread::scope(|scope| {
+        let running: Vec<_> = ways.into_iter().map(|way| scope.spawn(move || run(way))).collect();
         let done = running
             .into_iter()
             .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-        done.collect()
-    })
+        done.collect::<Result<Vec<Run>>>()
+    })?;
+    Ok((gains, runs))
 }
 
 impl Tracking {

@@ -219,7 +219,7 @@ impl Task<'_> {
                 Part::sweep(kind, most, limits, rng)
             }
             Stage::Variable => {
-                // In which the joints, half of them at least, can cross their range and return.
+                // Period [s] in which the joints, half of them at least, can cross their range and return.
                 let period = |limits: &Bounds| {
                     TAU * (limits.position[1] - limits.position[0]) / 2.0 / limits.velocity
                 };

@@ -1,9 +1,9 @@
 //! Figure and page of `control`: errors, positions and torques of each controller.
 
-use crate::commands::control::{Compared, Run};
+use crate::commands::control::Compared;
 use crate::error::Result;
 use faer::Mat;
-use torquewise::control::Tracking;
+use torquewise::control::{Run, Tracking};
 use torquewise::report::chart_figure;
 use torquewise::report::html::number::significant;
 use torquewise::report::html::{

@@ -1,11 +1,11 @@
 //! Table, JSON and warnings of `control`.
 
-use crate::commands::control::{Arguments, Compared, Run};
+use crate::commands::control::{Arguments, Compared};
 use crate::outcome::Outcome;
 use crate::table::Table;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use torquewise::control::Law;
+use torquewise::control::{Law, Run};
 use torquewise::model::number;
 
 pub(super) fn outcome(arguments: &Arguments, compared: &Compared) -> Outcome {
