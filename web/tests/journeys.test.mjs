@@ -1,9 +1,10 @@
 // What people do with the page, and what goes wrong on the way.
 import assert from "node:assert/strict";
 import { Buffer } from "node:buffer";
+import { spawnSync } from "node:child_process";
 import { after, before, test } from "node:test";
 import { bag } from "./mcap.mjs";
-import { CONFORMANCE, done, drop, example, fit, idle, launch, saved } from "./page.mjs";
+import { CONFORMANCE, PROGRAM, done, drop, example, fit, idle, launch, saved } from "./page.mjs";
 
 let browser;
 before(async () => { browser = await launch(); });
@@ -174,6 +175,15 @@ test("once loaded it works offline, and from a disk", async () => {
     assertQuiet(page);
     await page.context().close();
   }
+});
+
+test("the server has the page alone, and a port that is taken is said to be", async () => {
+  const missing = await fetch(`${browser.origin}/../Cargo.toml`);
+  assert.equal(missing.status, 404);
+  const { port } = new URL(browser.origin);
+  const second = spawnSync(PROGRAM, ["serve", "--no-browser", "--port", port], { encoding: "utf8" });
+  assert.equal(second.status, 1);
+  assert.match(second.stderr, new RegExp(`127\\.0\\.0\\.1:${port}[^]*--port`));
 });
 
 test("it is used by keyboard alone, and each control has a name", async () => {

@@ -75,15 +75,30 @@ impl Prior {
         sum.is_finite().then_some(sum)
     }
 
-    /// Adds `strength` times the Hessian of Ψ at x.
+    /// Adds `strength` times the Hessian of Ψ at x, as far as it says how certain x is: that what must be
+    /// positive is nearly zero makes it no more certain than what is usual would be.
     pub fn add_hessian(&self, x: &[f64], strength: f64, hessian: &mut Mat<f64>) {
         let mut own = Mat::zeros(x.len(), x.len());
-        self.add_slopes(x, strength, &mut vec![0.0; x.len()], &mut own);
+        self.add_certainty(x, strength, &mut own);
         *hessian += Mat::from_fn(x.len(), x.len(), |i, j| own[(i.max(j), i.min(j))]);
     }
 
+    /// The lower triangle of [`Self::add_hessian`].
+    fn add_certainty(&self, x: &[f64], strength: f64, hessian: &mut Mat<f64>) {
+        let at = |positive: &Positive| positive.value(x).max(positive.nominal);
+        self.add_slopes(x, strength, at, (&mut vec![0.0; x.len()], hessian));
+    }
+
     /// Adds `strength` times the gradient of Ψ at x and the lower triangle of its Hessian.
-    fn add_slopes(&self, x: &[f64], strength: f64, gradient: &mut [f64], hessian: &mut Mat<f64>) {
+    ///
+    /// - `at`: where what must be positive is taken to be
+    fn add_slopes(
+        &self,
+        x: &[f64],
+        strength: f64,
+        at: impl Fn(&Positive) -> f64,
+        (gradient, hessian): (&mut [f64], &mut Mat<f64>),
+    ) {
         for (body, nominal) in self.bodies.iter().enumerate() {
             let first = PER_BODY * body;
             let Some((slope, curvature)) = divergence_slopes(&x[first..first + PER_BODY], nominal)
@@ -98,7 +113,7 @@ impl Prior {
             }
         }
         for positive in &self.positive {
-            let value = positive.value(x);
+            let value = at(positive);
             let slope = strength * positive.weight * (1.0 / positive.nominal - 1.0 / value);
             let curvature = strength * positive.weight / (value * value);
             for &(j, b) in &positive.terms {
@@ -123,13 +138,15 @@ const HALVINGS: usize = 30;
 const SETTLED: f64 = 1e-7;
 /// Part of the promised gain that a step must bring.
 const ARMIJO: f64 = 1e-4;
+/// To this part the prior falls from one strength to the next.
+const FALL: f64 = 1e-2;
 
-/// Minimises ½ xᵀHx − bᵀx + strength · Ψ(x) from a feasible start near the minimum; from elsewhere,
-/// [`minimise_from_afar`].
+/// Minimises ½ xᵀHx − bᵀx + strength · Ψ(x) from a feasible start.
 ///
 /// The sum is convex in the inertial parameters themselves, so Newton's method comes nearer to its only
-/// minimum with each of its at most 60 steps, and Ψ keeps them feasible: what comes out is a physical
-/// arm, whatever H and b are.
+/// minimum with each step, and Ψ keeps them feasible: what comes out is a physical arm, whatever H and
+/// b are. Where there is much to gain, a weak prior is a wall along which Newton's method crawls: it
+/// begins strong enough to count, and falls to its strength step by step.
 ///
 /// # Errors
 /// [`ChainError::Singular`] if the start is not feasible or no step can be computed.
@@ -139,8 +156,29 @@ pub fn minimise(
     strength: f64,
     start: &[f64],
 ) -> Result<Vec<f64>, ChainError> {
+    let mut strengths = vec![strength];
+    let (mut own, mut before) = (strength, f64::INFINITY);
+    loop {
+        let gain = newton_step(cost, prior, own, start)?.1 / own;
+        // No prior is strong enough where the start is far from what is nominal.
+        if gain <= start.len() as f64 || gain > 0.5 * before {
+            break;
+        }
+        (own, before) = (own / FALL, gain);
+        strengths.push(own);
+    }
+    let fall = |x: Vec<f64>, strength: f64| descend(cost, prior, strength, x);
+    strengths.into_iter().rev().try_fold(start.to_vec(), fall)
+}
+
+/// Newton's method at one strength, at most 60 steps.
+fn descend(
+    cost: Quadratic<'_>,
+    prior: &Prior,
+    strength: f64,
+    mut x: Vec<f64>,
+) -> Result<Vec<f64>, ChainError> {
     let value = |x: &[f64]| prior.value(x).map(|psi| cost.value(x) + strength * psi);
-    let mut x = start.to_vec();
     let mut current = value(&x).ok_or(ChainError::Singular)?;
     for _ in 0..ROUNDS {
         let (step, decrement) = newton_step(cost, prior, strength, &x)?;
@@ -167,25 +205,7 @@ pub fn minimise(
     Ok(x)
 }
 
-/// Strengths of the prior on the path from a start far away, in parts of the last.
-const FALLING: [f64; 5] = [1e8, 1e6, 1e4, 1e2, 1.0];
-
-/// The same from a start that may be far from the minimum: a weak barrier is a wall there, along which
-/// Newton's method crawls, so the prior falls to its strength step by step.
-///
-/// # Errors
-/// As [`minimise`].
-pub fn minimise_from_afar(
-    cost: Quadratic<'_>,
-    prior: &Prior,
-    strength: f64,
-    start: &[f64],
-) -> Result<Vec<f64>, ChainError> {
-    let fall = |x: Vec<f64>, part: f64| minimise(cost, prior, part * strength, &x);
-    FALLING.into_iter().try_fold(start.to_vec(), fall)
-}
-
-/// The curvature of the whole cost, H + strength · Ψ″, factored.
+/// The curvature of the whole cost, H + strength · Ψ″ as [`Prior::add_hessian`] has it, factored.
 ///
 /// # Errors
 /// [`ChainError::Singular`] if it is not positive definite.
@@ -196,7 +216,7 @@ pub fn curvature(
     x: &[f64],
 ) -> Result<Factored, ChainError> {
     let mut hessian = cost.hessian.clone();
-    prior.add_slopes(x, strength, &mut vec![0.0; x.len()], &mut hessian);
+    prior.add_certainty(x, strength, &mut hessian);
     Factored::new(hessian)
 }
 
@@ -209,7 +229,7 @@ fn newton_step(
     let hx = cost.hessian * ColRef::from_slice(x);
     let mut gradient: Vec<f64> = hx.iter().zip(cost.right).map(|(hx, b)| hx - b).collect();
     let mut hessian = cost.hessian.clone();
-    prior.add_slopes(x, strength, &mut gradient, &mut hessian);
+    prior.add_slopes(x, strength, |positive| positive.value(x), (&mut gradient, &mut hessian));
     let step: Vec<f64> = Factored::new(hessian)?.solve(&gradient).iter().map(|d| -d).collect();
     let decrement = -step.iter().zip(&gradient).map(|(d, g)| d * g).sum::<f64>();
     if !decrement.is_finite() {
@@ -310,8 +330,8 @@ mod tests {
         let (hessian, right, prior) = asked_for(&asked, 1e4);
         let (cost, strength) = (Quadratic { hessian: &hessian, right: &right }, 1e-2);
 
-        let found = minimise_from_afar(cost, &prior, strength, &nominal()).unwrap();
-        let direct = minimise(cost, &prior, strength, &nominal()).unwrap();
+        let found = minimise(cost, &prior, strength, &nominal()).unwrap();
+        let direct = descend(cost, &prior, strength, nominal().to_vec()).unwrap();
 
         let (_, decrement) = newton_step(cost, &prior, strength, &found).unwrap();
         assert!(decrement < 1e-5 * cost.value(&found).abs(), "{decrement:e}");

@@ -5,14 +5,14 @@ use crate::geometry::Geometry;
 use crate::recursion::{Moved, PER_BODY};
 use crate::rows::{Rows, put};
 use faer::linalg::solvers::{Llt, Solve};
-use faer::{Mat, MatRef, Side};
-use torquewise_regression::products::{add_gram_of_equations, product};
+use faer::{ColRef, Mat, MatRef, Side};
+use torquewise_regression::products::{add_gram, product};
 
 /// The linear half of the fit: parameters that the torque is proportional to, at a fixed geometry.
 #[derive(Clone, Debug)]
 pub(crate) struct InertialFit {
-    /// Weighted columns, (m·n)×p.
-    columns: Mat<f64>,
+    /// Of each joint, n.
+    columns: Vec<JointColumns>,
     /// One over the RMS of each column, zero for one that is nothing, p.
     per_rms: Vec<f64>,
     /// Of the normal equations of columns of unit RMS.
@@ -25,36 +25,55 @@ pub(crate) struct InertialFit {
     pub(crate) cost: f64,
 }
 
+/// Weighted columns that load a joint: of the bodies from it outward, and of what stands beside the
+/// chain.
+#[derive(Clone, Debug)]
+pub(crate) struct JointColumns {
+    /// Which of all p columns they are, ascending.
+    pub(crate) places: Vec<usize>,
+    /// One row each instant, m×(number of places).
+    pub(crate) columns: Mat<f64>,
+}
+
 /// Columns below this fraction of the largest RMS are ignored.
 const NOTHING: f64 = 1e-9;
 
-/// Weighted columns of a chain and those beside it, (m·n)×p.
-pub(crate) fn weighted_columns(geometry: &Geometry, rows: &Rows, weights: &[f64]) -> Mat<f64> {
+/// Weighted columns of a chain and those beside it, n.
+pub(crate) fn weighted_columns(
+    geometry: &Geometry,
+    rows: &Rows,
+    weights: &[f64],
+) -> Vec<JointColumns> {
     let (m, n) = (rows.len(), rows.n_joints());
     let kinematics = rows.kinematics(geometry);
     let mut moved = Moved::default();
     let of_bodies = PER_BODY * n;
-    let mut columns = Mat::zeros(m * n, of_bodies + rows.extras.ncols());
+    let loading = |joint: usize| {
+        let beside = rows.loaded.iter().enumerate();
+        let beside = beside.filter(|(_, loaded)| loaded.contains(&joint));
+        let beside = beside.map(|(k, _)| of_bodies + k);
+        let places: Vec<usize> = (PER_BODY * joint..of_bodies).chain(beside).collect();
+        JointColumns { columns: Mat::zeros(m, places.len()), places }
+    };
+    let mut all: Vec<JointColumns> = (0..n).map(loading).collect();
     rows.visit_lanes(|state, first, count| {
         kinematics.move_into(state, &mut moved);
         moved.regressor(|joint, parameter, value| {
-            put(columns.col_as_slice_mut(parameter), (joint * m + first, count), value);
+            let column = all[joint].columns.col_as_slice_mut(parameter - PER_BODY * joint);
+            put(column, (first, count), value);
         });
     });
-    for parameter in 0..of_bodies {
-        // A body does not load the joints beyond it.
-        let weights = &weights[..=parameter / PER_BODY];
-        weigh(columns.col_as_slice_mut(parameter), rows, weights);
-    }
-    for (j, joints) in rows.loaded.iter().enumerate() {
-        let (from, column) = (rows.extras.col_as_slice(j), columns.col_as_slice_mut(of_bodies + j));
-        for &joint in joints {
-            let own = joint * m..(joint + 1) * m;
-            column[own.clone()].copy_from_slice(&from[own.clone()]);
-            weigh_joint(&mut column[own.clone()], &rows.shares[own], weights[joint]);
+    for (joint, own) in all.iter_mut().enumerate() {
+        let range = joint * m..(joint + 1) * m;
+        for (column, &place) in own.places.iter().enumerate() {
+            let column = own.columns.col_as_slice_mut(column);
+            if let Some(beside) = place.checked_sub(of_bodies) {
+                column.copy_from_slice(&rows.extras.col_as_slice(beside)[range.clone()]);
+            }
+            weigh_joint(column, &rows.shares[range.clone()], weights[joint]);
         }
     }
-    columns
+    all
 }
 
 /// Multiplies equations, all rows of joint 1 first, by what they count.
@@ -75,6 +94,34 @@ fn scale_rows(x: &mut Mat<f64>, scales: &[f64]) {
     }
 }
 
+impl JointColumns {
+    /// Adds YᵀY to the lower triangle of p×p sums.
+    fn add_gram(&self, sums: &mut Mat<f64>) {
+        let mut gram = Mat::zeros(self.places.len(), self.places.len());
+        add_gram(&mut gram, self.columns.as_ref(), 1.0);
+        for (j, &column) in self.places.iter().enumerate() {
+            for (i, &row) in self.places.iter().enumerate().skip(j) {
+                sums[(row, column)] += gram[(i, j)];
+            }
+        }
+    }
+
+    /// Adds YᵀX to sums of p rows.
+    fn add_across(&self, x: MatRef<'_, f64>, sums: &mut Mat<f64>) {
+        let own = product(self.columns.transpose(), x);
+        for j in 0..own.ncols() {
+            self.places.iter().enumerate().for_each(|(i, &row)| sums[(row, j)] += own[(i, j)]);
+        }
+    }
+
+    /// Subtracts the torque of all p coefficients.
+    pub(crate) fn subtract(&self, coefficients: &[f64], from: &mut [f64]) {
+        let own: Vec<f64> = self.places.iter().map(|&k| coefficients[k]).collect();
+        let torque = &self.columns * ColRef::from_slice(&own);
+        from.iter_mut().zip(torque.iter()).for_each(|(from, torque)| *from -= torque);
+    }
+}
+
 impl InertialFit {
     /// Ridge regression of the torque at a geometry.
     ///
@@ -89,11 +136,14 @@ impl InertialFit {
         let (m, n) = (rows.len(), rows.n_joints());
         let size = rows.torque.len() as f64;
         let columns = weighted_columns(geometry, rows, weights);
-        let p = columns.ncols();
+        let p = PER_BODY * n + rows.extras.ncols();
         let weighted = |(k, tau): (usize, &f64)| rows.shares[k] * weights[k / m] * tau;
-        let target: Vec<f64> = rows.torque.iter().enumerate().map(weighted).collect();
-        let mut gram = Mat::zeros(p, p);
-        add_gram_of_equations(&mut gram, columns.as_ref(), n, 1.0);
+        let mut residual: Vec<f64> = rows.torque.iter().enumerate().map(weighted).collect();
+        let (mut gram, mut right) = (Mat::zeros(p, p), Mat::zeros(p, 1));
+        for (own, target) in columns.iter().zip(residual.chunks(m)) {
+            own.add_gram(&mut gram);
+            own.add_across(MatRef::from_column_major_slice(target, m, 1), &mut right);
+        }
         let rms: Vec<f64> = (0..p).map(|j| (gram[(j, j)] / size).sqrt()).collect();
         let least = NOTHING * rms.iter().fold(0.0_f64, |most, &s| most.max(s));
         let per = |rms: f64| if rms > least { 1.0 / rms } else { 0.0 };
@@ -104,19 +154,17 @@ impl InertialFit {
             gram[(j, j)] += ridge * size;
         }
         let factor = gram.llt(Side::Lower).map_err(|_| ChainError::Singular)?;
-        let mut right =
-            product(columns.transpose(), MatRef::from_column_major_slice(&target, m * n, 1));
         scale_rows(&mut right, &per_rms);
         let scaled = factor.solve(&right);
         let mut coefficients = scaled.clone();
         scale_rows(&mut coefficients, &per_rms);
-        let fitted = product(columns.as_ref(), coefficients.as_ref());
-        let pairs = target.iter().zip(fitted.col_as_slice(0));
-        let residual: Vec<f64> = pairs.map(|(t, f)| t - f).collect();
+        let coefficients = coefficients.col_as_slice(0).to_vec();
+        for (own, residual) in columns.iter().zip(residual.chunks_mut(m)) {
+            own.subtract(&coefficients, residual);
+        }
         let squares: f64 = residual.iter().map(|r| r * r).sum();
         let scaled = scaled.col_as_slice(0);
         let penalty: f64 = ridge * scaled.iter().map(|c| c * c).sum::<f64>();
-        let coefficients = coefficients.col_as_slice(0).to_vec();
         let cost = squares / size + penalty;
         if !cost.is_finite() {
             return Err(ChainError::Singular);
@@ -127,7 +175,11 @@ impl InertialFit {
     /// What a change of the weighted torque at fixed coefficients leaves of itself once the
     /// coefficients follow: DᵀD − (YᵀD)ᵀ(YᵀY + λ)⁻¹(YᵀD), g×g, for the changes D, (m·n)×g.
     pub(crate) fn projected(&self, changes: &Mat<f64>) -> Mat<f64> {
-        let mut across = product(self.columns.transpose(), changes.as_ref());
+        let m = changes.nrows() / self.columns.len();
+        let mut across = Mat::zeros(self.coefficients.len(), changes.ncols());
+        for (joint, own) in self.columns.iter().enumerate() {
+            own.add_across(changes.subrows(joint * m, m), &mut across);
+        }
         scale_rows(&mut across, &self.per_rms);
         let followed = self.factor.solve(&across);
         product(changes.transpose(), changes.as_ref())

@@ -51,13 +51,19 @@ impl Chain {
         let moves = changes((rows, weights), &self.geometry, &masses, free);
         let weights: Vec<f64> =
             rows.shares.iter().enumerate().map(|(k, share)| share * weights[k / m]).collect();
-        let fitted = &linear * faer::ColRef::from_slice(&masses);
-        let residual = weights.iter().zip(&rows.torque).enumerate();
-        let residual = residual.map(|(k, (weight, tau))| weight * tau - fitted[k]).collect();
-        let p = linear.ncols();
-        let columns = Mat::from_fn(m * n, p + moves.ncols(), |k, j| {
-            if j < p { linear[(k, j)] } else { moves[(k, j - p)] }
-        });
+        let weighted = weights.iter().zip(&rows.torque).map(|(weight, tau)| weight * tau);
+        let mut residual: Vec<f64> = weighted.collect();
+        let p = masses.len();
+        let mut columns = Mat::zeros(m * n, p + free.len());
+        for (joint, own) in linear.iter().enumerate() {
+            own.subtract(&masses, &mut residual[joint * m..(joint + 1) * m]);
+            for (k, &place) in own.places.iter().enumerate() {
+                columns.col_mut(place).subrows_mut(joint * m, m).copy_from(own.columns.col(k));
+            }
+        }
+        for k in 0..free.len() {
+            columns.col_mut(p + k).copy_from(moves.col(k));
+        }
         Ok(Tangent { weights, residual, columns })
     }
 }

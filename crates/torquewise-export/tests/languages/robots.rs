@@ -205,4 +205,10 @@ fn a_urdf_whose_axes_lie_elsewhere_is_refused() {
     }
     let refused = onto_urdf(&model, &other, &[]).unwrap_err();
     assert!(matches!(refused, ExportError::OtherGeometry { .. }), "{refused}");
+    let is_tilted = |left_out: &String| left_out.contains("gravity is 5.7°");
+    assert!(!onto.left_out.iter().any(is_tilted), "{:?}", onto.left_out);
+    let mut tilted = without_shared(&model);
+    tilted.chain.as_mut().unwrap().geometry[0] += 0.1;
+    let onto = onto_urdf(&tilted, &text, &[]).unwrap();
+    assert!(onto.left_out.iter().any(is_tilted), "{:?}", onto.left_out);
 }

@@ -34,7 +34,7 @@ const USUAL_FRICTION: f64 = 0.05;
 const LEAST_SIZE: f64 = 1e-9;
 /// Speeds at which friction must take energy: even up to the peak, closer where it reverses, and
 /// far beyond.
-const EVEN_SPEEDS: u32 = 200;
+const EVEN_SPEEDS: u32 = 64;
 const SLOW_SPEEDS: [f64; 10] = [1e-4, 2e-4, 4e-4, 6e-4, 8e-4, 1e-3, 1.5e-3, 2e-3, 3e-3, 4e-3];
 const FAST_SPEEDS: [f64; 2] = [1.2, 10.0];
 /// What it takes there at least, as a part of what is usual: between two speeds it may be a little

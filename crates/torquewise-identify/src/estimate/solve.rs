@@ -4,6 +4,7 @@ use super::linearisation::Linearisation;
 use super::step::{Step, Tuning};
 use faer::{ColRef, Mat};
 use torquewise_model::model::Choice;
+use torquewise_rigid::UsualArm;
 use torquewise_rigid::feasible::curvature;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::{CvScore, choose_worth};
@@ -147,9 +148,16 @@ impl Step<'_> {
         let solution = self.minimum(&equations, active, tuning.strength)?;
         let strength = tuning.strength;
         let factor = curvature(equations.quadratic(), &self.prior, strength, &solution)?;
-        // The prior is as uncertain as it is weak.
+        // An arm differs from the nominal one by what is usual, however strongly the fit holds it there,
+        // and by more where the prior is weaker than that of one independent row.
+        let uncertain = |strength: f64| strength * strength.max(self.repeats);
+        let linear = self.at.linear.len();
+        let precision = UsualArm::near(&self.at.geometry).precision;
         let spread = |mut middle: Mat<f64>| -> Mat<f64> {
-            self.prior.add_hessian(&solution, strength, &mut middle);
+            self.prior.add_hessian(&solution, uncertain(strength), &mut middle);
+            for (place, &k) in active.iter().enumerate().filter(|(_, k)| **k >= linear) {
+                middle[(place, place)] += uncertain(tuning.prior) * precision[k - linear];
+            }
             factor.sandwiched(&middle)
         };
         let own = spread(self.scores(active));

@@ -7,7 +7,7 @@ use faer::{ColRef, Mat};
 use serde::{Deserialize, Serialize};
 use torquewise_model::model::Choice;
 use torquewise_regression::normal_sums::NormalSums;
-use torquewise_rigid::feasible::{Prior, minimise, minimise_from_afar};
+use torquewise_rigid::feasible::{Prior, minimise};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::mean;
 
@@ -99,8 +99,7 @@ impl<'a> Step<'a> {
         let (at, chosen) = (self.at.of_chosen(), self.at.chosen_indices());
         let (prior, start) = prior(&self.at.narrowed(), sizes);
         let own = self.all.of(&chosen, &at, (0.0, 0.0));
-        let solution =
-            minimise_from_afar(own.quadratic(), &prior, strength, &start[..chosen.len()])?;
+        let solution = minimise(own.quadratic(), &prior, strength, &start[..chosen.len()])?;
         let mut few = at.parameters();
         few[..chosen.len()].copy_from_slice(&solution);
         Ok(best.iter().zip(&few).map(|(best, few)| 0.5 * (best + few)).collect())
@@ -149,12 +148,10 @@ impl<'a> Step<'a> {
         active: &[usize],
         strength: f64,
     ) -> Result<Vec<f64>, IdentifyError> {
-        let of = |x: &[f64]| active.iter().map(|&k| x[k]).collect::<Vec<f64>>();
-        if self.prior.value(&self.before).is_some() {
-            let start = of(&self.before);
-            return Ok(minimise(equations.quadratic(), &self.prior, strength, &start)?);
-        }
-        Ok(minimise_from_afar(equations.quadratic(), &self.prior, strength, &of(&self.start))?)
+        let is_allowed = self.prior.value(&self.before).is_some();
+        let start = if is_allowed { &self.before } else { &self.start };
+        let start: Vec<f64> = active.iter().map(|&k| start[k]).collect();
+        Ok(minimise(equations.quadratic(), &self.prior, strength, &start)?)
     }
 
     /// Part of the cost that may be left: the parameters are then within a small part of their

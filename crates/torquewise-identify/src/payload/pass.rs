@@ -9,7 +9,7 @@ use torquewise_model::{Model, RigidChain};
 use torquewise_motion::Recording;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_rigid::ChainError;
-use torquewise_rigid::feasible::{Factored, Prior, Quadratic, minimise_from_afar};
+use torquewise_rigid::feasible::{Factored, Prior, Quadratic, minimise};
 use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::inertia::{plain_link, seen_from};
 use torquewise_rigid::recursion::PER_BODY;
@@ -95,7 +95,7 @@ impl Pass {
         let mut least = f64::INFINITY;
         for nominal in self.likely(&gram, right) {
             let prior = Prior { bodies: vec![nominal], ..Prior::default() };
-            let solution = minimise_from_afar(cost, &prior, STRENGTH, &nominal)?;
+            let solution = minimise(cost, &prior, STRENGTH, &nominal)?;
             let held = prior.value(&solution).unwrap_or(f64::INFINITY);
             let left = cost.value(&solution) + STRENGTH * held;
             if left < least {

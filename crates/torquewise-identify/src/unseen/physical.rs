@@ -6,7 +6,7 @@ use crate::estimate::{Linearisation, Sizes, prior};
 use faer::Mat;
 use rayon::prelude::*;
 use torquewise_rigid::UsualArm;
-use torquewise_rigid::feasible::{Prior, Quadratic, minimise_from_afar};
+use torquewise_rigid::feasible::{Prior, Quadratic, minimise};
 
 /// What the parameters of an arm are held to, whatever the rows.
 pub(crate) struct HeldTo {
@@ -43,7 +43,7 @@ impl HeldTo {
         }
         let cost = Quadratic { hessian: &gram, right: &right };
         // From the best of all rows, what is held out would be known.
-        let x = minimise_from_afar(cost, &self.prior, self.strength, &self.start).ok()?;
+        let x = minimise(cost, &self.prior, self.strength, &self.start).ok()?;
         Some(Mat::from_fn(x.len(), 1, |k, _| x[k]))
     }
 }
