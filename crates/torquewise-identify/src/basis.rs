@@ -1,10 +1,10 @@
 //! Harmonics of joint sums, of which parallel axes need fewer than products (E4).
 
 use std::collections::BTreeMap;
+use torquewise_model::harmonic::{factors_of, waves_of};
 use torquewise_model::term::Factor;
 use torquewise_model::{EnergyTerm, ModelError, RigidChain, Term, Trig};
-use torquewise_regression::atom::{Phase, Wave};
-use torquewise_stepwise::candidates::waves_of;
+use torquewise_regression::atom::Wave;
 
 /// Energy terms with their coefficients, equal terms added up.
 pub(crate) type Energies = BTreeMap<EnergyTerm, f64>;
@@ -82,13 +82,7 @@ fn without_positions(function: &Term) -> (Term, Vec<Factor>) {
 }
 
 fn harmonic(wave: &Wave) -> Term {
-    let multiples = wave.multiples().to_vec();
-    let one = Term::one(multiples.len());
-    if multiples.iter().all(|&k| k == 0) {
-        return one;
-    }
-    let function = if wave.phase() == Phase::Sin { Trig::Sin } else { Trig::Cos };
-    Term { factors: vec![Factor { multiples, function, power: 1 }], ..one }
+    Term { factors: factors_of(wave), ..Term::one(wave.multiples().len()) }
 }
 
 #[cfg(test)]

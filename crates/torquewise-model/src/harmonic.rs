@@ -1,42 +1,52 @@
 //! Products of sines and cosines as sums of sines and cosines of summed angles.
 
 use crate::term::{Factor, Term, Trig};
-use std::collections::BTreeMap;
 use std::ops::Range;
+use torquewise_regression::atom::{Phase, Wave};
 
-/// sin(k·q) or cos(k·q).
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Harmonic {
-    function: Trig,
-    /// Integer multiple k of each joint angle, n.
-    multiples: Vec<i32>,
+/// The trigonometric part of a term, times a weight, as a sum of harmonics of joint sums.
+pub fn waves_of(weight: f64, term: &Term) -> Vec<(f64, Wave)> {
+    few_waves_of(weight, term, usize::MAX).unwrap_or_default()
 }
 
-impl Harmonic {
-    /// As factors of a term: one, or none for cos 0; no answer where a term cannot hold it.
-    fn factors(self) -> Option<Vec<Factor>> {
-        if self.multiples.iter().all(|&k| k == 0) {
+/// The same; `None` where that takes more than `most` on the way.
+fn few_waves_of(weight: f64, term: &Term, most: usize) -> Option<Vec<(f64, Wave)>> {
+    let mut waves = vec![(weight, Wave::one(term.n_joints()))];
+    for factor in &term.factors {
+        let phase = if factor.function == Trig::Sin { Phase::Sin } else { Phase::Cos };
+        let Some((sign, wave)) = Wave::canonical(factor.multiples.clone(), phase) else {
             return Some(Vec::new());
-        }
-        let multiples: Result<Vec<i8>, _> =
-            self.multiples.iter().map(|&k| i8::try_from(k)).collect();
-        let multiples = multiples.ok()?;
-        Some(vec![Factor { multiples, function: self.function, power: 1 }])
-    }
-
-    /// With the first multiple positive, and the sign that takes; 0 for sin 0.
-    fn signed(mut self) -> (f64, Self) {
-        let first = self.multiples.iter().find(|k| **k != 0).copied();
-        let sign = match (first, self.function) {
-            (None, Trig::Sin) => 0.0,
-            (Some(k), Trig::Sin) if k < 0 => -1.0,
-            _ => 1.0,
         };
-        if first.is_some_and(|k| k < 0) {
-            self.multiples.iter_mut().for_each(|k| *k = -*k);
+        for _ in 0..factor.power {
+            let mut out: Vec<(f64, Wave)> = Vec::new();
+            let products = waves.iter().flat_map(|(weight, left)| {
+                let all = left.product(&wave).into_iter().flatten();
+                all.map(move |(flip, product)| (0.5 * weight * sign * flip, product))
+            });
+            for (share, product) in products {
+                match out.iter_mut().find(|(_, known)| *known == product) {
+                    Some((known, _)) => *known += share,
+                    None => out.push((share, product)),
+                }
+            }
+            out.retain(|(weight, _)| *weight != 0.0);
+            if out.len() > most {
+                return None;
+            }
+            waves = out;
         }
-        (sign, self)
     }
+    Some(waves)
+}
+
+/// A harmonic as factors of a term: one, or none for the constant 1.
+pub fn factors_of(wave: &Wave) -> Vec<Factor> {
+    let multiples = wave.multiples().to_vec();
+    if multiples.iter().all(|&k| k == 0) {
+        return Vec::new();
+    }
+    let function = if wave.phase() == Phase::Sin { Trig::Sin } else { Trig::Cos };
+    vec![Factor { multiples, function, power: 1 }]
 }
 
 /// A term with its functions of some joints alone as sines and cosines of summed angles, each with
@@ -48,43 +58,18 @@ pub fn summed_angles(term: &Term, joints: &Range<usize>, most: usize) -> Option<
         factor.function != Trig::Position && turned.all(|(joint, _)| joints.contains(&joint))
     };
     let (inside, outside): (Vec<_>, Vec<_>) = term.factors.iter().cloned().partition(is_inside);
-    let whole = |(harmonic, share): (Harmonic, f64)| {
-        let mut factors = outside.clone();
-        factors.extend(harmonic.factors()?);
-        factors.sort();
-        Some((share, Term { factors, ..term.clone() }))
+    let multiple = |factor: &Factor, joint: usize| {
+        u32::from(factor.multiples[joint].unsigned_abs()) * u32::from(factor.power)
     };
-    let one = Harmonic { function: Trig::Cos, multiples: vec![0; term.n_joints()] };
-    let mut sum = BTreeMap::from([(one, 1.0)]);
-    for factor in inside.iter().flat_map(|own| std::iter::repeat_n(own, own.power.into())) {
-        let mut longer: BTreeMap<Harmonic, f64> = BTreeMap::new();
-        for (share, harmonic) in sum.iter().flat_map(|(left, &s)| times(s, left, factor)) {
-            *longer.entry(harmonic).or_insert(0.0) += share;
-        }
-        longer.retain(|_, share| *share != 0.0);
-        if longer.len() > most {
-            return None;
-        }
-        sum = longer;
+    let largest = |joint| inside.iter().map(|factor| multiple(factor, joint)).sum::<u32>();
+    if joints.clone().any(|joint| i8::try_from(largest(joint)).is_err()) {
+        return None;
     }
-    sum.into_iter().map(whole).collect()
-}
-
-/// 2 cos a cos b = cos(a − b) + cos(a + b), and so on.
-fn times(share: f64, left: &Harmonic, right: &Factor) -> [(f64, Harmonic); 2] {
-    let with = |sign: i32| -> Vec<i32> {
-        let right = right.multiples.iter().map(|&k| sign * i32::from(k));
-        left.multiples.iter().zip(right).map(|(a, b)| a + b).collect()
+    let whole = |(share, wave): (f64, Wave)| {
+        let mut factors = [&outside[..], &factors_of(&wave)].concat();
+        factors.sort();
+        (share, Term { factors, ..term.clone() })
     };
-    let are_sines = (left.function == Trig::Sin, right.function == Trig::Sin);
-    let (function, sign_of_difference, sign_of_sum) = match are_sines {
-        (false, false) => (Trig::Cos, 1.0, 1.0),
-        (true, true) => (Trig::Cos, 1.0, -1.0),
-        (true, false) => (Trig::Sin, 1.0, 1.0),
-        (false, true) => (Trig::Sin, -1.0, 1.0),
-    };
-    [(-1, sign_of_difference), (1, sign_of_sum)].map(|(direction, sign)| {
-        let (own, harmonic) = Harmonic { function, multiples: with(direction) }.signed();
-        (0.5 * share * sign * own, harmonic)
-    })
+    let waves = few_waves_of(1.0, &Term { factors: inside, ..term.clone() }, most)?;
+    Some(waves.into_iter().map(whole).collect())
 }

@@ -3,12 +3,13 @@
 use crate::error::IdentifyError;
 use crate::plan::{LibraryKind, MOST_CANDIDATES, Regression};
 use torquewise_model::friction::FrictionLaw;
+use torquewise_model::harmonic::waves_of;
 use torquewise_model::library::{
     Degree, energy_library, energy_library_size, product_library, product_library_size,
 };
-use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term, Trig};
+use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term};
 use torquewise_motion::Pattern;
-use torquewise_regression::atom::{Atom, Monomial, Phase, Wave};
+use torquewise_regression::atom::{Atom, Monomial, Wave};
 use torquewise_regression::design::{Column, Design};
 
 /// What is offered, in the order of the columns.
@@ -259,31 +260,4 @@ fn column(sum: &[(f64, Term)], laws: usize) -> Column {
         })
     });
     atoms.collect()
-}
-
-/// The trigonometric part of a term, times a weight, as a sum of harmonics of joint sums.
-pub fn waves_of(weight: f64, term: &Term) -> Vec<(f64, Wave)> {
-    let mut waves = vec![(weight, Wave::one(term.n_joints()))];
-    for factor in &term.factors {
-        let phase = if factor.function == Trig::Sin { Phase::Sin } else { Phase::Cos };
-        let Some((sign, wave)) = Wave::canonical(factor.multiples.clone(), phase) else {
-            return Vec::new();
-        };
-        for _ in 0..factor.power {
-            let mut out: Vec<(f64, Wave)> = Vec::new();
-            let products = waves.iter().flat_map(|(weight, left)| {
-                let all = left.product(&wave).into_iter().flatten();
-                all.map(move |(flip, product)| (0.5 * weight * sign * flip, product))
-            });
-            for (share, product) in products {
-                match out.iter_mut().find(|(_, known)| *known == product) {
-                    Some((known, _)) => *known += share,
-                    None => out.push((share, product)),
-                }
-            }
-            out.retain(|(weight, _)| *weight != 0.0);
-            waves = out;
-        }
-    }
-    waves
 }
