@@ -22,34 +22,22 @@ impl JointKind {
 
     /// `revolute` or `prismatic`, as a URDF has it too.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Revolute => "revolute",
-            Self::Prismatic => "prismatic",
-        }
+        WORDS[self as usize].0
     }
 
     /// `r` or `p`, as kinds of an arm are written in a row.
     pub fn letter(self) -> char {
-        match self {
-            Self::Revolute => 'r',
-            Self::Prismatic => 'p',
-        }
+        WORDS[self as usize].1
     }
 
     /// Unit of the coordinate.
     pub fn unit(self) -> &'static str {
-        match self {
-            Self::Revolute => "rad",
-            Self::Prismatic => "m",
-        }
+        WORDS[self as usize].2
     }
 
     /// Unit of what the motor gives.
     pub fn effort_unit(self) -> &'static str {
-        match self {
-            Self::Revolute => "N·m",
-            Self::Prismatic => "N",
-        }
+        WORDS[self as usize].3
     }
 
     /// Whether it turns what is behind it.
@@ -66,6 +54,10 @@ impl JointKind {
         letters.map(kind).collect()
     }
 }
+
+/// Name, letter, unit of the coordinate and of what the motor gives, of each kind.
+const WORDS: [(&str, char, &str, &str); 2] =
+    [("revolute", 'r', "rad", "N·m"), ("prismatic", 'p', "m", "N")];
 
 /// The kinds of the joints of a chain.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
