@@ -2,8 +2,7 @@
 
 use crate::derivative::{Along, rates};
 use crate::graph::{Function, Graph, Id, Input};
-use crate::parts::products;
-use crate::ways::Frictionless;
+use crate::parts::{Parts, products};
 
 /// C(q, q̇) by Christoffel symbols, row by row, n·n: half the slope of C(q, q̇)q̇ by q̇, which is of
 /// second order in q̇; Ṁ − 2C is skew where M is symmetric.
@@ -20,7 +19,7 @@ pub(crate) fn coriolis_matrix(graph: &Graph, coriolis: &[Id]) -> Vec<Id> {
 }
 
 /// p = M(q) q̇ and Cᵀq̇ − G − F, the part of ṗ that is neither τ nor external (E16); 2n.
-pub(crate) fn momentum(graph: &Graph, parts: &Frictionless, friction: &[Id]) -> Vec<Id> {
+pub(crate) fn momentum(graph: &Graph, parts: &Parts, friction: &[Id]) -> Vec<Id> {
     let n = friction.len();
     let mut momentum = Vec::with_capacity(2 * n);
     for row in parts.matrix.chunks_exact(n) {
@@ -28,11 +27,15 @@ pub(crate) fn momentum(graph: &Graph, parts: &Frictionless, friction: &[Id]) -> 
     }
     // Cᵀq̇ = Ṁq̇ − Cq̇.
     let turning = rates(graph, &momentum, Along::Motion);
-    for (joint, rate) in turning.into_iter().enumerate() {
-        let held = graph.sum(&[parts.coriolis[joint], parts.gravity[joint], friction[joint]]);
-        momentum.push(graph.sub(rate, held));
-    }
+    let held = turning.into_iter().zip(held(graph, parts, friction));
+    momentum.extend(held.map(|(rate, held)| graph.sub(rate, held)));
     momentum
+}
+
+/// Cq̇ + G + F, n.
+fn held(graph: &Graph, parts: &Parts, friction: &[Id]) -> impl Iterator<Item = Id> {
+    let all = parts.coriolis.iter().zip(&parts.gravity).zip(friction);
+    all.map(|((&coriolis, &gravity), &friction)| graph.sum(&[coriolis, gravity, friction]))
 }
 
 /// M = LU without pivots, which a positive definite M does not need.
@@ -95,16 +98,9 @@ impl Factors {
     }
 
     /// q̈ = M⁻¹(τ − Cq̇ − G − F), n.
-    pub(crate) fn accelerations(
-        &self,
-        graph: &Graph,
-        parts: &Frictionless,
-        friction: &[Id],
-    ) -> Vec<Id> {
-        let free = |(joint, &friction): (usize, &Id)| {
-            let held = graph.sum(&[parts.coriolis[joint], parts.gravity[joint], friction]);
-            graph.sub(graph.input(Input::Tau(joint)), held)
-        };
-        self.solve(graph, &friction.iter().enumerate().map(free).collect::<Vec<Id>>())
+    pub(crate) fn accelerations(&self, graph: &Graph, parts: &Parts, friction: &[Id]) -> Vec<Id> {
+        let free = |(joint, held)| graph.sub(graph.input(Input::Tau(joint)), held);
+        let free = held(graph, parts, friction).enumerate().map(free);
+        self.solve(graph, &free.collect::<Vec<Id>>())
     }
 }

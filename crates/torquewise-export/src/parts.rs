@@ -8,15 +8,28 @@ use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::term::{Sum, Term};
 use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Weighted};
 
+/// What a model computes but for friction, as nodes.
 #[derive(Clone, Debug)]
 pub(crate) struct Parts {
+    /// M(q)q̈ + C(q, q̇)q̇, n, and G(q) once it is [`Self::weighed`].
+    pub(crate) torque: Vec<Id>,
+    pub(crate) gravity: Vec<Id>,
     /// C(q, q̇)q̇, n.
     pub(crate) coriolis: Vec<Id>,
-    /// The same and what q̈ adds, which for a rigid arm is M(q)q̈; n.
-    pub(crate) motion: Vec<Id>,
-    pub(crate) gravity: Vec<Id>,
-    /// Torque of joint i per unit acceleration of joint j at rest, row by row, n·n.
+    /// Torque of joint i per unit acceleration of joint j at rest, M(q) of a rigid arm, row by row,
+    /// n·n.
     pub(crate) matrix: Vec<Id>,
+}
+
+impl Parts {
+    /// With G(q) in the torque.
+    pub(crate) fn weighed(self, graph: &Graph) -> Self {
+        Self { torque: sums(graph, &self.torque, &self.gravity), ..self }
+    }
+}
+
+pub(crate) fn sums(graph: &Graph, left: &[Id], right: &[Id]) -> Vec<Id> {
+    left.iter().zip(right).map(|(&a, &b)| graph.add(a, b)).collect()
 }
 
 /// Parts from energies: τ = Mq̈ + Ṁq̇ − ½ ∂(q̇ᵀMq̇)/∂q + ∂V/∂q.
@@ -60,7 +73,7 @@ pub(crate) fn from_energies(
         }
     }
     let kinetic_slopes = slopes(graph, &weights, n);
-    let (mut coriolis, mut motion) = (Vec::new(), Vec::new());
+    let (mut coriolis, mut torque) = (Vec::new(), Vec::new());
     for (joint, &slope) in kinetic_slopes.iter().enumerate() {
         let row = joint * n..(joint + 1) * n;
         let less = graph.neg(slope);
@@ -68,9 +81,9 @@ pub(crate) fn from_energies(
         coriolis.push(graph.sum(&moved));
         let mut both = products(graph, &matrix[row], Input::Ddq);
         both.extend(moved);
-        motion.push(graph.sum(&both));
+        torque.push(graph.sum(&both));
     }
-    Parts { coriolis, motion, gravity, matrix }
+    Parts { torque, gravity, coriolis, matrix }
 }
 
 /// One row of a matrix, each entry times the rate of its joint.
@@ -102,7 +115,7 @@ pub(crate) fn from_equations(
         equations.iter().map(of_joint).collect()
     };
     let coriolis = of_kinds(&[Kind::Coriolis]);
-    let motion = of_kinds(&[Kind::Inertia, Kind::Coriolis]);
+    let torque = of_kinds(&[Kind::Inertia, Kind::Coriolis]);
     let gravity = of_kinds(&[Kind::Gravity]);
     let entries = equations.iter().flat_map(|row| (0..n).map(move |column| (row, column)));
     // What is left of an equation at q̇ = 0 and q̈ = 1 of one joint, less what is left at q̈ = 0.
@@ -115,7 +128,7 @@ pub(crate) fn from_equations(
         equation(graph, held.collect(), order, grouping)
     };
     let matrix = entries.map(entry).collect();
-    Parts { coriolis, motion, gravity, matrix }
+    Parts { torque, gravity, coriolis, matrix }
 }
 
 fn equation(graph: &Graph, sum: Sum, order: Order, grouping: Grouping) -> Id {

@@ -5,8 +5,8 @@ use crate::error::{ExportError, Result};
 use crate::graph::{Function, Graph, Id, Node};
 use crate::lower::lowered;
 use crate::momentum::{Factors, coriolis_matrix, momentum};
-use crate::parts::{elements, friction, next_states};
-use crate::ways::{Frictionless, frictionless, gravity_of, sums};
+use crate::parts::{Parts, elements, friction, next_states, sums};
+use crate::ways::{frictionless, gravity_of};
 use torquewise_model::{Form, JointKinds, Model, to_json};
 
 /// What a function of an exported file computes.
@@ -127,7 +127,7 @@ impl Memory {
     fn of(
         graph: &Graph,
         model: &Model,
-        parts: &Frictionless,
+        parts: &Parts,
         factors: &Factors,
     ) -> Option<(Self, Vec<Id>)> {
         let elements = elements(&model.friction);

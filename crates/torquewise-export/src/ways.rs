@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::graph::{Graph, Id};
 use crate::harmonics::summed;
 use crate::lower::lowered;
-use crate::parts::{Grouping, Parts, from_energies, from_equations};
+use crate::parts::{Grouping, Parts, from_energies, from_equations, sums};
 use crate::polynomial::Order;
 use crate::recursion::{Motion, Recursion};
 use std::collections::BTreeMap;
@@ -19,28 +19,16 @@ use torquewise_model::{Drive, EnergyTerm, Form, Model, Weighted};
 const MOST_EXPANDED: usize = 4;
 const SUMS: usize = 3;
 
-/// What a model computes but for friction, as nodes.
-#[derive(Clone, Debug)]
-pub(crate) struct Frictionless {
-    /// M(q)q̈ + C(q, q̇)q̇ + G(q), n.
-    pub(crate) torque: Vec<Id>,
-    pub(crate) gravity: Vec<Id>,
-    /// C(q, q̇)q̇, n.
-    pub(crate) coriolis: Vec<Id>,
-    /// M(q) row by row, n·n.
-    pub(crate) matrix: Vec<Id>,
-}
+type Choice = fn(&Parts) -> &Vec<Id>;
 
-type Choice = fn(&Frictionless) -> &Vec<Id>;
-
-type Way<'a, T> = Box<dyn Fn(&Graph) -> T + 'a>;
+type Way<'a> = Box<dyn Fn(&Graph) -> Parts + 'a>;
 
 /// The functions of a model, each the cheapest that is known: of a chain by the recursion or by the
 /// expansion.
-pub(crate) fn frictionless(graph: &Graph, model: &Model) -> Result<Frictionless> {
+pub(crate) fn frictionless(graph: &Graph, model: &Model) -> Result<Parts> {
     let n = model.n_joints();
     let Some(chain) = &model.chain else {
-        return Ok(of_form(graph, &model.form, n, |parts| &parts.motion));
+        return Ok(of_form(graph, &model.form, n, |parts| &parts.torque));
     };
     let base = BaseChain::of(chain)?;
     let drives = joined(chain.drives.iter().flat_map(Drive::energy_terms).collect());
@@ -48,73 +36,49 @@ pub(crate) fn frictionless(graph: &Graph, model: &Model) -> Result<Frictionless>
         0..=MOST_EXPANDED => with_sums(joined(chain.energy_terms()?), n),
         _ => Vec::new(),
     };
-    let mut ways: Vec<Way<'_, Frictionless>> = vec![Box::new(|graph| {
+    let mut ways: Vec<Way<'_>> = vec![Box::new(|graph| {
         let recursion = Recursion::new(graph, &base);
-        let links = Frictionless {
-            torque: recursion.torque(Motion::Whole),
-            gravity: recursion.torque(Motion::Rest),
-            coriolis: recursion.torque(Motion::Steady),
-            matrix: recursion.matrix(),
-        };
-        let beside = from_energies(graph, &drives, n, Order::Products);
-        links.plus(graph, &Frictionless::of(graph, beside))
+        let [torque, gravity, coriolis] =
+            [Motion::Whole, Motion::Rest, Motion::Steady].map(|motion| recursion.torque(motion));
+        let matrix = recursion.matrix();
+        let beside = from_energies(graph, &drives, n, Order::Products).weighed(graph);
+        Parts {
+            torque: sums(graph, &torque, &beside.torque),
+            gravity: sums(graph, &gravity, &beside.gravity),
+            coriolis: sums(graph, &coriolis, &beside.coriolis),
+            matrix: sums(graph, &matrix, &beside.matrix),
+        }
     })];
     for terms in &energies {
         for order in [Order::Products, Order::Horner] {
-            ways.push(Box::new(move |graph| {
-                Frictionless::of(graph, from_energies(graph, terms, n, order))
-            }));
+            ways.push(Box::new(move |graph| from_energies(graph, terms, n, order).weighed(graph)));
         }
     }
     let choices: [Choice; 4] = [|f| &f.torque, |f| &f.gravity, |f| &f.coriolis, |f| &f.matrix];
     let [torque, gravity, coriolis, matrix] =
         cheapest(&ways, choices).map(|(way, choice)| choice(&ways[way](graph)).clone());
-    Ok(Frictionless { torque, gravity, coriolis, matrix })
+    Ok(Parts { torque, gravity, coriolis, matrix })
 }
 
 pub(crate) fn gravity_of(graph: &Graph, form: &Form, n: usize) -> Vec<Id> {
     of_form(graph, form, n, |parts| &parts.gravity).gravity
 }
 
-impl Frictionless {
-    fn of(graph: &Graph, parts: Parts) -> Self {
-        let Parts { motion, gravity, coriolis, matrix } = parts;
-        Self { torque: sums(graph, &motion, &gravity), gravity, coriolis, matrix }
-    }
-
-    fn plus(&self, graph: &Graph, other: &Self) -> Self {
-        Self {
-            torque: sums(graph, &self.torque, &other.torque),
-            gravity: sums(graph, &self.gravity, &other.gravity),
-            coriolis: sums(graph, &self.coriolis, &other.coriolis),
-            matrix: sums(graph, &self.matrix, &other.matrix),
-        }
-    }
-}
-
-pub(crate) fn sums(graph: &Graph, left: &[Id], right: &[Id]) -> Vec<Id> {
-    left.iter().zip(right).map(|(&a, &b)| graph.add(a, b)).collect()
-}
-
-/// For each function the place of the way that computes it in the fewest operations.
-fn cheapest(ways: &[Way<'_, Frictionless>], choices: [Choice; 4]) -> [(usize, Choice); 4] {
+/// For each function the place of the first way that computes it in the fewest operations.
+fn cheapest<const N: usize>(ways: &[Way<'_>], choices: [Choice; N]) -> [(usize, Choice); N] {
     let mut best = choices.map(|choice| (usize::MAX, 0, choice));
     for (place, way) in ways.iter().enumerate() {
         let graph = Graph::default();
         let functions = way(&graph);
         for (least, at, choice) in &mut best {
-            let weight = weight(&graph, choice(&functions));
+            let (graph, roots) = lowered(&graph, choice(&functions));
+            let weight = Cost::of(&graph, &roots).weight();
             if weight < *least {
                 (*least, *at) = (weight, place);
             }
         }
     }
     best.map(|(_, place, choice)| (place, choice))
-}
-
-fn weight(graph: &Graph, roots: &[Id]) -> usize {
-    let (graph, roots) = lowered(graph, roots);
-    Cost::of(&graph, &roots).weight()
 }
 
 fn joined(terms: Vec<(EnergyTerm, f64)>) -> Vec<Weighted<EnergyTerm>> {
@@ -126,13 +90,13 @@ fn joined(terms: Vec<(EnergyTerm, f64)>) -> Vec<Weighted<EnergyTerm>> {
 }
 
 /// The parts that cost least where it matters most, of all ways to compute them.
-fn of_form(graph: &Graph, form: &Form, n: usize, which: fn(&Parts) -> &Vec<Id>) -> Frictionless {
+fn of_form(graph: &Graph, form: &Form, n: usize, which: Choice) -> Parts {
     let equations = form.equations(n);
     let energies = match form {
         Form::Energy(terms) => with_sums(terms.clone(), n),
         Form::Torque(_) => Vec::new(),
     };
-    let mut ways: Vec<Way<'_, Parts>> = Vec::new();
+    let mut ways: Vec<Way<'_>> = Vec::new();
     for order in [Order::Products, Order::Horner] {
         for terms in &energies {
             ways.push(Box::new(move |graph| from_energies(graph, terms, n, order)));
@@ -142,13 +106,8 @@ fn of_form(graph: &Graph, form: &Form, n: usize, which: fn(&Parts) -> &Vec<Id>) 
             ways.push(Box::new(move |graph| from_equations(graph, equations, order, grouping)));
         }
     }
-    let tried = ways.iter().map(|way| {
-        let graph = Graph::default();
-        weight(&graph, which(&way(&graph)))
-    });
-    let best = tried.enumerate().min_by_key(|&(place, cost)| (cost, place));
-    let parts = ways[best.map_or(0, |(place, _)| place)](graph);
-    Frictionless::of(graph, parts)
+    let [(best, _)] = cheapest(&ways, [which]);
+    ways[best](graph).weighed(graph)
 }
 
 /// The energies, and the same with the angles of some neighbouring joints summed where that takes
