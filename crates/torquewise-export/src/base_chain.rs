@@ -10,12 +10,14 @@
 use crate::error::Result;
 use nalgebra::{Matrix3, Vector3};
 use torquewise_model::RigidChain;
+use torquewise_rigid::recursion::Inertia;
 
 /// Sines and cosines this near −1, 0 or 1 are these: π/2 is not a right angle to the last bit.
 const ROUNDING: f64 = 1e-15;
 
 type Matrix = Matrix3<f64>;
 type Vector = Vector3<f64>;
+type Body = Inertia<f64>;
 
 /// A chain whose links carry what torque can tell.
 #[derive(Clone, Debug)]
@@ -66,14 +68,6 @@ struct Joint {
     origin: Vector,
 }
 
-/// Mass, first moment and moments about the origin of a body.
-#[derive(Clone, Copy)]
-struct Body {
-    mass: f64,
-    first: Vector,
-    moments: Matrix,
-}
-
 impl BaseChain {
     pub(crate) fn of(chain: &RigidChain) -> Result<Self> {
         let axes = chain.axes()?;
@@ -86,28 +80,29 @@ impl BaseChain {
             .collect();
         let mut bodies: Vec<Body> = Vec::with_capacity(n);
         for (link, turn) in chain.links.iter().zip(&turns) {
-            bodies.push(Body::of(link).turned(&about_z(-turn)));
+            bodies.push(turned(&Body::of(link), &about_z(-turn)));
         }
         for j in (1..n).rev() {
             let twist = about_x(joints[j].twist);
             let moved = if axes.kinds().slides(j) {
                 let moments = Body { mass: 0.0, first: Vector::zeros(), ..bodies[j] };
-                bodies[j].moments = Matrix::zeros();
-                moments.turned(&(twist * about_z(joints[j].after + turns[j])))
+                bodies[j].about_origin = Matrix::zeros();
+                turned(&moments, &(twist * about_z(joints[j].after + turns[j])))
             } else {
                 // What of it does not notice a turn about z.
-                let Body { mass, first, moments } = bodies[j];
-                let yy = moments.m22;
+                let Body { mass, first, about_origin } = bodies[j];
+                let yy = about_origin.m22;
                 let first = Vector::new(0.0, 0.0, first.z);
-                let moments = Matrix::from_diagonal(&Vector::new(yy, yy, 0.0));
-                Body { mass, first, moments }.turned(&twist).shifted(&joints[j].origin)
+                let about_origin = Matrix::from_diagonal(&Vector::new(yy, yy, 0.0));
+                shifted(&turned(&Body { mass, first, about_origin }, &twist), &joints[j].origin)
             };
-            let Body { mass, first, moments } = &mut bodies[j - 1];
-            (*mass, *first, *moments) =
-                (*mass + moved.mass, *first + moved.first, *moments + moved.moments);
+            let before = &mut bodies[j - 1];
+            before.mass += moved.mass;
+            before.first += moved.first;
+            before.about_origin += moved.about_origin;
         }
         let link = |(k, ((joint, body), turn)): (usize, ((&Joint, &Body), &f64))| {
-            let (slides, m) = (axes.kinds().slides(k), body.moments);
+            let (slides, m) = (axes.kinds().slides(k), body.about_origin);
             let [x, y, z]: [f64; 3] = body.first.into();
             BaseLink {
                 slides,
@@ -146,26 +141,17 @@ impl Joint {
     }
 }
 
-impl Body {
-    fn of(link: &[f64; 10]) -> Self {
-        let [mass, x, y, z, xx, yy, zz, xy, xz, yz] = *link;
-        let moments = Matrix::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        Self { mass, first: Vector::new(x, y, z), moments }
-    }
+/// Components in a frame from which `rotation` turns to the one they are in.
+fn turned(body: &Body, rotation: &Matrix) -> Body {
+    let about_origin = rotation * body.about_origin * rotation.transpose();
+    Body { mass: body.mass, first: rotation * body.first, about_origin }
+}
 
-    /// Components in a frame from which `rotation` turns to the one they are in.
-    fn turned(&self, rotation: &Matrix) -> Self {
-        let moments = rotation * self.moments * rotation.transpose();
-        Self { mass: self.mass, first: rotation * self.first, moments }
-    }
-
-    /// The same body about a point that lies at −`by`.
-    fn shifted(&self, by: &Vector) -> Self {
-        let Self { mass, first, moments } = *self;
-        let round = Matrix::from_diagonal_element(2.0 * by.dot(&first) + mass * by.dot(by));
-        let across = by * first.transpose() + first * by.transpose() + mass * by * by.transpose();
-        Self { mass, first: first + mass * by, moments: moments - across + round }
-    }
+/// The same body about a point that lies at −`by`.
+fn shifted(&Body { mass, first, about_origin }: &Body, by: &Vector) -> Body {
+    let round = Matrix::from_diagonal_element(2.0 * by.dot(&first) + mass * by.dot(by));
+    let across = by * first.transpose() + first * by.transpose() + mass * by * by.transpose();
+    Body { mass, first: first + mass * by, about_origin: about_origin - across + round }
 }
 
 /// Sine and cosine of an angle, exact at right angles.

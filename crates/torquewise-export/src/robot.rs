@@ -10,7 +10,9 @@ use torquewise_model::friction::FrictionLaw;
 use torquewise_model::learned::{JointGeometry, joint_geometry};
 use torquewise_model::shaft_friction::{Estimated, ShaftFriction};
 use torquewise_model::{Drive, JointKind, Model, RigidChain, Torque, number};
-use torquewise_rigid::geometry::Placement;
+use torquewise_rigid::geometry::{Placement, between};
+use torquewise_sim::Body;
+use torquewise_sim::urdf::edit::Dynamics;
 
 #[derive(Clone, Debug)]
 pub(crate) struct Robot {
@@ -48,12 +50,7 @@ pub(crate) struct RobotJoint {
 /// What turns with a shaft and rubs on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Losses {
-    /// Inertia of the rotor as felt at the joint \[kg·m²\].
-    pub(crate) armature: f64,
-    /// Viscous friction \[N·m·s/rad\].
-    pub(crate) damping: f64,
-    /// Dry friction \[N·m\].
-    pub(crate) friction: f64,
+    pub(crate) dynamics: Dynamics,
     /// Torque that the motor needs though nothing moves \[N·m\]; none of a shared shaft.
     pub(crate) offset: f64,
 }
@@ -79,7 +76,7 @@ impl Robot {
         let mut placements = axes.placements();
         if let Some(first) = placements.first_mut() {
             let down = Vector3::from(axes.gravity());
-            first.rotation = turn(&-down, &Vector3::z()).into_inner();
+            first.rotation = between(&-down, &Vector3::z()).into_inner();
         }
         let (losses, shared, left_out) = losses(model, chain);
         let names = chain.robot.as_ref();
@@ -114,10 +111,9 @@ impl Robot {
         let length: f64 = self.joints.iter().map(|joint| joint.frame.origin.norm()).sum();
         let radius = (RADIUS.0 * length / self.joints.len() as f64).max(RADIUS.1);
         let joints = self.joints.iter().enumerate().map(|(k, joint)| {
-            let (mass, center, inertia) = joint.central();
-            let (moments, axes) = principal(inertia);
-            let end = self.joints.get(k + 1).map_or(center, |next| next.frame.origin);
-            let i = inertia;
+            let Body { mass, com, inertia: i } = Body::of_parameters(&joint.inertial);
+            let (moments, axes) = principal(i);
+            let end = self.joints.get(k + 1).map_or(com, |next| next.frame.origin);
             context! {
                 name => &joint.name,
                 link => &joint.link,
@@ -128,7 +124,7 @@ impl Robot {
                 rpy => numbers(rpy(&joint.frame.rotation)),
                 quaternion => numbers(quaternion(joint.frame.rotation)),
                 mass => numbers([mass]),
-                center => numbers(center.into()),
+                center => numbers(com.into()),
                 inertia => [i.m11, i.m22, i.m33, i.m12, i.m13, i.m23].map(|x| numbers([x])),
                 principal => context! {
                     moments => numbers(moments),
@@ -182,19 +178,13 @@ fn unresolved(joint: &JointGeometry) -> Option<String> {
 
 /// What is drawn from the origin of a link to that of the next.
 fn bar(end: &Vector3<f64>) -> Value {
-    let turn = turn(&Vector3::z(), end);
+    let turn = between(&Vector3::z(), end);
     context! {
         end => numbers((*end).into()),
         middle => numbers((end / 2.0).into()),
         rpy => numbers(turn.euler_angles().into()),
         length => numbers([end.norm()]),
     }
-}
-
-/// The turn that brings a direction to another.
-fn turn(from: &Vector3<f64>, to: &Vector3<f64>) -> Rotation3<f64> {
-    let half_turn = || Rotation3::from_axis_angle(&Vector3::x_axis(), PI);
-    Rotation3::rotation_between(from, to).unwrap_or_else(half_turn)
 }
 
 /// Rotors and friction of each joint, those of shared shafts, and what is left out.
@@ -223,7 +213,7 @@ fn losses(
     };
     for drive in &chain.drives {
         match drive {
-            Drive::Rotor { shaft, inertia } => at(shaft, &|own| own.armature += inertia),
+            Drive::Rotor { shaft, inertia } => at(shaft, &|own| own.dynamics.armature += inertia),
             Drive::Energy { term, .. } => left_out.push(format!("the energy term {}", term.name())),
         }
     }
@@ -233,7 +223,8 @@ fn losses(
         let held =
             offset.zip(shaft.joint()).map_or(0.0, |((k, _), _)| model.friction[k].coefficient);
         at(shaft.shaft(), &|own| {
-            (own.damping, own.friction, own.offset) = (damping, friction, held);
+            own.dynamics = Dynamics { damping, friction, ..own.dynamics };
+            own.offset = held;
         });
         let laws = || shaft.laws().map(|(_, term)| term);
         let name = shaft.name();
@@ -277,20 +268,9 @@ fn efforts(model: &Model) -> Result<Vec<f64>> {
 
 impl Losses {
     fn values(&self) -> Value {
-        let [armature, damping, friction] =
-            [self.armature, self.damping, self.friction].map(|x| numbers([x]));
+        let Dynamics { armature, damping, friction } = self.dynamics;
+        let [armature, damping, friction] = [armature, damping, friction].map(|x| numbers([x]));
         context! { armature, damping, friction }
-    }
-}
-
-impl RobotJoint {
-    /// Mass, centre of mass and inertia about it of the link.
-    fn central(&self) -> (f64, Vector3<f64>, Matrix3<f64>) {
-        let [mass, x, y, z, xx, yy, zz, xy, xz, yz] = self.inertial;
-        let center = Vector3::new(x, y, z) / mass;
-        let about_origin = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        let shift = Matrix3::identity() * center.norm_squared() - center * center.transpose();
-        (mass, center, about_origin - mass * shift)
     }
 }
 

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use torquewise_model::Model;
 use torquewise_rigid::Geometry;
 use torquewise_sim::UrdfChain;
-use torquewise_sim::urdf::edit::{Dynamics, edited};
+use torquewise_sim::urdf::edit::edited;
 
 /// Two geometries are one if their parameters are within this \[rad, m\].
 const SAME: f64 = 1e-6;
@@ -100,8 +100,7 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
             ));
         }
         bodies.extend(inertials);
-        let Losses { armature, damping, friction, .. } = own.losses;
-        dynamics.push((joint.name.clone(), Dynamics { armature, damping, friction }));
+        dynamics.push((joint.name.clone(), own.losses.dynamics));
     }
     Ok(RobotFile { text: edited(text, &bodies, &dynamics)?, left_out })
 }

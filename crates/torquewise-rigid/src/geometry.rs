@@ -274,9 +274,7 @@ impl Geometry {
     /// the origin of the joint \[m\], n.
     pub fn upright(&self) -> Vec<([f64; 3], [f64; 3])> {
         let up = -Vector3::from(self.gravity());
-        let half_turn = || Rotation3::from_axis_angle(&Vector3::x_axis(), PI);
-        let mut rotation =
-            Rotation3::rotation_between(&up, &Vector3::z()).unwrap_or_else(half_turn).into_inner();
+        let mut rotation = between(&up, &Vector3::z()).into_inner();
         let mut origin = Vector3::zeros();
         let frame = |placement: Placement| {
             origin += rotation * placement.origin;
@@ -285,6 +283,12 @@ impl Geometry {
         };
         self.placements().into_iter().map(frame).collect()
     }
+}
+
+/// The turn that brings a direction to another.
+pub fn between(from: &Vector3<f64>, to: &Vector3<f64>) -> Rotation3<f64> {
+    let half_turn = || Rotation3::from_axis_angle(&Vector3::x_axis(), PI);
+    Rotation3::rotation_between(from, to).unwrap_or_else(half_turn)
 }
 
 fn turn(w: [f64; 2]) -> Matrix3<f64> {

@@ -77,10 +77,13 @@ struct Wrench<T> {
 
 /// Mass, first moment and rotational inertia of a body, ready for the recursion.
 #[derive(Clone, Copy, Debug)]
-struct Inertia<T> {
-    mass: T,
-    first: Vector3<T>,
-    about_origin: Matrix3<T>,
+pub struct Inertia<T> {
+    /// \[kg\]
+    pub mass: T,
+    /// m·c \[kg·m\]
+    pub first: Vector3<T>,
+    /// Moments about the origin of its frame \[kg·m²\].
+    pub about_origin: Matrix3<T>,
 }
 
 /// The motion of all bodies at one state: what torque, regressor and derivatives start from.
@@ -344,7 +347,8 @@ impl<T: Scalar> Body<T> {
 }
 
 impl<T: Scalar> Inertia<T> {
-    fn of(p: &[f64]) -> Self {
+    /// Of inertial parameters, 10.
+    pub fn of(p: &[f64]) -> Self {
         let [mass, hx, hy, hz, xx, yy, zz, xy, xz, yz] = std::array::from_fn(|k| T::splat(p[k]));
         let about_origin = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
         Self { mass, first: Vector3::new(hx, hy, hz), about_origin }

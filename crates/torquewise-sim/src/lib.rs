@@ -41,4 +41,5 @@ pub use friction::{Friction, Stribeck};
 pub use noise::{Noise, add_noise};
 pub use plan::{MotionKind, MotionPlan};
 pub use simulate::{SimulatedLog, Simulation, simulate};
-pub use urdf::{UrdfChain, UrdfInertial, UrdfJoint};
+pub use spatial::Body;
+pub use urdf::{UrdfChain, UrdfJoint};

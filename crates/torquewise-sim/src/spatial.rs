@@ -40,12 +40,13 @@ pub(crate) fn placement(X_AB: &Pose) -> Placement {
 
 /// Mass distribution of a rigid body, in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Body {
-    pub(crate) mass: f64,
+pub struct Body {
+    /// \[kg\]
+    pub mass: f64,
     /// Centre of mass \[m\].
-    pub(crate) com: Vector3<f64>,
+    pub com: Vector3<f64>,
     /// Inertia about the centre of mass \[kg·m²\].
-    pub(crate) inertia: Matrix3<f64>,
+    pub inertia: Matrix3<f64>,
 }
 
 impl Body {
@@ -57,7 +58,7 @@ impl Body {
     }
 
     /// The body of inertial parameters m, m·c and moments about the origin; the mass is not zero.
-    pub(crate) fn of_parameters(p: &[f64; PER_BODY]) -> Self {
+    pub fn of_parameters(p: &[f64; PER_BODY]) -> Self {
         let [mass, x, y, z, xx, yy, zz, xy, xz, yz] = *p;
         let com = Vector3::new(x, y, z) / mass;
         let about_origin = Self::new(mass, [0.0; 3], [xx, yy, zz, xy, xz, yz]).inertia;

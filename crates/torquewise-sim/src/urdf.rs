@@ -10,7 +10,7 @@ use crate::error::Result;
 use robot::Robot;
 use tree::{Hinge, Tree};
 
-pub use chain::{UrdfChain, UrdfInertial, UrdfJoint};
+pub use chain::{UrdfChain, UrdfJoint};
 
 impl Arm {
     /// Reads an arm from URDF text, its base fixed in the world, gravity −9.81 m/s² along z.

@@ -5,7 +5,7 @@ use crate::arm::{STANDARD_GRAVITY, check_finite};
 use crate::error::{Result, SimError};
 use crate::spatial::{Body, Pose, placement, pose};
 use crate::urdf::robot::{self, Robot};
-use crate::urdf::tree::{Hinge, Tree, Welded};
+use crate::urdf::tree::{Hinge, Tree, Welded, WeldedLink};
 use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Geometry, JointKind};
@@ -44,19 +44,6 @@ pub struct UrdfJoint {
     /// move, then those whose joint is fixed.
     welded: Vec<WeldedLink>,
 }
-
-#[derive(Clone, Debug)]
-struct WeldedLink {
-    name: String,
-    /// In the frame of the first link; `None` where the file has no body that can be.
-    body: Option<Body>,
-    /// Whether its joint is fixed, rather than locked.
-    is_fixed: bool,
-}
-
-/// A body as a URDF has it, in the frame of its link.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UrdfInertial(pub(crate) Body);
 
 impl UrdfChain {
     /// The chain of the named joints: all others are locked. Where the file has none of the names,
@@ -121,9 +108,7 @@ impl UrdfChain {
             placements.push(placement(&X_PJ));
             let (name, links) = (joint.name.clone(), links(&after));
             let inertial_of_file = tree.body(&after).ok().map(|body| body.inertial_parameters());
-            let welded = tree.others(&after);
-            let welded = welded.map(|(name, body, is_fixed)| WeldedLink { name, body, is_fixed });
-            let welded = welded.collect();
+            let welded = tree.others(&after).collect();
             joints.push(UrdfJoint { name, links, inertial_of_file, X_LG: X_LJ, welded });
         }
         if joints.is_empty() {
@@ -161,10 +146,7 @@ impl UrdfJoint {
     ///
     /// - `inertial`: m, m·c, and the moments about the origin, as [`torquewise_rigid::recursion`] has
     ///   them, in the frame of the geometry
-    pub fn distributed(
-        &self,
-        inertial: &[f64; PER_BODY],
-    ) -> (Vec<(String, Option<UrdfInertial>)>, bool) {
+    pub fn distributed(&self, inertial: &[f64; PER_BODY]) -> (Vec<(String, Option<Body>)>, bool) {
         let whole = Body::of_parameters(inertial).seen_from(&self.X_LG);
         let others = &self.welded;
         let stays: [&dyn Fn(&WeldedLink) -> bool; 3] =
@@ -178,7 +160,7 @@ impl UrdfJoint {
                 continue;
             }
             let first = self.links.first().cloned().unwrap_or_default();
-            let mut changes = vec![(first, Some(UrdfInertial(rest)))];
+            let mut changes = vec![(first, Some(rest))];
             let emptied = others.iter().filter(|link| !stay(link));
             changes.extend(emptied.map(|link| (link.name.clone(), None)));
             let all_stay = changes.len() == 1;

@@ -2,12 +2,11 @@
 
 use crate::error::{Result, SimError};
 use crate::spatial::Body;
-use crate::urdf::chain::UrdfInertial;
 use roxmltree::{Document, Node};
 use std::ops::Range;
 
 /// Friction and rotor of a joint.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Dynamics {
     /// Inertia of the rotor as felt at the joint \[kg·m²\], an attribute that most readers pass
     /// over.
@@ -25,7 +24,7 @@ pub struct Dynamics {
 /// link or joint of that name.
 pub fn edited(
     text: &str,
-    inertials: &[(String, Option<UrdfInertial>)],
+    inertials: &[(String, Option<Body>)],
     dynamics: &[(String, Dynamics)],
 ) -> Result<String> {
     let document = Document::parse(text).map_err(|source| SimError::Urdf { source })?;
@@ -87,7 +86,7 @@ fn put(
     vec![(behind..behind, format!("\n{margin}  {lines}"))]
 }
 
-fn inertial(UrdfInertial(Body { mass, com, inertia }): &UrdfInertial) -> Vec<String> {
+fn inertial(Body { mass, com, inertia }: &Body) -> Vec<String> {
     let [x, y, z]: [f64; 3] = (*com).into();
     let [xx, yy, zz] = [inertia.m11, inertia.m22, inertia.m33];
     let [xy, xz, yz] = [inertia.m12, inertia.m13, inertia.m23];

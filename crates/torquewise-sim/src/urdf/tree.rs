@@ -22,6 +22,16 @@ pub(crate) struct Welded<'a> {
     exits: Vec<(&'a Joint, Pose)>,
 }
 
+/// A link of a file that is welded to another.
+#[derive(Clone, Debug)]
+pub(crate) struct WeldedLink {
+    pub(crate) name: String,
+    /// In the frame of the first link; `None` where the file has no body that can be.
+    pub(crate) body: Option<Body>,
+    /// Whether its joint is fixed, rather than locked.
+    pub(crate) is_fixed: bool,
+}
+
 /// A joint that moves, and what hangs on it.
 pub(crate) struct Hinge<'a> {
     pub(crate) joint: &'a Joint,
@@ -84,16 +94,12 @@ impl<'a> Tree<'a> {
         Ok(Welded { links, exits })
     }
 
-    /// Links with a body beside the first: name, body in its frame, if there can be one, and whether
-    /// all joints to it are fixed.
-    pub(crate) fn others(
-        &self,
-        welded: &Welded<'a>,
-    ) -> impl Iterator<Item = (String, Option<Body>, bool)> {
-        welded.links.iter().skip(1).filter_map(|(name, X_GL, is_fixed)| {
+    /// Links with a body beside the first.
+    pub(crate) fn others(&self, welded: &Welded<'a>) -> impl Iterator<Item = WeldedLink> {
+        welded.links.iter().skip(1).filter_map(|&(name, X_GL, is_fixed)| {
             let link = self.links.get(name).filter(|link| link.inertial.is_some())?;
-            let body = body_of(link).ok().map(|body| body.seen_from(X_GL));
-            Some(((*name).to_owned(), body, *is_fixed))
+            let body = body_of(link).ok().map(|body| body.seen_from(&X_GL));
+            Some(WeldedLink { name: name.to_owned(), body, is_fixed })
         })
     }
 

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use torquewise_rigid::inertia::plain_link;
 use torquewise_rigid::{Kinematics, Moved, State};
 use torquewise_sim::urdf::edit::{Dynamics, edited};
-use torquewise_sim::{Arm, SimError, UrdfChain, UrdfInertial};
+use torquewise_sim::{Arm, Body, SimError, UrdfChain};
 
 /// An arm with a tool, a gripper whose finger mimics the other, skew axes and comments.
 const ROBOT: &str = r#"<?xml version="1.0"?>
@@ -48,7 +48,7 @@ fn names(joints: &[&str]) -> Vec<String> {
 }
 
 /// Bodies of links, as they are put into the file.
-type Inertials = Vec<(String, Option<UrdfInertial>)>;
+type Inertials = Vec<(String, Option<Body>)>;
 
 /// Bodies of some size in the frames of the geometry, and what is put into the file for them.
 fn bodies(chain: &UrdfChain, mass: f64) -> (Vec<f64>, Inertials) {
