@@ -3,8 +3,9 @@
 
 use crate::energy::{EnergyTerm, Place};
 use crate::error::ModelError;
+use crate::rigid_chain::{Drive, JointKind, RigidChain};
 use crate::term::{Term, Trig};
-use torquewise_rigid::{Geometry, JointKind, Kinematics, Moved};
+use torquewise_rigid::{Kinematics, Moved};
 
 /// Joints of an arm whose energy can be listed: 5ⁿ⁻¹ states are looked at.
 const MOST_JOINTS: usize = 8;
@@ -36,65 +37,65 @@ pub fn check_joints(n: usize) -> Result<(), ModelError> {
     if n > most { Err(ModelError::TooManyJoints { joints: n, most }) } else { Ok(()) }
 }
 
-/// All energy terms of a chain with their coefficients, in the functions of the energy library.
-///
-/// M(q) and V(q) of a chain are sums of products over the joints of 1, cos kq and sin kq, k up to 2
-/// and 1, and where a coordinate turns several joints up to as many times more; of 1, q and q², or 1
-/// and q, of a joint that slides. Their values on a grid give the coefficients exactly.
-///
-/// - `inertial`: inertial parameters of the bodies, 10 each
-///
-/// # Errors
-/// [`ModelError::TooManyJoints`] above eight joints.
-pub fn energy_terms(
-    geometry: &Geometry,
-    inertial: &[f64],
-) -> Result<Vec<(EnergyTerm, f64)>, ModelError> {
-    let mut terms = Vec::new();
-    for (place, grid) in grids(geometry, inertial, |_| true)? {
-        let coefficients = grid.coefficients();
-        let largest = coefficients.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
-        let all = coefficients.into_iter().enumerate();
-        for (at, coefficient) in all.filter(|(_, c)| c.abs() > ROUNDING * largest) {
-            let function = grid.function_of(&digits(&grid.bases, at));
-            // A constant of V is no torque.
-            if place != Place::Potential || !function.factors.is_empty() {
-                terms.push((EnergyTerm { place, function }, coefficient));
+impl RigidChain {
+    /// All energy terms of the chain with its drives, in the functions of the energy library; equal
+    /// ones not yet joined.
+    ///
+    /// M(q) and V(q) of a chain are sums of products over the joints of 1, cos kq and sin kq, k up to
+    /// 2 and 1, and where a coordinate turns several joints up to as many times more; of 1, q and q²,
+    /// or 1 and q, of a joint that slides. Their values on a grid give the coefficients exactly.
+    ///
+    /// # Errors
+    /// [`ModelError::TooManyJoints`] above eight joints.
+    pub fn energy_terms(&self) -> Result<Vec<(EnergyTerm, f64)>, ModelError> {
+        let mut terms = Vec::new();
+        for (place, grid) in grids(self, |_| true)? {
+            let coefficients = grid.coefficients();
+            let largest = coefficients.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+            let all = coefficients.into_iter().enumerate();
+            for (at, coefficient) in all.filter(|(_, c)| c.abs() > ROUNDING * largest) {
+                let function = grid.function_of(&digits(&grid.bases, at));
+                // A constant of V is no torque.
+                if place != Place::Potential || !function.factors.is_empty() {
+                    terms.push((EnergyTerm { place, function }, coefficient));
+                }
             }
         }
+        terms.extend(self.drives.iter().flat_map(Drive::energy_terms));
+        Ok(terms)
     }
-    Ok(terms)
-}
 
-/// What coefficients some of these terms have, 0 for a term that is none of them.
-///
-/// # Errors
-/// As [`energy_terms`].
-pub fn coefficients_of(
-    wanted: &[EnergyTerm],
-    geometry: &Geometry,
-    inertial: &[f64],
-) -> Result<Vec<f64>, ModelError> {
-    let mut found = vec![0.0; wanted.len()];
-    let places = |place: Place| wanted.iter().any(|term| term.place == place);
-    for (place, grid) in grids(geometry, inertial, places)? {
-        let coefficients = grid.coefficients();
-        for (found, term) in found.iter_mut().zip(wanted).filter(|(_, term)| term.place == place) {
-            *found = grid.position_of(&term.function).map_or(0.0, |at| coefficients[at]);
+    /// The coefficients that some of these terms have, without listing the others; 0 for a term that
+    /// is none of them.
+    ///
+    /// # Errors
+    /// As [`Self::energy_terms`].
+    pub fn coefficients_of(&self, terms: &[EnergyTerm]) -> Result<Vec<f64>, ModelError> {
+        let mut found = vec![0.0; terms.len()];
+        for (place, grid) in grids(self, |place| terms.iter().any(|term| term.place == place))? {
+            let coefficients = grid.coefficients();
+            for (found, term) in found.iter_mut().zip(terms).filter(|(_, term)| term.place == place)
+            {
+                *found = grid.position_of(&term.function).map_or(0.0, |at| coefficients[at]);
+            }
         }
+        for (own, coefficient) in self.drives.iter().flat_map(Drive::energy_terms) {
+            let same = found.iter_mut().zip(terms).filter(|(_, term)| **term == own);
+            same.for_each(|(found, _)| *found += coefficient);
+        }
+        Ok(found)
     }
-    Ok(found)
 }
 
 /// Values of V(q) and of each entry of M(q) that is asked for.
 fn grids(
-    geometry: &Geometry,
-    inertial: &[f64],
+    chain: &RigidChain,
     wanted: impl Fn(Place) -> bool,
 ) -> Result<Vec<(Place, Grid)>, ModelError> {
+    let (geometry, inertial) = (chain.axes()?, &chain.inertial());
     let n = geometry.n_joints();
     check_joints(n)?;
-    let kinematics = Kinematics::new(geometry);
+    let kinematics = Kinematics::new(&geometry);
     let turns: Vec<usize> = (0..n).map(|joint| geometry.coupling().multiples_of(joint)).collect();
     let (kinds, mut grids) = (geometry.kinds(), Vec::new());
     if wanted(Place::Potential) {

@@ -159,29 +159,6 @@ impl RigidChain {
         rotors && self.links.iter().all(|link| inertia::is_feasible(link))
     }
 
-    /// All energy terms of the chain with its drives, equal ones not yet joined.
-    ///
-    /// # Errors
-    /// [`ModelError::TooManyJoints`] above eight joints.
-    pub fn energy_terms(&self) -> Result<Vec<(EnergyTerm, f64)>, ModelError> {
-        let mut all = crate::expansion::energy_terms(&self.axes()?, &self.inertial())?;
-        all.extend(self.drives.iter().flat_map(Drive::energy_terms));
-        Ok(all)
-    }
-
-    /// The coefficients that some of these terms have, without listing the others.
-    ///
-    /// # Errors
-    /// As [`Self::energy_terms`].
-    pub fn coefficients_of(&self, terms: &[EnergyTerm]) -> Result<Vec<f64>, ModelError> {
-        let mut found = crate::expansion::coefficients_of(terms, &self.axes()?, &self.inertial())?;
-        for (own, coefficient) in self.drives.iter().flat_map(Drive::energy_terms) {
-            let same = found.iter_mut().zip(terms).filter(|(_, term)| **term == own);
-            same.for_each(|(found, _)| *found += coefficient);
-        }
-        Ok(found)
-    }
-
     /// Number of parameters of its covariance, with so many laws of friction.
     pub fn n_parameters(&self, friction: usize) -> usize {
         PER_BODY * self.links.len() + self.drives.len() + friction + self.fitted.len()

@@ -6,21 +6,18 @@ use approx::assert_relative_eq;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_model::expansion::energy_terms;
-use torquewise_model::{EnergyTerm, Form, Model, Place, Torque, Weighted};
+use torquewise_model::{EnergyTerm, Form, Model, Place, RigidChain, Torque, Weighted};
 use torquewise_motion::{Motion, Signals};
-use torquewise_rigid::Geometry;
 
 const N: usize = 3;
 
 /// Terms of a chain whose axes are nearly at right angles: few that matter and many that do not.
 fn terms() -> Vec<(EnergyTerm, f64)> {
     let quarter = std::f64::consts::FRAC_PI_2;
-    let parameters = [0.01, -0.02, quarter + 0.01, 0.02, 0.0, 0.001, -0.01, 0.005, 0.4, -0.002];
-    let geometry = Geometry::new(&parameters).unwrap();
+    let geometry = vec![0.01, -0.02, quarter + 0.01, 0.02, 0.0, 0.001, -0.01, 0.005, 0.4, -0.002];
     let mut random = ChaCha8Rng::seed_from_u64(2);
-    let inertial: Vec<f64> = (0..10 * N).map(|_| random.random_range(0.1..2.0)).collect();
-    energy_terms(&geometry, &inertial).unwrap()
+    let links = (0..N).map(|_| std::array::from_fn(|_| random.random_range(0.1..2.0))).collect();
+    RigidChain { geometry, links, ..RigidChain::default() }.energy_terms().unwrap()
 }
 
 /// A smooth motion.
