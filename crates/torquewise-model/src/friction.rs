@@ -254,18 +254,8 @@ impl FrictionTerm {
         !has_speed && !self.load
     }
 
-    /// Angle of the shaft, joints counted from 1: `q2`, `q5 + q6`.
-    pub(crate) fn angle(&self) -> String {
-        self.sum("q", "*")
-    }
-
-    /// Speed of the shaft as text: `dq2`, `dq5 + dq6`.
-    pub(crate) fn turning(&self) -> String {
-        self.sum("dq", "*")
-    }
-
     /// The shaft as a sum over its joints: `dq5 + dq6`, `dq5 - 0.5*dq6`.
-    fn sum(&self, letter: &str, times: &str) -> String {
+    pub(crate) fn sum(&self, letter: &str, times: &str) -> String {
         let mut text = String::new();
         for (joint, &shaft) in self.shaft.iter().enumerate().filter(|(_, shaft)| **shaft != 0.0) {
             text.push_str(match (shaft < 0.0, text.is_empty()) {

@@ -2,7 +2,7 @@
 
 use crate::error::ModelError;
 use crate::model::{GeometryFound, Model, Training};
-use crate::print::with_error;
+use crate::print::{DASH, with_error};
 use crate::rigid_chain::{Drive, JointKind, RigidChain};
 use crate::selection::Selection;
 use crate::shaft_friction::Estimated;
@@ -13,8 +13,6 @@ use torquewise_rigid::recursion::PER_BODY;
 /// Rows of cells under headings.
 pub type Table = Vec<Vec<String>>;
 
-/// For what a log does not determine.
-const DASH: &str = "–";
 /// A parameter with a larger part of it uncertain is not determined.
 const LEAST_T: f64 = 2.0;
 

@@ -246,7 +246,7 @@ pub fn friction_tables(model: &Model) -> Vec<Vec<Vec<String>>> {
 }
 
 /// For what is not resolved.
-const DASH: &str = "–";
+pub(crate) const DASH: &str = "–";
 
 fn line<T>(weighted: &Weighted<T>, function: &str) -> String {
     let sign = if weighted.coefficient < 0.0 { '-' } else { '+' };

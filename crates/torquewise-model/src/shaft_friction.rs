@@ -104,7 +104,7 @@ impl<'m> ShaftFriction<'m> {
     /// Name of the joint, or the angle of a shared shaft: `q5 + q6`, joints counted from 1.
     pub fn name(&self) -> String {
         let joint = self.joint().and_then(|joint| self.model.joints.get(joint));
-        let angle = || self.laws().next().map_or_else(String::new, |(_, term)| term.angle());
+        let angle = || self.laws().next().map_or_else(String::new, |(_, term)| term.sum("q", "*"));
         joint.cloned().unwrap_or_else(angle)
     }
 
@@ -117,12 +117,12 @@ impl<'m> ShaftFriction<'m> {
         let remembers = laws().any(|term| term.element().is_some());
         let place = match (laws().any(|term| term.load), remembers) {
             (true, _) => "q, ".to_owned(),
-            (false, true) => first.angle() + ", ",
+            (false, true) => first.sum("q", "*") + ", ",
             (false, false) => String::new(),
         };
         let turning = (1..).zip(self.shaft).filter(|(_, part)| **part != 0.0);
         let joints: String = turning.map(|(joint, _)| joint.to_string()).collect();
-        Some(format!("F{joints}({place}{})", first.turning()))
+        Some(format!("F{joints}({place}{})", first.sum("dq", "*")))
     }
 
     /// Its parameters under their usual names.
