@@ -1,7 +1,7 @@
 //! Derivatives of q(t) by local polynomial least squares, on any time stamps.
 
 use crate::error::{MotionError, Result};
-use faer::{Mat, MatRef};
+use faer::{ColRef, Mat, MatRef};
 use std::ops::Range;
 
 /// Rows on each side of a row that the polynomial around it is fitted to by [`derivative`].
@@ -79,18 +79,11 @@ fn check(t: &[f64], x: MatRef<'_, f64>, degree: usize) -> Result<()> {
     if rows <= degree {
         return Err(MotionError::TooFewRows { rows, needed: degree + 1 });
     }
-    if let Some(row) = t.iter().position(|t| !t.is_finite()) {
-        return Err(MotionError::NotFinite { signal: "t", joint: 0, row });
-    }
+    MotionError::check_finite("t", ColRef::from_slice(t).as_mat())?;
     if let Some(before) = t.windows(2).position(|pair| pair[1] <= pair[0]) {
         return Err(MotionError::TimeOrder { row: before + 1 });
     }
-    for joint in 0..columns {
-        if let Some(row) = (0..rows).find(|&row| !x[(row, joint)].is_finite()) {
-            return Err(MotionError::NotFinite { signal: "x", joint, row });
-        }
-    }
-    Ok(())
+    MotionError::check_finite("x", x)
 }
 
 /// Weights w with x⁽ʳ⁾(at) ≈ Σ wₖ xₖ for the rows of one window, and the space to find them.

@@ -75,6 +75,14 @@ impl MotionError {
         if found == expected { Ok(()) } else { Err(Self::Shape { signal, found, expected }) }
     }
 
+    /// Refuses a signal with a number that is not finite.
+    pub(crate) fn check_finite(signal: &'static str, values: MatRef<'_, f64>) -> Result<(), Self> {
+        let mut columns = values.col_iter().enumerate();
+        let place = columns
+            .find_map(|(joint, column)| Some((joint, column.iter().position(|x| !x.is_finite())?)));
+        place.map_or(Ok(()), |(joint, row)| Err(Self::NotFinite { signal, joint, row }))
+    }
+
     pub(crate) fn of(self, signal: &'static str, joint: &str) -> Self {
         Self::Joint { signal, joint: joint.to_owned(), source: Box::new(self) }
     }

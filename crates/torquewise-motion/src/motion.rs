@@ -1,7 +1,7 @@
 //! Motion: q, q̇, q̈ and τ of n joints at m instants, shapes checked once.
 
 use crate::error::{MotionError, Result};
-use faer::{Mat, MatRef};
+use faer::{ColRef, Mat, MatRef};
 
 /// The parts a [`Motion`] is made of, before they are checked.
 #[derive(Clone, Debug)]
@@ -95,15 +95,9 @@ impl Motion {
         for (signal, values) in named {
             let Some(values) = values else { continue };
             MotionError::check_shape(signal, values.as_ref(), [rows, columns])?;
-            for joint in 0..columns {
-                if let Some(row) = values.col_as_slice(joint).iter().position(|x| !x.is_finite()) {
-                    return Err(MotionError::NotFinite { signal, joint, row });
-                }
-            }
+            MotionError::check_finite(signal, values.as_ref())?;
         }
-        if let Some(row) = signals.t.iter().position(|t| !t.is_finite()) {
-            return Err(MotionError::NotFinite { signal: "t", joint: 0, row });
-        }
+        MotionError::check_finite("t", ColRef::from_slice(&signals.t).as_mat())?;
         Ok(Self { signals, memory: None, removed_tau: None })
     }
 

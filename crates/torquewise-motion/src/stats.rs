@@ -8,11 +8,7 @@ pub fn whole(x: f64) -> usize {
 
 /// Median, the upper of the middle two; sorts as far as needed. Zero of nothing.
 pub fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+    quantile(values, 0.5)
 }
 
 /// The value below which a share of the values lies; zero of none.
