@@ -189,12 +189,14 @@ impl Rows {
 
     /// At most `count` rows, evenly spread.
     pub fn thinned(&self, count: usize) -> Self {
-        let m = self.len();
-        if m <= count {
-            return self.clone();
-        }
-        self.select(&(0..count).map(|k| k * m / count).collect::<Vec<_>>())
+        self.select(&evenly(self.len(), count))
     }
+}
+
+/// Places of at most `count` of m rows, evenly spread.
+pub fn evenly(m: usize, count: usize) -> Vec<usize> {
+    let count = m.min(count);
+    (0..count).map(|k| k * m / count).collect()
 }
 
 /// Puts the values of so many lanes into the rows of a joint from `first` on.

@@ -11,7 +11,7 @@ use torquewise_motion::path::{Path, TRAVELS};
 use torquewise_motion::{Motion, Recording, Signals};
 use torquewise_regression::SparseError;
 use torquewise_regression::exact::ExactSums;
-use torquewise_rigid::rows::told_spread;
+use torquewise_rigid::rows::{evenly, told_spread};
 
 /// What one pass over a log finds.
 #[derive(Clone, Debug)]
@@ -306,11 +306,7 @@ impl SurveySum {
 
 /// At most `count` rows, evenly spread.
 pub fn thinned(motion: &Motion, count: usize) -> Motion {
-    let m = motion.n_rows();
-    if m <= count {
-        return motion.clone();
-    }
-    motion.select(&(0..count).map(|k| k * m / count).collect::<Vec<_>>())
+    motion.select(&evenly(motion.n_rows(), count))
 }
 
 /// Numbers of a sampled row.
