@@ -64,3 +64,7 @@ pub enum ModelError {
     #[diagnostic(help("fit the log along a chain, learned or given"))]
     NoChain,
 }
+
+pub(crate) fn expect(what: &'static str, found: usize, expected: usize) -> Result<(), ModelError> {
+    if found == expected { Ok(()) } else { Err(ModelError::Shape { what, found, expected }) }
+}

@@ -1,6 +1,6 @@
 //! Model files: versioned JSON, written whole or not at all.
 
-use crate::error::ModelError;
+use crate::error::{ModelError, expect};
 use crate::friction::{Direction, FrictionLaw, FrictionTerm};
 use crate::model::{Form, Model, Weighted};
 use crate::term::Term;
@@ -221,8 +221,4 @@ fn finite(
     place: impl FnOnce() -> String,
 ) -> Result<(), ModelError> {
     if value.is_finite() { Ok(()) } else { Err(ModelError::NotFinite { what, place: place() }) }
-}
-
-fn expect(what: &'static str, found: usize, expected: usize) -> Result<(), ModelError> {
-    if found == expected { Ok(()) } else { Err(ModelError::Shape { what, found, expected }) }
 }

@@ -1,6 +1,6 @@
 //! External torque from the generalised momentum, without q̈ (E16).
 
-use crate::error::ModelError;
+use crate::error::{ModelError, expect};
 use crate::model::Model;
 use crate::torque::Torque;
 use torquewise_motion::path::Path;
@@ -81,9 +81,7 @@ impl MomentumObserver {
 
     fn sample(&self, q: &[f64], dq: &[f64], tau: &[f64]) -> Result<Sample, ModelError> {
         let n = q.len();
-        if tau.len() != n {
-            return Err(ModelError::Shape { what: "tau", found: tau.len(), expected: n });
-        }
+        expect("tau", tau.len(), n)?;
         let momentum_at = |q: &[f64]| -> Result<Vec<f64>, ModelError> {
             let mass = self.torque.mass_matrix(q)?;
             Ok((0..n).map(|i| (0..n).map(|j| mass[(i, j)] * dq[j]).sum()).collect())

@@ -1,6 +1,6 @@
 //! Torque of a model: at one state, over a motion, whole or in parts.
 
-use crate::error::ModelError;
+use crate::error::{ModelError, expect};
 use crate::friction::FrictionTerm;
 use crate::links::Links;
 use crate::model::{Form, Model, Weighted};
@@ -8,7 +8,6 @@ use crate::products::{Product, numbered};
 use crate::rigid_chain::{Drive, RigidChain};
 use crate::term::{Factor, Kind};
 use faer::{Mat, prelude::Solve};
-use std::borrow::Cow;
 use torquewise_motion::Motion;
 use torquewise_motion::path::Path;
 use torquewise_rigid::State;
@@ -112,16 +111,6 @@ impl Torque {
         Ok(tau)
     }
 
-    /// The motion with what friction remembers, followed from its first row where it was not.
-    fn remembering<'m>(&self, motion: &'m Motion) -> Cow<'m, Motion> {
-        let is_known = motion.memory().is_some_and(|memory| memory.holds(&self.travels));
-        if self.travels.is_empty() || is_known {
-            Cow::Borrowed(motion)
-        } else {
-            self.path().follow(0, motion)
-        }
-    }
-
     /// τ̂ = M̂q̈ + Ĉq̇ + Ĝ + F̂ \[N·m\] over a motion, in parts, m×n each.
     ///
     /// # Errors
@@ -173,7 +162,8 @@ impl Torque {
         mut add: impl FnMut(usize, usize, Kind, f64),
     ) -> Result<(), ModelError> {
         let n = self.n_joints;
-        let motion = self.remembering(motion);
+        // What friction remembers, followed from the first row where it was not.
+        let motion = self.path().follow(0, motion);
         let signals = [motion.q(), motion.dq(), motion.ddq()];
         let mut state = vec![0.0; 3 * n];
         for row in 0..motion.n_rows() {
@@ -194,7 +184,7 @@ impl Torque {
     /// # Errors
     /// [`ModelError::Shape`] if `q` has another length than the model has joints.
     pub fn mass_matrix(&self, q: &[f64]) -> Result<Mat<f64>, ModelError> {
-        self.check_length("q", q)?;
+        expect("q", q.len(), self.n_joints)?;
         let mut factors = vec![None; self.factors.len()];
         let mut value = |&k: &usize| *factors[k].get_or_insert_with(|| self.factors[k].value(q));
         let mut matrix = Mat::zeros(self.n_joints, self.n_joints);
@@ -252,7 +242,7 @@ impl Torque {
     /// [`ModelError::Shape`] if one has another length than the model has joints.
     pub fn forward_dynamics(&self, [q, dq, tau]: [&[f64]; 3]) -> Result<Vec<f64>, ModelError> {
         let n = self.n_joints;
-        self.check_length("tau", tau)?;
+        expect("tau", tau.len(), n)?;
         let held = self.at(q, dq, &vec![0.0; n])?;
         let free = Mat::from_fn(n, 1, |joint, _| tau[joint] - held[joint]);
         let solved = self.mass_matrix(q)?.partial_piv_lu().solve(free);
@@ -304,11 +294,6 @@ impl Torque {
         Ok(tau)
     }
 
-    fn check_length(&self, what: &'static str, values: &[f64]) -> Result<(), ModelError> {
-        let (found, expected) = (values.len(), self.n_joints);
-        if found == expected { Ok(()) } else { Err(ModelError::Shape { what, found, expected }) }
-    }
-
     /// What each law of friction comes to at the rows of a motion, per unit of its coefficient, on
     /// its shaft, m×k in the order of [`Model::friction`].
     ///
@@ -316,7 +301,7 @@ impl Torque {
     /// [`ModelError::JointCount`] if the motion is of another arm.
     pub fn laws(&self, motion: &Motion) -> Result<Mat<f64>, ModelError> {
         self.check_joints(motion)?;
-        let motion = self.remembering(motion);
+        let motion = self.path().follow(0, motion);
         let signals = [motion.q(), motion.dq()];
         let mut laws = Mat::zeros(motion.n_rows(), self.friction.len());
         for row in 0..motion.n_rows() {
@@ -351,7 +336,7 @@ impl Torque {
     ) -> Result<(), ModelError> {
         let n = self.n_joints;
         for (what, values) in [("q", q), ("dq", dq), ("ddq", ddq)] {
-            self.check_length(what, values)?;
+            expect(what, values.len(), n)?;
         }
         let factors: Vec<f64> = self.factors.iter().map(|factor| factor.value(q)).collect();
         let rate = |place: usize| if place < n { dq[place] } else { ddq[place - n] };
