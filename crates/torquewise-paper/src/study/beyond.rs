@@ -9,7 +9,8 @@ use crate::truth::true_energies;
 use torquewise_identify::plan::{LibraryOptions, Regression};
 use torquewise_identify::{PatternPlan, Plan};
 use torquewise_model::Model;
-use torquewise_model::library::{angle_functions, energy_library};
+use torquewise_model::library::{Degree, energy_library_size, product_library_size};
+use torquewise_model::term::Kind;
 use torquewise_report::html::number::significant;
 use torquewise_report::html::{Axis, Chart, Mark, Series};
 use torquewise_sim::{Arm, Noise};
@@ -164,18 +165,16 @@ pub(crate) fn arms(settings: &Settings, trials: &Trials) -> Result<Study> {
 
 /// Candidates of the energy library, of the steps over products, and of one-shot SINDy.
 fn candidates(n: usize) -> [usize; 3] {
-    let [angles, gravity] =
-        [TRIG_ORDER, GRAVITY_ORDER].map(|order| angle_functions(n, order).len());
-    // Monomials of degree 2 in some variables.
-    let squares = |variables: usize| variables * (variables + 1) / 2;
-    let product = gravity + angles * (squares(n) + n);
-    [energy_library(n, None).len(), product, angles * (1 + 2 * n + squares(2 * n))]
+    let products = |order, degrees: &[Degree]| product_library_size(n, order, degrees);
+    let gravity = products(GRAVITY_ORDER, &[Degree::of(Kind::Gravity)]);
+    let moving = products(TRIG_ORDER, &[Kind::Coriolis, Kind::Inertia].map(Degree::of));
+    [energy_library_size(n, None), gravity + moving, products(TRIG_ORDER, &Degree::up_to(2))]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use torquewise_model::library::{Degree, product_library};
+    use torquewise_model::library::product_library;
 
     #[test]
     fn libraries_are_counted_as_they_are_listed() {
