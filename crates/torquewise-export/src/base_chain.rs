@@ -96,10 +96,7 @@ impl BaseChain {
                 let about_origin = Matrix::from_diagonal(&Vector::new(yy, yy, 0.0));
                 shifted(&turned(&Body { mass, first, about_origin }, &twist), &joints[j].origin)
             };
-            let before = &mut bodies[j - 1];
-            before.mass += moved.mass;
-            before.first += moved.first;
-            before.about_origin += moved.about_origin;
+            bodies[j - 1] = bodies[j - 1].plus(&moved);
         }
         let link = |(k, ((joint, body), turn)): (usize, ((&Joint, &Body), &f64))| {
             let (slides, m) = (axes.kinds().slides(k), body.about_origin);

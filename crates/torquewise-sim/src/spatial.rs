@@ -3,7 +3,7 @@
 
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Unit, Vector3};
 use torquewise_rigid::geometry::Placement;
-use torquewise_rigid::recursion::PER_BODY;
+use torquewise_rigid::recursion::{Inertia, PER_BODY};
 
 /// Frame B seen from frame A: it turns B's components of a vector into A's, its translation is the
 /// origin of B \[m\], in A.
@@ -59,9 +59,8 @@ impl Body {
 
     /// The body of inertial parameters m, m·c and moments about the origin; the mass is not zero.
     pub fn of_parameters(p: &[f64; PER_BODY]) -> Self {
-        let [mass, x, y, z, xx, yy, zz, xy, xz, yz] = *p;
-        let com = Vector3::new(x, y, z) / mass;
-        let about_origin = Self::new(mass, [0.0; 3], [xx, yy, zz, xy, xz, yz]).inertia;
+        let Inertia::<f64> { mass, first, about_origin } = Inertia::of(p);
+        let com = first / mass;
         let shift = Matrix3::identity() * com.norm_squared() - com * com.transpose();
         Self { mass, com, inertia: about_origin - mass * shift }
     }

@@ -56,11 +56,7 @@ impl<T: Scalar> Moved<T> {
         let mut composite = Inertia::none();
         for (j, body) in self.bodies.iter().enumerate().rev() {
             composite = composite.plus(&Inertia::of(&inertial[PER_BODY * j..]));
-            let mut wrench = if self.kinds.slides(j) {
-                composite.wrench_of_unit_slide()
-            } else {
-                composite.wrench_of_unit_acceleration()
-            };
+            let mut wrench = composite.unit_wrench(self.kinds.slides(j));
             put(j, j, wrench.effort(self.kinds.slides(j)));
             for i in (0..j).rev() {
                 wrench = wrench.before(&self.bodies[i + 1]);
@@ -77,7 +73,7 @@ impl<T: Scalar> Inertia<T> {
     }
 
     /// Both welded together.
-    fn plus(&self, other: &Self) -> Self {
+    pub fn plus(&self, other: &Self) -> Self {
         Self {
             mass: self.mass + other.mass,
             first: self.first + other.first,
@@ -85,11 +81,13 @@ impl<T: Scalar> Inertia<T> {
         }
     }
 
-    /// Force and moment that turn it about z at 1 rad/s² from rest.
-    fn wrench_of_unit_acceleration(&self) -> Wrench<T> {
-        Wrench {
-            force: along_z(T::one()).cross(&self.first),
-            moment: self.about_origin.column(2).into_owned(),
+    /// Force and moment that turn it about z at 1 rad/s² from rest, or shift it along z at 1 m/s².
+    fn unit_wrench(&self, slides: bool) -> Wrench<T> {
+        let z = along_z(T::one());
+        if slides {
+            Wrench { force: along_z(self.mass), moment: self.first.cross(&z) }
+        } else {
+            Wrench { force: z.cross(&self.first), moment: self.about_origin.column(2).into_owned() }
         }
     }
 

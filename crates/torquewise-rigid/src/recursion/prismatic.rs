@@ -1,7 +1,7 @@
 //! Sliding joints in the recursion: a body slides along z of its frame, which keeps its direction
 //! (E26).
 
-use super::{Body, Inertia, Moved, PER_BODY, Scalar, Wrench, along_z, splat, splat3};
+use super::{Body, Moved, PER_BODY, Scalar, along_z, splat, splat3};
 use crate::geometry::Placement;
 use nalgebra::{Matrix3, Vector3};
 
@@ -65,13 +65,5 @@ impl<T: Scalar> Moved<T> {
         let [_, dq, ddq] = self.slides[joint];
         let speed = along_z(dq);
         [speed, self.bodies[joint].omega.cross(&(speed + speed)) + along_z(ddq)]
-    }
-}
-
-impl<T: Scalar> Inertia<T> {
-    /// Force and moment that shift it along z at 1 m/s² from rest.
-    pub(super) fn wrench_of_unit_slide(&self) -> Wrench<T> {
-        let force = along_z(self.mass);
-        Wrench { force, moment: self.first.cross(&along_z(T::one())) }
     }
 }
