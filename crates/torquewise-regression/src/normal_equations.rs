@@ -225,7 +225,7 @@ impl NormalEquations {
         }
         let Solution { values, dependent } = self.solve(active, 0.0);
         let coefficients = values.col_as_slice(0).to_vec();
-        let mut active = ascending(active);
+        let mut active = ascending(active.to_vec());
         active.retain(|j| dependent.binary_search(j).is_err());
         let residual_energy = self.residual_energy(&coefficients, 0);
         Ok(Selection { coefficients, active, dependent, residual_energy })
@@ -241,7 +241,7 @@ impl NormalEquations {
     pub(crate) fn solve(&self, active: &[usize], ridge: f64) -> Solution {
         let (columns, cross) = (self.n_columns(), &self.cross);
         let (used, mut dependent): (Vec<usize>, Vec<usize>) =
-            ascending(active).into_iter().partition(|&j| self.column_scale(j) > 0.0);
+            ascending(active.to_vec()).into_iter().partition(|&j| self.column_scale(j) > 0.0);
 
         // Columns of unit length: the matrix has 1 + ridge on its diagonal.
         let length: Vec<f64> = used.iter().map(|&j| self.gram[(j, j)].sqrt()).collect();
@@ -294,8 +294,8 @@ pub(crate) fn nonzero(coefficients: &[f64], columns: usize) -> Vec<usize> {
     (0..columns.min(coefficients.len())).filter(|&j| coefficients[j] != 0.0).collect()
 }
 
-fn ascending(columns: &[usize]) -> Vec<usize> {
-    let mut columns = columns.to_vec();
+/// Columns in order, each once.
+pub fn ascending(mut columns: Vec<usize>) -> Vec<usize> {
     columns.sort_unstable();
     columns.dedup();
     columns

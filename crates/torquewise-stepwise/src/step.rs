@@ -5,7 +5,7 @@ use crate::candidates::{Candidates, Group};
 use crate::plan::Regression;
 use torquewise_motion::Pattern;
 use torquewise_regression::SparseError;
-use torquewise_regression::normal_equations::NormalEquations;
+use torquewise_regression::normal_equations::{NormalEquations, ascending};
 use torquewise_regression::select::Selector;
 
 /// Rounds of weighing the joints by what the round before left unexplained.
@@ -54,12 +54,6 @@ pub fn plan_steps(
         }
     }
     (steps, ascending(waiting))
-}
-
-fn ascending(mut columns: Vec<usize>) -> Vec<usize> {
-    columns.sort_unstable();
-    columns.dedup();
-    columns
 }
 
 /// Finds the offered columns of a step anew, given what is known.
