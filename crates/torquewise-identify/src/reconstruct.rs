@@ -144,14 +144,19 @@ fn by_chain(
             let chain = SignTest::at(&fitted.solved.at, options.geometry.is_some());
             Progress::Judging.tell(watch)?;
             let mut found = fitted.report(survey, patterns, seed, watch)?;
-            if let Some(warning) = against_axes(&found.model.choices) {
+            let against = against_axes(&found.model.choices);
+            let is_turned = matches!(against, Some(Warning::Gravity { .. }));
+            if against.is_some() {
                 // Gravity that pulls elsewhere does nothing where it was said to.
                 let weightless = Warning::Excitation(Finding::Weightless);
                 found.warnings.retain(|own| *own != weightless);
-                found.warnings.push(warning);
             }
+            found.warnings.extend(against);
             Warning::retain_founded(&mut found.warnings, &found.model);
-            found.doubt_torque(seed, watch, |_| Ok(chain))?;
+            if !is_turned {
+                // Under gravity from elsewhere the signs of right torques seem wrong.
+                found.doubt_torque(seed, watch, |_| Ok(chain))?;
+            }
             Progress::Done.tell(watch)?;
             Ok(Solution::Model(Box::new(found)))
         }

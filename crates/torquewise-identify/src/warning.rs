@@ -3,6 +3,7 @@
 use crate::disagreement::Disagreement;
 use crate::drift::{Drift, logs};
 use crate::excitation::{Finding, findings, list};
+use crate::learn::kinds::is_kind_untold;
 use crate::residual_shape::Shape;
 use crate::unseen::geometric_mean;
 use std::fmt;
@@ -54,6 +55,11 @@ pub enum Warning {
     Sliding {
         /// Kinds that they seem to be of, as in `rrpr`.
         kinds: String,
+    },
+    /// A joint that moved by little may as well slide as turn, and is taken to turn.
+    Kind {
+        /// Its name.
+        joint: String,
     },
     /// What the motion of the log leaves open.
     Excitation(Finding),
@@ -129,13 +135,22 @@ impl Warning {
     }
 
     /// Leaves out what a rough look at the torque of a joint found amiss, where the model predicts
-    /// its held-out rows well: a rough look knows neither the other joints nor the noise.
+    /// its held-out rows well: a rough look knows neither the other joints nor the noise. And says of
+    /// what kind a joint may be, where its motion does not tell.
     pub(crate) fn retain_founded(warnings: &mut Vec<Self>, model: &Model) {
         // What is little of a turn, in rad, is not of a slide, in m.
         let errors = model.training.held_out_errors().unwrap_or_default();
         let place = |joint: &str| model.joints.iter().position(|name| name == joint);
         let slides = |joint: &str| place(joint).is_some_and(|joint| model.kinds().slides(joint));
         let error_of = |joint: &str| errors.get(place(joint)?).copied();
+        for warning in warnings.iter_mut() {
+            if let Self::Excitation(Finding::Range { joint, .. }) = warning
+                && !slides(joint)
+                && is_kind_untold(&model.choices, joint)
+            {
+                *warning = Self::Kind { joint: std::mem::take(joint) };
+            }
+        }
         warnings.retain(|warning| match warning {
             Self::Excitation(
                 Finding::Range { joint, .. }
@@ -277,6 +292,11 @@ impl fmt::Display for Warning {
                  learn a chain instead",
                 100.0 * residual
             ),
+            Self::Kind { joint } => write!(
+                f,
+                "{joint} moved by so little that it may as well slide as turn, and is taken to turn: if it \
+                 slides, masses, payloads and robot files are wrong until its kind is said"
+            ),
             Self::Excitation(finding) => write!(f, "{finding}"),
             Self::Disagreement(logs) => write!(f, "{logs}"),
             Self::Drift(drift) => write!(f, "{drift}"),
@@ -314,6 +334,7 @@ impl fmt::Display for Warning {
 mod tests {
     use super::*;
     use faer::Mat;
+    use torquewise_model::model::Choice;
     use torquewise_motion::Signals;
 
     /// Two joints, of which the torque of the second is predicted poorly on held-out rows.
@@ -353,5 +374,23 @@ mod tests {
         Warning::retain_founded(&mut warnings, &model());
 
         assert_eq!(warnings, [unrelated("joint2")]);
+    }
+
+    #[test]
+    fn a_joint_of_untold_kind_is_said_to_be() {
+        let range =
+            |joint: &str| Warning::Excitation(Finding::Range { joint: joint.into(), range: 0.1 });
+        let mut warnings = vec![range("joint1"), range("joint2")];
+        let choice = Choice {
+            what: "kind of joint2".into(),
+            chosen: "revolute".into(),
+            rule: String::new(),
+            from: Vec::new(),
+        };
+        let model = Model { choices: vec![choice], ..model() };
+
+        Warning::retain_founded(&mut warnings, &model);
+
+        assert_eq!(warnings, [range("joint1"), Warning::Kind { joint: "joint2".into() }]);
     }
 }

@@ -11,8 +11,11 @@ const FEW_HELD: usize = 3;
 /// device is much slower.
 const LIKE_RUNS: usize = 32;
 const MOST_HELD: usize = 30;
-/// Held rows that a log has at least if its logger is faster than its device.
+/// Held rows that a log has at least, of those in motion, if its logger is faster than its device.
 const LEAST_HELD: f64 = 0.02;
+/// A joint that goes on by at most so many steps of its encoder may have stood still: its repeats are
+/// no held rows.
+const FEW_STEPS: f64 = 2.0;
 /// Rows to each side that the clock of a device is found from.
 const WINDOW: usize = 32;
 /// A step over so many usual ones is a gap, over which no clock is found.
@@ -39,7 +42,9 @@ impl ClockRepair {
         for piece in pieces {
             let repeat = repeated(piece, &mut Held::default());
             let is_last = |row: usize| repeat.get(row + 1).is_none_or(|next| *next == 0);
-            repeats.extend((0..repeat.len()).filter(|&row| is_last(row)).map(|row| repeat[row]));
+            let goes_on = moving(piece.of(Signal::Q));
+            let ends = (0..repeat.len()).filter(|&row| is_last(row) && goes_on[row]);
+            repeats.extend(ends.map(|row| repeat[row]));
         }
         let rows: usize = repeats.iter().map(|repeats| repeats + 1).sum();
         repeats.sort_unstable();
@@ -79,6 +84,18 @@ fn repeated(block: &Raw, state: &mut Held) -> Vec<usize> {
         found.push(state.run);
     }
     found
+}
+
+/// Whether a joint goes on from each row by more than a few steps of its encoder.
+fn moving(q: &[Vec<f64>]) -> Vec<bool> {
+    let mut moving = vec![false; q.first().map_or(0, Vec::len)];
+    for x in q {
+        let steps = || x.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        let least = steps().filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+        let far = steps().map(|step| step > FEW_STEPS * least);
+        moving.iter_mut().zip(far).for_each(|(moving, far)| *moving |= far);
+    }
+    moving
 }
 
 fn without_held(block: &Raw, most: usize, state: &mut Held) -> Raw {

@@ -139,7 +139,9 @@ const SETTLED: f64 = 1e-7;
 /// Part of the promised gain that a step must bring.
 const ARMIJO: f64 = 1e-4;
 /// To this part the prior falls from one strength to the next.
-const FALL: f64 = 1e-2;
+const FALL: f64 = 0.4;
+/// Newton's decrement, in strengths of the prior, that is near enough on the way.
+const NEAR: f64 = 0.1;
 
 /// Minimises ½ xᵀHx − bᵀx + strength · Ψ(x) from a feasible start.
 ///
@@ -156,33 +158,34 @@ pub fn minimise(
     strength: f64,
     start: &[f64],
 ) -> Result<Vec<f64>, ChainError> {
+    // Where no prior counts.
+    let least = Factored::new(cost.hessian.clone()).map(|factor| factor.solve(cost.right));
+    let gain = cost.value(start) - least.map_or(0.0, |least| cost.value(&least));
     let mut strengths = vec![strength];
-    let (mut own, mut before) = (strength, f64::INFINITY);
-    loop {
-        let gain = newton_step(cost, prior, own, start)?.1 / own;
-        // No prior is strong enough where the start is far from what is nominal.
-        if gain <= start.len() as f64 || gain > 0.5 * before {
-            break;
-        }
-        (own, before) = (own / FALL, gain);
+    let mut own = strength;
+    while gain > own * start.len() as f64 {
+        own /= FALL;
         strengths.push(own);
     }
-    let fall = |x: Vec<f64>, strength: f64| descend(cost, prior, strength, x);
+    let fall = |x: Vec<f64>, own: f64| {
+        let near = if own > strength { NEAR * own } else { SETTLED };
+        descend(cost, prior, (own, near), x)
+    };
     strengths.into_iter().rev().try_fold(start.to_vec(), fall)
 }
 
-/// Newton's method at one strength, at most 60 steps.
+/// Newton's method at one strength, at most 60 steps, until its decrement is below what is near enough.
 fn descend(
     cost: Quadratic<'_>,
     prior: &Prior,
-    strength: f64,
+    (strength, near): (f64, f64),
     mut x: Vec<f64>,
 ) -> Result<Vec<f64>, ChainError> {
     let value = |x: &[f64]| prior.value(x).map(|psi| cost.value(x) + strength * psi);
     let mut current = value(&x).ok_or(ChainError::Singular)?;
     for _ in 0..ROUNDS {
         let (step, decrement) = newton_step(cost, prior, strength, &x)?;
-        if decrement < SETTLED {
+        if decrement < near {
             break;
         }
         let mut share = 1.0;
@@ -331,11 +334,25 @@ mod tests {
         let (cost, strength) = (Quadratic { hessian: &hessian, right: &right }, 1e-2);
 
         let found = minimise(cost, &prior, strength, &nominal()).unwrap();
-        let direct = descend(cost, &prior, strength, nominal().to_vec()).unwrap();
+        let direct = descend(cost, &prior, (strength, SETTLED), nominal().to_vec()).unwrap();
 
         let (_, decrement) = newton_step(cost, &prior, strength, &found).unwrap();
         assert!(decrement < 1e-5 * cost.value(&found).abs(), "{decrement:e}");
         assert!(cost.value(&found) < 1.4 * cost.value(&direct), "{:e}", cost.value(&direct));
+    }
+
+    #[test]
+    fn a_body_far_larger_than_the_nominal_one_is_found() {
+        let truth = plain_link(7.0, &Vector3::new(0.36, 0.0, 0.0), 0.3);
+        let (hessian, right, mut prior) = asked_for(&truth, 1e9);
+        prior.bodies = vec![plain_link(0.01, &Vector3::new(0.05, 0.0, 0.0), 0.01)];
+
+        let cost = Quadratic { hessian: &hessian, right: &right };
+        let found = minimise(cost, &prior, 1e-3, &prior.bodies[0]).unwrap();
+
+        for (found, truth) in found.iter().zip(truth) {
+            assert!((found - truth).abs() < 1e-6, "{found} {truth}");
+        }
     }
 
     #[test]

@@ -232,6 +232,12 @@ impl ChainLearner<'_> {
     }
 }
 
+/// Whether a log does not tell the kind of a joint, as the choices of its fit have it.
+pub(crate) fn is_kind_untold(choices: &[Choice], joint: &str) -> bool {
+    let is_of = |own: &Choice| own.what.strip_prefix(KIND_OF).is_some_and(|of| of.trim() == joint);
+    choices.iter().any(is_of)
+}
+
 /// Whether a choice is of what the joints are, slides or coupled ones.
 fn is_of_joints(choice: &Choice) -> bool {
     [KINDS, COUPLING].contains(&choice.what.as_str()) || choice.what.starts_with(KIND_OF)

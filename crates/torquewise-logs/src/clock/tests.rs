@@ -84,6 +84,26 @@ fn rows_that_a_fast_logger_repeats_are_left_out() {
 }
 
 #[test]
+fn encoders_and_torques_of_few_levels_at_rest_are_no_held_rows() {
+    let mut random = ChaCha8Rng::seed_from_u64(2);
+    // Nine tenths of the time at rest, where noise flips the last bit of both now and then.
+    let rest = |row: usize| (row % 1_000) as f64 / 1_000.0 > 0.1;
+    let mut log = block(even(3_000), &even(3_000));
+    let mut before = [0.0, 0.0];
+    for row in 0..3_000 {
+        let flips = [0, 1].map(|_| f64::from(u8::from(random.random_range(0.0..1.0) > 0.8)));
+        for (k, quantum) in [(0, 1e-3), (3, 0.05)] {
+            let x = &mut log.signals[k].as_mut().unwrap()[0][row];
+            let at = if k == 0 { 0 } else { 1 };
+            before[at] = if rest(row) { before[at] } else { *x };
+            *x = ((before[at] / quantum).round() + flips[at]) * quantum;
+        }
+    }
+
+    assert_eq!(ClockRepair::of(&[log]).held, 0);
+}
+
+#[test]
 fn an_arm_at_rest_is_no_fault_of_the_clock() {
     let still: Vec<f64> = even(3_000).into_iter().map(|t| t.clamp(10.0, 20.0)).collect();
     let log = block(even(3_000), &still);

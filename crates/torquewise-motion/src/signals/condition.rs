@@ -5,7 +5,7 @@ use crate::error::{MotionError, Result};
 use crate::signals::clean::Even;
 use crate::signals::delay::{Shift, lag};
 use crate::signals::noise::{quantisation, standstill, white_noise};
-use crate::signals::plan::{Conditioning, Cutoff, Plan, keep_every};
+use crate::signals::plan::{Conditioning, Cutoff, Plan, keep_every, rows};
 use crate::signals::raw::{Raw, Signal};
 use crate::signals::report::{ConditionReport, CutoffFrom, SignalReport};
 use crate::signals::resample::timing;
@@ -17,6 +17,9 @@ const LONGEST_LAG: f64 = 0.25;
 const LAG_ROWS: usize = 4096;
 /// A joint of less than this RMS speed \[rad/s, m/s\] stands still.
 const STILL: f64 = 1e-3;
+/// Gains are found from means over so many times one over the cut-off: slopes of encoders are noise
+/// where a joint hardly moves, and less so over some time.
+const SLOWLY: f64 = 4.0;
 
 /// A clean trajectory, and how it came about.
 #[derive(Clone, Debug)]
@@ -93,21 +96,26 @@ fn signal_reports(raw: &Raw, even: &Even, filtered: &Raw, dq: &Mat<f64>) -> Vec<
 type LagsAndGains = (Vec<Option<Shift>>, Vec<Option<f64>>);
 
 /// Lag of each joint's measured velocity, on rows thinned out as far as the filter allows, and
-/// Σ measured · derived / Σ derived², away from the ends.
+/// Σ measured · derived / Σ derived² of their means over a little time, away from the ends.
 fn lags_and_gains(dq: &Mat<f64>, filtered: &Raw, plan: &Plan) -> Result<LagsAndGains> {
     let every = keep_every(plan.cutoff, plan.rate);
     let rate = plan.rate / every as f64;
-    let rows = plan.trim..dq.nrows().saturating_sub(plan.trim);
+    let kept = plan.trim..dq.nrows().saturating_sub(plan.trim);
+    let together = plan.cutoff.map_or(1, |cutoff| rows(SLOWLY * plan.rate / cutoff).max(1));
+    let means = |x: &[f64]| -> Vec<f64> {
+        x.chunks(together).map(|x| x.iter().sum::<f64>() / x.len() as f64).collect()
+    };
     let thin =
         |x: &[f64]| -> Vec<f64> { x.iter().step_by(every).take(LAG_ROWS).copied().collect() };
     let (mut lags, mut gains) = (Vec::new(), Vec::new());
     for (joint, measured) in filtered.of(Signal::Dq).iter().enumerate() {
-        let derived = dq.col_as_slice(joint).get(rows.clone()).unwrap_or_default();
-        let measured = measured.get(rows.clone()).unwrap_or_default();
+        let derived = dq.col_as_slice(joint).get(kept.clone()).unwrap_or_default();
+        let measured = measured.get(kept.clone()).unwrap_or_default();
         let found = lag(&thin(derived), &thin(measured), rate, -LONGEST_LAG..=LONGEST_LAG);
         lags.push(found.map_err(|e| e.of(Signal::Dq.name(), &filtered.joints[joint]))?);
+        let (derived, measured) = (means(derived), means(measured));
         let square: f64 = derived.iter().map(|x| x * x).sum();
-        let product: f64 = derived.iter().zip(measured).map(|(d, m)| d * m).sum();
+        let product: f64 = derived.iter().zip(&measured).map(|(d, m)| d * m).sum();
         let moves = square > STILL * STILL * derived.len() as f64;
         gains.push(moves.then(|| product / square).filter(|gain| gain.is_finite()));
     }

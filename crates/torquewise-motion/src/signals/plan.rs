@@ -146,6 +146,7 @@ pub(crate) fn keep_every(cutoff: Option<f64>, rate: f64) -> usize {
     cutoff.map_or(1, |cutoff| rows(rate / (OVERSAMPLING * cutoff)).max(1))
 }
 
-fn rows(x: f64) -> usize {
+/// A whole number of rows.
+pub(crate) fn rows(x: f64) -> usize {
     whole(x.clamp(0.0, 1e12))
 }
