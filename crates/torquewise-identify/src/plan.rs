@@ -76,7 +76,8 @@ impl KnownGeometry {
         let down = self.base.map(|row| along(row) / GRAVITY);
         let largest =
             down.into_iter().fold(0.0_f64, |most, x| if x.abs() > most.abs() { x } else { most });
-        let [x, y, z] = down.map(|x| x * largest.signum());
+        // As it is printed, without -0.00.
+        let [x, y, z] = down.map(|x| (100.0 * x * largest.signum()).round() / 100.0 + 0.0);
         format!("±({x:.2}, {y:.2}, {z:.2})")
     }
 }

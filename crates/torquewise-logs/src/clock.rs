@@ -43,7 +43,8 @@ impl ClockRepair {
             let repeat = repeated(piece, &mut Held::default());
             let is_last = |row: usize| repeat.get(row + 1).is_none_or(|next| *next == 0);
             let goes_on = moving(piece.of(Signal::Q));
-            let ends = (0..repeat.len()).filter(|&row| is_last(row) && goes_on[row]);
+            let ends =
+                (0..repeat.len()).filter(|&row| is_last(row) && goes_on.get(row) == Some(&true));
             repeats.extend(ends.map(|row| repeat[row]));
         }
         let rows: usize = repeats.iter().map(|repeats| repeats + 1).sum();

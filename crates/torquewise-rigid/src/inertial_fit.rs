@@ -140,7 +140,7 @@ impl InertialFit {
         let weighted = |(k, tau): (usize, &f64)| rows.shares[k] * weights[k / m] * tau;
         let mut residual: Vec<f64> = rows.torque.iter().enumerate().map(weighted).collect();
         let (mut gram, mut right) = (Mat::zeros(p, p), Mat::zeros(p, 1));
-        for (own, target) in columns.iter().zip(residual.chunks(m)) {
+        for (own, target) in columns.iter().zip(residual.chunks(m.max(1))) {
             own.add_gram(&mut gram);
             own.add_across(MatRef::from_column_major_slice(target, m, 1), &mut right);
         }
@@ -159,7 +159,7 @@ impl InertialFit {
         let mut coefficients = scaled.clone();
         scale_rows(&mut coefficients, &per_rms);
         let coefficients = coefficients.col_as_slice(0).to_vec();
-        for (own, residual) in columns.iter().zip(residual.chunks_mut(m)) {
+        for (own, residual) in columns.iter().zip(residual.chunks_mut(m.max(1))) {
             own.subtract(&coefficients, residual);
         }
         let squares: f64 = residual.iter().map(|r| r * r).sum();

@@ -48,9 +48,9 @@ fn drawn_models_are_physical_and_scatter_as_the_covariance_says() {
             said_square += 1.0;
         }
     }
-    // Arms that cannot be are not drawn: less scatter, not more.
+    // Arms that cannot be, whose friction would drive, are not drawn: less scatter, not more.
     let ratio = (drawn_square / said_square).sqrt();
-    assert!((0.8..1.15).contains(&ratio), "{ratio}");
+    assert!((0.75..1.15).contains(&ratio), "{ratio}");
 }
 
 #[test]
