@@ -190,8 +190,7 @@ fn descend(
         if decrement < near {
             break;
         }
-        let mut share = 1.0;
-        let mut taken = false;
+        let (mut share, mut taken) = (1.0, false);
         for _ in 0..HALVINGS {
             let moved: Vec<f64> = x.iter().zip(&step).map(|(x, d)| x + share * d).collect();
             if let Some(other) = value(&moved)
