@@ -94,7 +94,7 @@ fn encoders_and_torques_of_few_levels_at_rest_are_no_held_rows() {
         let flips = [0, 1].map(|_| f64::from(u8::from(random.random_range(0.0..1.0) > 0.8)));
         for (k, quantum) in [(0, 1e-3), (3, 0.05)] {
             let x = &mut log.signals[k].as_mut().unwrap()[0][row];
-            let at = if k == 0 { 0 } else { 1 };
+            let at = usize::from(k > 0);
             before[at] = if rest(row) { before[at] } else { *x };
             *x = ((before[at] / quantum).round() + flips[at]) * quantum;
         }
