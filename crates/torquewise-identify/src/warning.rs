@@ -135,22 +135,14 @@ impl Warning {
     }
 
     /// Leaves out what a rough look at the torque of a joint found amiss, where the model predicts
-    /// its held-out rows well: a rough look knows neither the other joints nor the noise. And says of
-    /// what kind a joint may be, where its motion does not tell.
+    /// its held-out rows well: a rough look knows neither the other joints nor the noise. Of a joint that
+    /// turns through little only, says where it may as well slide.
     pub(crate) fn retain_founded(warnings: &mut Vec<Self>, model: &Model) {
         // What is little of a turn, in rad, is not of a slide, in m.
         let errors = model.training.held_out_errors().unwrap_or_default();
         let place = |joint: &str| model.joints.iter().position(|name| name == joint);
         let slides = |joint: &str| place(joint).is_some_and(|joint| model.kinds().slides(joint));
         let error_of = |joint: &str| errors.get(place(joint)?).copied();
-        for warning in warnings.iter_mut() {
-            if let Self::Excitation(Finding::Range { joint, .. }) = warning
-                && !slides(joint)
-                && is_kind_untold(&model.choices, joint)
-            {
-                *warning = Self::Kind { joint: std::mem::take(joint) };
-            }
-        }
         warnings.retain(|warning| match warning {
             Self::Excitation(
                 Finding::Range { joint, .. }
@@ -162,6 +154,13 @@ impl Warning {
             }
             _ => true,
         });
+        for warning in warnings {
+            if let Self::Excitation(Finding::Range { joint, .. }) = warning
+                && is_kind_untold(&model.choices, joint)
+            {
+                *warning = Self::Kind { joint: std::mem::take(joint) };
+            }
+        }
     }
 
     /// What to know before trusting the orders chosen.

@@ -53,16 +53,27 @@ const STEP: f64 = 1e-5;
 /// [`ModelError::Shape`] if a state has another length than the model has joints.
 pub fn check(model: &Model, states: &[(Vec<f64>, Vec<f64>)]) -> Result<Checks, ModelError> {
     let torque = Torque::new(model);
-    let (smallest_eigenvalue, weakest_q) = weakest_state(model, states.iter().map(|(q, _)| q))?;
-    let (mut asymmetry, mut defect) = (0.0_f64, 0.0_f64);
+    let (mut weakest, mut asymmetry, mut defect) = (UNSEEN, 0.0_f64, 0.0_f64);
     for (q, dq) in states {
         let mass = torque.mass_matrix(q)?;
+        see(&mut weakest, &mass, q);
         let scale = mass.norm_l2().max(f64::MIN_POSITIVE);
         asymmetry = asymmetry.max((&mass - mass.transpose()).norm_l2() / scale);
         defect = defect.max(skew_defect(&torque, q, dq)?);
     }
-    let states = states.len();
+    let (states, (smallest_eigenvalue, weakest_q)) = (states.len(), weakest);
     Ok(Checks { states, smallest_eigenvalue, weakest_q, asymmetry, skew_defect: defect })
+}
+
+/// The weakest of no states.
+const UNSEEN: (f64, Vec<f64>) = (f64::INFINITY, Vec::new());
+
+/// Keeps the state of the smallest eigenvalue so far.
+fn see(weakest: &mut (f64, Vec<f64>), mass: &Mat<f64>, q: &[f64]) {
+    let eigenvalue = smallest_eigenvalue(mass);
+    if eigenvalue < weakest.0 {
+        *weakest = (eigenvalue, q.to_vec());
+    }
 }
 
 /// The smallest eigenvalue of M(q) \[kg·m²\] over states, and the q \[rad\] that has it: infinite
@@ -76,12 +87,9 @@ pub fn weakest_state<'q>(
     model: &Model,
     states: impl IntoIterator<Item = &'q Vec<f64>>,
 ) -> Result<(f64, Vec<f64>), ModelError> {
-    let (torque, mut weakest) = (Torque::new(model), (f64::INFINITY, Vec::new()));
+    let (torque, mut weakest) = (Torque::new(model), UNSEEN);
     for q in states {
-        let eigenvalue = smallest_eigenvalue(&torque.mass_matrix(q)?);
-        if eigenvalue < weakest.0 {
-            weakest = (eigenvalue, q.clone());
-        }
+        see(&mut weakest, &torque.mass_matrix(q)?, q);
     }
     Ok(weakest)
 }

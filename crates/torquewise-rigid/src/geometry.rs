@@ -285,7 +285,7 @@ impl Geometry {
     }
 }
 
-/// The turn that brings a direction to another.
+/// The turn that brings a direction to another, one of which is that of z.
 pub fn between(from: &Vector3<f64>, to: &Vector3<f64>) -> Rotation3<f64> {
     let half_turn = || Rotation3::from_axis_angle(&Vector3::x_axis(), PI);
     Rotation3::rotation_between(from, to).unwrap_or_else(half_turn)

@@ -6,7 +6,7 @@ use crate::recursion::{Moved, PER_BODY};
 use crate::rows::{Rows, put};
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{ColRef, Mat, MatRef, Side};
-use torquewise_regression::products::{add_gram, product};
+use torquewise_regression::products::{add_gram_at, product};
 
 /// The linear half of the fit: parameters that the torque is proportional to, at a fixed geometry.
 #[derive(Clone, Debug)]
@@ -95,17 +95,6 @@ fn scale_rows(x: &mut Mat<f64>, scales: &[f64]) {
 }
 
 impl JointColumns {
-    /// Adds YᵀY to the lower triangle of p×p sums.
-    fn add_gram(&self, sums: &mut Mat<f64>) {
-        let mut gram = Mat::zeros(self.places.len(), self.places.len());
-        add_gram(&mut gram, self.columns.as_ref(), 1.0);
-        for (j, &column) in self.places.iter().enumerate() {
-            for (i, &row) in self.places.iter().enumerate().skip(j) {
-                sums[(row, column)] += gram[(i, j)];
-            }
-        }
-    }
-
     /// Adds YᵀX to sums of p rows.
     fn add_across(&self, x: MatRef<'_, f64>, sums: &mut Mat<f64>) {
         let own = product(self.columns.transpose(), x);
@@ -141,7 +130,7 @@ impl InertialFit {
         let mut residual: Vec<f64> = rows.torque.iter().enumerate().map(weighted).collect();
         let (mut gram, mut right) = (Mat::zeros(p, p), Mat::zeros(p, 1));
         for (own, target) in columns.iter().zip(residual.chunks(m.max(1))) {
-            own.add_gram(&mut gram);
+            add_gram_at(&mut gram, &own.places, own.columns.as_ref(), 1.0);
             own.add_across(MatRef::from_column_major_slice(target, m, 1), &mut right);
         }
         let rms: Vec<f64> = (0..p).map(|j| (gram[(j, j)] / size).sqrt()).collect();

@@ -20,24 +20,32 @@ impl JointKind {
     /// All kinds, the usual first.
     pub const ALL: [Self; 2] = [Self::Revolute, Self::Prismatic];
 
+    /// Name, letter, unit of the coordinate and of what the motor gives.
+    fn words(self) -> (&'static str, char, &'static str, &'static str) {
+        match self {
+            Self::Revolute => ("revolute", 'r', "rad", "N·m"),
+            Self::Prismatic => ("prismatic", 'p', "m", "N"),
+        }
+    }
+
     /// `revolute` or `prismatic`, as a URDF has it too.
     pub fn name(self) -> &'static str {
-        WORDS[self as usize].0
+        self.words().0
     }
 
     /// `r` or `p`, as kinds of an arm are written in a row.
     pub fn letter(self) -> char {
-        WORDS[self as usize].1
+        self.words().1
     }
 
     /// Unit of the coordinate.
     pub fn unit(self) -> &'static str {
-        WORDS[self as usize].2
+        self.words().2
     }
 
     /// Unit of what the motor gives.
     pub fn effort_unit(self) -> &'static str {
-        WORDS[self as usize].3
+        self.words().3
     }
 
     /// Whether it turns what is behind it.
@@ -54,10 +62,6 @@ impl JointKind {
         letters.map(kind).collect()
     }
 }
-
-/// Name, letter, unit of the coordinate and of what the motor gives, of each kind.
-const WORDS: [(&str, char, &str, &str); 2] =
-    [("revolute", 'r', "rad", "N·m"), ("prismatic", 'p', "m", "N")];
 
 /// The kinds of the joints of a chain.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -234,8 +234,7 @@ impl ChainLearner<'_> {
 
 /// Whether a log does not tell the kind of a joint, as the choices of its fit have it.
 pub(crate) fn is_kind_untold(choices: &[Choice], joint: &str) -> bool {
-    let is_of = |own: &Choice| own.what.strip_prefix(KIND_OF).is_some_and(|of| of.trim() == joint);
-    choices.iter().any(is_of)
+    choices.iter().any(|own| own.what == format!("{KIND_OF} {joint}"))
 }
 
 /// Whether a choice is of what the joints are, slides or coupled ones.

@@ -15,7 +15,7 @@ use faer::Mat;
 /// Longest lag of the measured velocity that is looked for \[s\].
 const LONGEST_LAG: f64 = 0.25;
 const LAG_ROWS: usize = 4096;
-/// A joint of less than this RMS speed \[rad/s, m/s\] stands still.
+/// A joint of less than this RMS speed \[rad/s, m/s\] stands still, by means over a little time.
 const STILL: f64 = 1e-3;
 /// Gains are found from means over so many times one over the cut-off: slopes of encoders are noise
 /// where a joint hardly moves, and less so over some time.
