@@ -237,6 +237,6 @@ pub(crate) fn patterns<'py>(
         })?;
         Ok((labels, found))
     })?;
-    let warnings = missing_patterns(&found.present);
+    let warnings = missing_patterns(&found.present).into_iter().collect();
     Ok((PyArray1::from_vec(py, labels), found.inertia.clone(), warnings))
 }

@@ -57,7 +57,10 @@ pub(crate) struct Losses {
 
 /// Radius of the links that are drawn, as a part of the length of the arm, and at least \[m\].
 const RADIUS: (f64, f64) = (0.04, 0.005);
-const EFFORT_STATES: usize = 2_000;
+/// States within the range of the log, of which efforts and lost friction are taken.
+const STATES: usize = 2_000;
+/// Friction \[N·m\] that is rounding.
+const LEAST_LOST: f64 = 1e-9;
 
 impl Robot {
     /// What of a model a robot file can hold.
@@ -78,9 +81,11 @@ impl Robot {
             let down = Vector3::from(axes.gravity());
             first.rotation = between(&-down, &Vector3::z()).into_inner();
         }
-        let (losses, shared, left_out) = losses(model, chain);
+        let (losses, shared, mut left_out) = losses(model, chain);
         let names = chain.robot.as_ref();
-        let (efforts, geometry) = (efforts(model)?, joint_geometry(model)?);
+        let geometry = joint_geometry(model)?;
+        let Within { efforts, lost } = Within::of(model, (&losses, &shared))?;
+        left_out.extend(lost_friction(model, &lost));
         let training = &model.training;
         let joints = placements.into_iter().enumerate().map(|(k, frame)| {
             let own = &model.joints[k];
@@ -217,6 +222,7 @@ fn losses(
             Drive::Energy { term, .. } => left_out.push(format!("the energy term {}", term.name())),
         }
     }
+    let (mut under_load, mut curved) = (Vec::new(), Vec::new());
     for shaft in ShaftFriction::all(model) {
         let [damping, friction] = shaft.line();
         let offset = shaft.laws().find(|(_, term)| term.law == FrictionLaw::Offset);
@@ -229,44 +235,82 @@ fn losses(
         let laws = || shaft.laws().map(|(_, term)| term);
         let name = shaft.name();
         if laws().any(|term| term.load) {
-            left_out.push(format!("friction of {name} under load"));
+            under_load.push(name.clone());
         }
         if offset.is_some() && shaft.joint().is_none() {
             left_out.push(format!("the offset torque of {name}"));
         }
         if laws().any(|term| !term.is_straight()) {
-            left_out.push(format!(
-                "the curve of the friction of {name}: dry and viscous friction are nearest to it"
-            ));
+            curved.push(name);
         }
     }
+    let named = [
+        ("friction under load of", under_load, ""),
+        ("the curve of the friction of", curved, ": dry and viscous friction are nearest to it"),
+    ];
+    let named = named.iter().filter(|(_, names, _)| !names.is_empty());
+    left_out.extend(named.map(|(what, names, cure)| format!("{what} {}{cure}", names.join(", "))));
     (own, shared, left_out)
 }
 
-/// Largest torque of each joint over states within those of the log \[N·m\], n.
-fn efforts(model: &Model) -> Result<Vec<f64>> {
-    let (n, training) = (model.n_joints(), &model.training);
-    let torque = Torque::new(model);
-    let mut random = ChaCha8Rng::seed_from_u64(0);
-    let mut largest = vec![0.0_f64; n];
-    let peak = |peaks: &[f64], joint: usize| peaks.get(joint).copied().unwrap_or(1.0);
-    for _ in 0..EFFORT_STATES {
-        let mut draw = || -> f64 { random.random_range(-1.0..1.0) };
-        let position = |joint: usize, unit: f64| {
-            let [low, high] = training.q_range.get(joint).copied().unwrap_or([-PI, PI]);
-            f64::midpoint(low, high) + 0.5 * (high - low) * unit
-        };
-        let q: Vec<f64> = (0..n).map(|joint| position(joint, draw())).collect();
-        let [dq, ddq] = [&training.dq_peak, &training.ddq_peak]
-            .map(|peaks| (0..n).map(|joint| peak(peaks, joint) * draw()).collect::<Vec<f64>>());
-        for (largest, tau) in largest.iter_mut().zip(torque.at(&q, &dq, &ddq)?) {
-            *largest = largest.max(tau.abs());
+/// What a model asks for at states within those of its log.
+struct Within {
+    /// Largest torque of each joint \[N·m\], n.
+    efforts: Vec<f64>,
+    /// RMS of the friction of each joint that its own and shared losses do not hold \[N·m\], n.
+    lost: Vec<f64>,
+}
+
+impl Within {
+    fn of(model: &Model, (own, shared): (&[Losses], &[(Vec<f64>, Losses)])) -> Result<Self> {
+        let (n, training) = (model.n_joints(), &model.training);
+        let torque = Torque::new(model);
+        let mut random = ChaCha8Rng::seed_from_u64(0);
+        let (mut efforts, mut squares) = (vec![0.0_f64; n], vec![0.0; n]);
+        let peak = |peaks: &[f64], joint: usize| peaks.get(joint).copied().unwrap_or(1.0);
+        for _ in 0..STATES {
+            let mut draw = || -> f64 { random.random_range(-1.0..1.0) };
+            let position = |joint: usize, unit: f64| {
+                let [low, high] = training.q_range.get(joint).copied().unwrap_or([-PI, PI]);
+                f64::midpoint(low, high) + 0.5 * (high - low) * unit
+            };
+            let q: Vec<f64> = (0..n).map(|joint| position(joint, draw())).collect();
+            let [dq, ddq] = [&training.dq_peak, &training.ddq_peak]
+                .map(|peaks| (0..n).map(|joint| peak(peaks, joint) * draw()).collect::<Vec<f64>>());
+            for (largest, tau) in efforts.iter_mut().zip(torque.at(&q, &dq, &ddq)?) {
+                *largest = largest.max(tau.abs());
+            }
+            let mut lost = torque.friction(&q, &dq)?;
+            for ((lost, own), speed) in lost.iter_mut().zip(own).zip(&dq) {
+                *lost -= own.friction(*speed);
+            }
+            for (shaft, own) in shared {
+                let friction = own.friction(shaft.iter().zip(&dq).map(|(s, v)| s * v).sum());
+                lost.iter_mut().zip(shaft).for_each(|(lost, s)| *lost -= s * friction);
+            }
+            squares.iter_mut().zip(&lost).for_each(|(sum, lost)| *sum += lost * lost);
         }
+        let lost = squares.iter().map(|sum| (sum / STATES as f64).sqrt()).collect();
+        Ok(Self { efforts, lost })
     }
-    Ok(largest)
+}
+
+/// How much of the friction of each joint a file does not hold, in words.
+fn lost_friction(model: &Model, lost: &[f64]) -> Option<String> {
+    let names = model.joints.iter().zip(lost).filter(|(_, lost)| **lost > LEAST_LOST);
+    let lost: Vec<String> =
+        names.map(|(name, lost)| format!("{} N·m of {name}", number(*lost))).collect();
+    (!lost.is_empty())
+        .then(|| format!("friction of {} (RMS within the range of the log)", lost.join(", ")))
 }
 
 impl Losses {
+    /// Torque \[N·m\] at a speed \[rad/s\].
+    fn friction(&self, speed: f64) -> f64 {
+        let Dynamics { damping, friction, .. } = self.dynamics;
+        damping * speed + if speed == 0.0 { 0.0 } else { friction.copysign(speed) } + self.offset
+    }
+
     fn values(&self) -> Value {
         let Dynamics { armature, damping, friction } = self.dynamics;
         let [armature, damping, friction] = [armature, damping, friction].map(|x| numbers([x]));

@@ -113,6 +113,8 @@ fn left_out_of_urdf(robot: &Robot) -> Vec<String> {
         format!("rotor and friction of the shaft that {} share", names.join(" and "))
     };
     let offset = robot.joints.iter().filter(|joint| joint.losses.offset != 0.0);
-    let offset = offset.map(|joint| format!("the offset torque of {}", joint.name));
+    let offset: Vec<&str> = offset.map(|joint| joint.name.as_str()).collect();
+    let offset =
+        (!offset.is_empty()).then(|| format!("the offset torque of {}", offset.join(", ")));
     robot.left_out.iter().cloned().chain(offset).chain(robot.shared.iter().map(words)).collect()
 }

@@ -91,15 +91,17 @@ pub fn count_patterns(counts: &mut [u64; 3], rows: &[Pattern]) {
     }
 }
 
-/// One warning for each pattern that is not among `present`.
-pub fn missing_patterns(present: &[Pattern]) -> Vec<String> {
+/// The warning that patterns are not among `present`, and what for they are needed.
+pub fn missing_patterns(present: &[Pattern]) -> Option<String> {
     let missing = Pattern::ALL.into_iter().filter(|pattern| !present.contains(pattern));
-    missing
-        .map(|pattern| {
-            let name = pattern.name();
-            format!("the log shows no {name}: record dwells, strokes of constant speed and brakes")
-        })
-        .collect()
+    let names: Vec<&str> = missing.map(Pattern::name).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "the log shows no {}: reconstruction step by step wants dwells, strokes of constant \
+             speed and brakes; a chain does not",
+            names.join(" and no ")
+        )
+    })
 }
 
 impl Inspection {

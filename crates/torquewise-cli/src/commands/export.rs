@@ -118,13 +118,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 /// What is said of a robot file, and what it has no room for.
 fn robot(arguments: &Arguments, model: &Model, exported: &Exported) -> Outcome {
     let Exported { version, left_out, files, .. } = exported;
-    let mut notes: Vec<String> =
-        left_out.iter().map(|part| format!("not in the file: {part}")).collect();
-    let mut laws = model.friction.iter().map(|own| &own.term);
-    if arguments.to != Target::Json && laws.any(|law| law.load || !law.is_straight()) {
-        notes
-            .push("`fit --friction linear` fits the friction that such a file can hold".to_owned());
-    }
+    let notes = left_out.iter().map(|part| format!("not in the file: {part}")).collect();
     let holds = match arguments.to {
         Target::Json => "",
         _ => ": links, rotors, viscous and dry friction",

@@ -65,5 +65,10 @@ fn outcome(arguments: &Arguments, found: &Patterns, counts: [u64; 3]) -> Outcome
         "patterns": PatternRows::of(counts),
         "file": file,
     });
-    Outcome { text, json, warnings: missing_patterns(&found.present), ..Outcome::default() }
+    Outcome {
+        text,
+        json,
+        warnings: missing_patterns(&found.present).into_iter().collect(),
+        ..Outcome::default()
+    }
 }

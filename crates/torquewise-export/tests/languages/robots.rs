@@ -4,9 +4,10 @@ use crate::models::{chain, coupled, energies, sliding, states};
 use approx::assert_relative_eq;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node};
+use std::f64::consts::PI;
 use torquewise_export::{ExportError, onto_urdf, to_mjcf, to_urdf};
 use torquewise_model::friction::FrictionLaw;
-use torquewise_model::{Drive, JointKind, Model, Torque};
+use torquewise_model::{Drive, FrictionTerm, JointKind, Model, Torque, Weighted};
 use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::{Kinematics, Moved, State};
 use torquewise_sim::Arm;
@@ -175,6 +176,26 @@ fn what_no_robot_file_holds_is_named() {
     weightless.chain.as_mut().unwrap().links[1][0] = -1.0;
     let refused = to_urdf(&weightless, "").unwrap_err().to_string();
     assert!(refused.contains(&weightless.joints[1]), "{refused}");
+}
+
+#[test]
+fn what_friction_a_file_does_not_hold_is_counted() {
+    let whole = chain(3, false, 5);
+    let mut model = bare(whole.clone());
+    // So slow that the line of dry and viscous friction sees nothing of it.
+    model.training.dq_peak = vec![1.0; 3];
+    let (speed, coefficient) = (0.02, 7.0);
+    let law = FrictionLaw::Stribeck { speed, width: 0.0 };
+    let term = FrictionTerm::of_joint(3, 1, law);
+    model.friction = vec![Weighted { term, coefficient, ..whole.friction[0].clone() }];
+
+    let left_out = to_urdf(&model, "").unwrap().left_out.join("; ");
+
+    // RMS of c·exp(-(v/s)²) over speeds up to 1: c·(s/2·√(π/2))^(1/2), of 2000 states.
+    let expected = coefficient * (0.5 * speed * (PI / 2.0).sqrt()).sqrt();
+    let (found, _) = left_out.rsplit_once(&format!(" N·m of {} (RMS", model.joints[1])).unwrap();
+    let found: f64 = found.rsplit_once("friction of ").unwrap().1.parse().unwrap();
+    assert_relative_eq!(found, expected, max_relative = 0.3);
 }
 
 /// The same with links that can be.

@@ -21,8 +21,8 @@ const MOST_SLIDES: usize = 3;
 /// Starts of a first look, and its rows.
 const GLANCE: (usize, usize) = (3, 120);
 /// Slides must lower the error by this part: a joint that turned by little fits either way, and most
-/// joints turn. Few do of so little travel that it is warned of: such a joint slides where that errs
-/// less at all on held-out rows.
+/// joints turn. Of a joint of so little travel that it is warned of, held-out rows alone decide: it
+/// slides where that errs less by more than a standard error.
 const WORTH_OF_SLIDES: f64 = 0.1;
 
 /// As the model file has them.

@@ -53,7 +53,9 @@ impl fmt::Display for CutoffFrom {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Setting => "as set",
-            Self::Motion => "eight times the frequency of the motion",
+            Self::Motion => {
+                "eight times the frequency of the motion; the fit of a chain tries others"
+            }
             Self::HeldOut => "at which torque of held-out rows is predicted best",
         })
     }
