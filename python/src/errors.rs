@@ -1,7 +1,7 @@
 //! From errors of the engine to exceptions of Python.
 
 use pyo3::create_exception;
-use pyo3::exceptions::{PyFileNotFoundError, PyKeyboardInterrupt, PyOSError, PyValueError};
+use pyo3::exceptions::{PyFileNotFoundError, PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
 use std::error::Error as StdError;
 use std::io::ErrorKind;
@@ -78,8 +78,4 @@ pub(crate) fn value_error(error: impl StdError + 'static) -> PyErr {
 
 pub(crate) fn model_error(error: torquewise::model::ModelError) -> PyErr {
     ModelError::new_err(message(&error.into()))
-}
-
-pub(crate) fn write_error(file: &std::path::Path, error: &std::io::Error) -> PyErr {
-    PyOSError::new_err(format!("{} cannot be written: {error}", file.display()))
 }

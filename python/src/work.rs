@@ -1,6 +1,7 @@
 //! Long work in a thread of its own: the calling thread shows its progress and listens to Ctrl-C.
 
-use crate::errors::{raised, write_error};
+use crate::errors::raised;
+use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use std::ffi::OsString;
 use std::ops::ControlFlow;
@@ -97,7 +98,8 @@ fn run<T: Send>(
 #[pyfunction]
 pub(crate) fn write_whole(py: Python<'_>, path: PathBuf, content: &[u8]) -> PyResult<()> {
     let written = py.detach(|| whole_file::write_whole(&path, content));
-    written.map_err(|error| write_error(&path, &error))
+    let told = |error| PyOSError::new_err(format!("{} cannot be written: {error}", path.display()));
+    written.map_err(told)
 }
 
 /// Runs the command line, words from that of the program on; returns its exit code.

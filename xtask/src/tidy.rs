@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// Lines of a file of Rust, and of all of them.
 const MOST_LINES_OF_FILE: usize = 400;
-const MOST_LINES: usize = 80_490;
+const MOST_LINES: usize = 79_941;
 
 /// Prints every broken rule.
 pub(crate) fn run(root: &Path) -> Result<()> {
@@ -28,7 +28,8 @@ fn check(root: &Path) -> Result<Vec<String>> {
     for file in files {
         let text = read(&file)?;
         let lines = text.lines().count();
-        if file.ends_with("error.rs") && !is_of_command_line(&file) && text.contains(" --") {
+        let is_of_command_line = file.components().any(|part| part.as_os_str() == "torquewise-cli");
+        if file.ends_with("error.rs") && !is_of_command_line && text.contains(" --") {
             broken.push(format!("{} names a flag of the command line", file.display()));
         }
         total += lines;
@@ -46,11 +47,6 @@ fn check(root: &Path) -> Result<Vec<String>> {
         broken.push("torquewise-identify must not know true arms: its tests alone may".into());
     }
     Ok(broken)
-}
-
-/// Whether a file may speak of flags.
-fn is_of_command_line(file: &Path) -> bool {
-    file.components().any(|part| part.as_os_str() == "torquewise-cli")
 }
 
 /// The files of Rust in a folder and those in it, but for what tools leave there.

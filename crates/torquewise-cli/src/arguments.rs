@@ -178,6 +178,14 @@ pub(crate) fn parsed<T: FromStr>(
     text.parse().ok().filter(is_fit).ok_or_else(|| expected.to_owned())
 }
 
+/// The same as the parser of an option.
+pub(crate) fn fitting<T: FromStr>(
+    is_fit: fn(&T) -> bool,
+    expected: &'static str,
+) -> impl Fn(&str) -> Result<T, String> + Clone {
+    move |text| parsed(text, is_fit, expected)
+}
+
 /// The same, or none for `auto`.
 pub(crate) fn parsed_unless_auto<T: FromStr>(
     text: &str,

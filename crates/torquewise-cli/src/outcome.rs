@@ -138,12 +138,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_terminal_shows_control_characters_and_obeys_none() {
+    fn a_terminal_shows_control_characters_and_long_lines_are_cut() {
         assert_eq!(printable("a\n\tb\u{1b}[31m\0\u{9b}"), "a\n\tb\\u{1b}[31m\\u{0}\\u{9b}");
-    }
-
-    #[test]
-    fn lines_that_quote_a_file_are_cut() {
         assert_eq!(cut(&"x".repeat(20_000)).chars().count(), 401);
     }
 }

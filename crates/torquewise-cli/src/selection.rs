@@ -1,9 +1,10 @@
 //! How terms are selected and fitted, and which friction is looked for.
 
-use crate::arguments::{Word, choice, parsed};
+use crate::arguments::{Word, choice, fitting};
 use crate::error::{CliError, Result};
 use clap::Args;
 use serde::Serialize;
+use torquewise::model::JointKinds;
 
 pub(crate) const FRICTION: [Word<&str>; 4] = [
     ("none", "None", "none"),
@@ -37,11 +38,13 @@ pub(crate) struct SelectionArguments {
     #[arg(long, value_parser = choice(&SELECT))]
     select: Option<&'static str>,
     /// Drop coefficients of a library that are at most this large [paper: 0.1]
-    #[arg(long, value_name = "X", value_parser = threshold)]
+    #[arg(long, value_name = "X")]
+    #[arg(value_parser = fitting(|x: &f64| *x >= 0.0 && x.is_finite(), "expected a number that is zero or more"))]
     threshold: Option<f64>,
     /// Which joints turn and which slide, base to tip, as r,r,p,r or RRPR, for --library chain; found
     /// in the log without
-    #[arg(help_heading = "Learned chain", long, value_name = "KINDS", value_parser = joint_kinds)]
+    #[arg(help_heading = "Learned chain", long, value_name = "KINDS")]
+    #[arg(value_parser = fitting(|kinds: &String| JointKinds::read(kinds).is_some(), "expected r or p for each joint, as r,r,p,r"))]
     kinds: Option<String>,
     /// Joints that a spring or a weight is known to balance, for --library chain; others are looked
     /// for
@@ -75,16 +78,4 @@ impl SelectionArguments {
             Err(CliError::Usage(format!("{flag} {why}")))
         })
     }
-}
-
-fn threshold(text: &str) -> Result<f64, String> {
-    let is_fit = |x: &f64| *x >= 0.0 && x.is_finite();
-    parsed(text, is_fit, "expected a number that is zero or more")
-}
-
-fn joint_kinds(text: &str) -> Result<String, String> {
-    let known = torquewise::model::JointKinds::read(text).is_some();
-    known
-        .then(|| text.to_owned())
-        .ok_or_else(|| "expected r or p for each joint, as r,r,p,r".into())
 }

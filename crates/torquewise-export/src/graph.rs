@@ -271,19 +271,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_same_operation_is_one_node() {
+    fn the_same_operation_is_one_node_and_signs_are_drawn_out() {
         let graph = Graph::default();
         let (a, b) = (graph.input(Input::Q(0)), graph.input(Input::Q(1)));
 
         assert_eq!(graph.mul(a, b), graph.mul(b, a));
         assert_eq!(graph.add(a, b), graph.add(b, a));
         assert_ne!(graph.sub(a, b), graph.sub(b, a));
-    }
-
-    #[test]
-    fn signs_are_drawn_out_and_cancel() {
-        let graph = Graph::default();
-        let (a, b) = (graph.input(Input::Q(0)), graph.input(Input::Q(1)));
         let minus = graph.neg(a);
 
         let scaled = graph.mul(graph.constant(-2.0), minus);

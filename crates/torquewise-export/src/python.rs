@@ -15,15 +15,14 @@ impl Language for Python {
     }
 
     fn name(&self, function: Function) -> String {
-        let name = match function {
+        String::from(match function {
             Function::Tanh => "tanh",
             Function::Exp => "exp",
             Function::Sign => "_sign",
             Function::Positive => "_positive",
             Function::Abs => "abs",
             Function::Reciprocal => "1.0/",
-        };
-        name.into()
+        })
     }
 
     /// Whatever is not plain by its code.

@@ -15,15 +15,14 @@ impl Language for Rust {
     }
 
     fn name(&self, function: Function) -> String {
-        let name = match function {
+        String::from(match function {
             Function::Tanh => "F::tanh",
             Function::Exp => "F::exp",
             Function::Sign => "sign",
             Function::Positive => "positive",
             Function::Abs => "abs",
             Function::Reciprocal => "1.0/",
-        };
-        name.into()
+        })
     }
 
     fn quoted(&self, text: &str) -> String {

@@ -249,15 +249,11 @@ mod tests {
     }
 
     #[test]
-    fn a_log_with_hardly_any_gravity_says_nothing_of_another() {
+    fn logs_with_hardly_any_gravity_and_joints_at_rest_say_nothing() {
         let with = |value, size| Slope { value, error: 1e-3, share: 0.9, size };
 
         assert!(most_apart(&[(0, with(0.0, 1.0)), (1, with(0.5, 0.02))]).is_some());
         assert!(most_apart(&[(0, with(0.0, 1.0)), (1, with(0.5, 0.005))]).is_none());
-    }
-
-    #[test]
-    fn a_joint_at_rest_says_nothing_of_its_gravity() {
         let mut batches = Stretches::new(COLUMNS, MOST_BATCHES, 1);
         for row in 0..1_000 {
             batches.add(&[2.0, 0.0, 1.0, 0.0, 0.0], 0.1 * f64::from(row).sin(), 1.0);

@@ -150,17 +150,13 @@ mod tests {
     }
 
     #[test]
-    fn friction_that_falls_along_a_long_log_is_named() {
+    fn friction_that_falls_along_a_long_log_is_named_and_neither_a_short_log_nor_steady_friction() {
         let found = drifts(&model(), &log(1_200.0, 0.2)).unwrap();
 
         assert_eq!(found.iter().map(|drift| &drift.joint).collect::<Vec<_>>(), ["cold"]);
         // From 1 to 0.8, beside 0.9 in the middle.
         assert!((found[0].part + 0.2 / 0.9).abs() < 3.0 * found[0].std_error.max(1e-3));
         assert!(found[0].to_string().starts_with("friction of cold falls by 22 ±"), "{}", found[0]);
-    }
-
-    #[test]
-    fn neither_a_short_log_nor_steady_friction_is_named() {
         assert_eq!(drifts(&model(), &log(200.0, 0.2)).unwrap(), []);
         assert_eq!(drifts(&model(), &log(1_200.0, 0.0)).unwrap(), []);
     }

@@ -36,7 +36,8 @@ impl DriveTerm {
 
     /// Rotors of all joints, each on its own shaft.
     pub(crate) fn rotors(n_joints: usize) -> Vec<Self> {
-        (0..n_joints).map(|joint| Self::Rotor(unit(n_joints, joint))).collect()
+        let unit = |joint| (0..n_joints).map(|j| f64::from(u8::from(j == joint))).collect();
+        (0..n_joints).map(|joint| Self::Rotor(unit(joint))).collect()
     }
 
     /// Rotors, and dry and viscous friction, of all joints.
@@ -126,10 +127,6 @@ impl DriveTerm {
             Self::Energy(term) => term.function.n_joints(),
         }
     }
-}
-
-fn unit(n: usize, joint: usize) -> Vec<f64> {
-    (0..n).map(|j| f64::from(u8::from(j == joint))).collect()
 }
 
 /// What gravity and springs load the joints with, as far as it is known: gears press harder under

@@ -354,11 +354,19 @@ mod tests {
     }
 
     #[test]
-    fn a_lively_log_leaves_nothing_open() {
-        let lively = log([(1.0, 3.0, 0.0), (0.8, 4.3, 1.0)], |[q, dq, ddq]| {
-            3.0 * q.sin() + 0.4 * dq.signum() + 0.2 * ddq
-        });
-        assert_eq!(of(&lively), []);
+    fn what_spoils_a_log_is_told_and_a_lively_one_leaves_nothing_open() {
+        let lively = |tau: fn([f64; 3]) -> f64| of(&log([(1.0, 3.0, 0.0), (0.8, 4.3, 1.0)], tau));
+        let sound = lively(|[q, dq, ddq]| 3.0 * q.sin() + 0.4 * dq.signum() + 0.2 * ddq);
+        assert_eq!(sound, []);
+
+        let off = lively(|[q, dq, ddq]| 0.01 * (1e4 * (q + 2.0 * dq + 3.0 * ddq)).sin());
+        assert_eq!(off.len(), 2, "{off:?}");
+        assert!(off.iter().all(|finding| matches!(finding, Finding::Unrelated { .. })));
+        let led_by_hand = lively(|[q, ..]| 3.31 * q.sin());
+        assert_eq!(led_by_hand.len(), 2);
+        assert!(led_by_hand.iter().all(|finding| matches!(finding, Finding::Commanded { .. })));
+        let step = log([(1.0, 3.0, 0.0), (0.8, 3.0, 0.0)], |[q, dq, ddq]| q + dq + ddq);
+        assert!(matches!(&of(&step)[..], [Finding::Together { .. }]));
     }
 
     #[test]
@@ -368,28 +376,5 @@ mod tests {
         assert!(matches!(&found[0], Finding::Range { joint, .. } if joint == "knee"), "{found:?}");
         assert!(matches!(&found[1], Finding::Speed { .. }));
         assert!(matches!(&found[2], Finding::Acceleration { .. }));
-    }
-
-    #[test]
-    fn a_motor_that_is_off_is_told_by_torque_that_follows_nothing() {
-        let hum = |[q, dq, ddq]: [f64; 3]| 0.01 * (1e4 * (q + 2.0 * dq + 3.0 * ddq)).sin();
-        let off = log([(1.0, 3.0, 0.0), (0.8, 4.3, 1.0)], hum);
-        let found = of(&off);
-        assert_eq!(found.len(), 2, "{found:?}");
-        assert!(found.iter().all(|finding| matches!(finding, Finding::Unrelated { .. })));
-    }
-
-    #[test]
-    fn joints_in_step_are_told() {
-        let step = log([(1.0, 3.0, 0.0), (0.8, 3.0, 0.0)], |[q, dq, ddq]| q + dq + ddq);
-        assert!(matches!(&of(&step)[..], [Finding::Together { .. }]));
-    }
-
-    #[test]
-    fn a_commanded_gravity_compensation_is_told() {
-        let hand = log([(1.0, 3.0, 0.0), (0.8, 4.3, 1.0)], |[q, ..]| 3.31 * q.sin());
-        let found = of(&hand);
-        assert_eq!(found.len(), 2);
-        assert!(found.iter().all(|finding| matches!(finding, Finding::Commanded { .. })));
     }
 }

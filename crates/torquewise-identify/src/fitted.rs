@@ -223,15 +223,6 @@ fn held_out_rms(
     Ok((rms(by_time).unwrap_or_default(), rms(by_region).unwrap_or_default()))
 }
 
-/// Equal energy terms joined.
-fn energies(chain: &RigidChain) -> Result<Energies, IdentifyError> {
-    let mut all = Energies::new();
-    for (term, coefficient) in chain.energy_terms()? {
-        *all.entry(term).or_insert(0.0) += coefficient;
-    }
-    Ok(all)
-}
-
 /// The energy terms of a chain that its torque needs, with their standard errors; and how many there
 /// were.
 fn equations(
@@ -241,7 +232,10 @@ fn equations(
     seed: u64,
     watch: Watch<'_>,
 ) -> Result<(Vec<Weighted<EnergyTerm>>, usize), IdentifyError> {
-    let all = energies(chain)?;
+    let mut all = Energies::new();
+    for (term, coefficient) in chain.energy_terms()? {
+        *all.entry(term).or_insert(0.0) += coefficient;
+    }
     let candidates = all.len() + friction.len();
     let few = |all: Energies| prune(all.into_iter().collect(), &survey.sample, residual_rms, seed);
     let (products, sums) = (few(all.clone()), few(joint_sums(&all)));

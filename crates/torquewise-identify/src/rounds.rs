@@ -131,8 +131,10 @@ impl Request {
             ControlFlow::Continue(passes) => ControlFlow::Continue(Self { passes, ..self }),
             ControlFlow::Break(solved) => {
                 let residual_rms = sums.residual_rms();
-                let spread = residual_rms.iter().zip(&self.sizes.torque);
-                if self.passes.at.corrects_noise() && spread.clone().any(|(rms, std)| rms > std) {
+                let mut spread = residual_rms.iter().zip(&self.sizes.torque);
+                let at = &self.passes.at;
+                let is_corrected = at.raw_noise || !at.noise.is_none();
+                if is_corrected && spread.any(|(rms, std)| rms > std) {
                     // So much noise that correcting for it leaves nothing to solve.
                     let passes = self.passes.without_noise_correction(MOST_PASSES);
                     return Ok(ControlFlow::Continue(Self { passes, ..self }));

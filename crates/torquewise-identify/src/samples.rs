@@ -124,7 +124,9 @@ pub fn samples(model: &Model, count: usize, seed: u64) -> Result<Vec<Model>, Ide
         |change: &[f64]| -> Vec<f64> { centre.iter().zip(change).map(|(x, d)| x + d).collect() };
     let is_arm = |change: &[f64]| {
         let moved = at(change);
-        powers.brake(&moved[first..first + friction]) && chain.at(&moved, friction).is_feasible()
+        // Friction takes power at all speeds, or hardly less than that of the model.
+        let mut taken = powers.taken(&moved[first..first + friction]).zip(&powers.least);
+        taken.all(|(power, least)| power >= *least) && chain.at(&moved, friction).is_feasible()
     };
     let wanted = match &model.form {
         Form::Energy(terms) => Some(Wanted::of(terms.iter().map(|own| &own.term))),
@@ -177,11 +179,6 @@ impl Powers {
             };
             powers.iter().map(at).fold(f64::INFINITY, f64::min)
         })
-    }
-
-    /// Whether friction takes power at all speeds, or hardly less than that of the model.
-    fn brake(&self, coefficients: &[f64]) -> bool {
-        self.taken(coefficients).zip(&self.least).all(|(power, least)| power >= *least)
     }
 }
 

@@ -128,7 +128,8 @@ impl States {
         let share = if i == j { 0.5 } else { 1.0 };
         let mut change = vec![0.0; self.len()];
         for (joint, slope) in &slopes {
-            add_product(&mut change, slope, &self.dq[*joint]);
+            let rates = slope.iter().zip(&self.dq[*joint]);
+            change.iter_mut().zip(rates).for_each(|(change, (a, b))| *change += a * b);
             let states = slope.iter().zip(self.dq[i].iter().zip(&self.dq[j]));
             for (load, (s, (a, b))) in loads.col_as_slice_mut(*joint).iter_mut().zip(states) {
                 *load -= share * s * a * b;
@@ -228,8 +229,4 @@ impl States {
         }
         sum.unwrap_or_else(|| (vec![0.0; self.len()], vec![1.0; self.len()]))
     }
-}
-
-fn add_product(out: &mut [f64], left: &[f64], right: &[f64]) {
-    out.iter_mut().zip(left.iter().zip(right)).for_each(|(out, (a, b))| *out += a * b);
 }

@@ -45,7 +45,7 @@ mod tests {
     use super::Turning;
 
     #[test]
-    fn the_way_counts_from_where_a_joint_turned() {
+    fn the_way_counts_from_where_a_joint_turned_once_friction_has_turned() {
         let mut turning = Turning::new(0.1);
 
         // To and fro by less than a hundredth is noise.
@@ -55,10 +55,6 @@ mod tests {
         for (found, expected) in ways[4..].iter().zip([-0.1, -0.095, -0.2, 0.05, 0.1]) {
             assert!((found - expected).abs() < 1e-12, "{ways:?}");
         }
-    }
-
-    #[test]
-    fn a_reversal_before_friction_has_turned_does_not_count() {
         let mut turning = Turning::new(0.1);
 
         let ways = [0.0, 0.3, 0.25, 0.3].map(|q| turning.step(q));

@@ -67,12 +67,8 @@ impl SideBySide {
 }
 
 impl Rows for SideBySide {
-    fn names(&self) -> &[String] {
-        &self.names
-    }
-
-    fn joints(&self) -> Option<&[String]> {
-        self.parts.first().and_then(|log| log.rows.joints())
+    fn header(&self) -> (&[String], Option<&[String]>) {
+        (&self.names, self.parts.first().and_then(|log| log.rows.joints()))
     }
 
     fn choose(&mut self, columns: &[usize]) -> Result<()> {

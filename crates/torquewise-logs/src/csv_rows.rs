@@ -98,12 +98,8 @@ impl<R: BufRead> CsvRows<R> {
 }
 
 impl<R: BufRead> Rows for CsvRows<R> {
-    fn names(&self) -> &[String] {
-        &self.names
-    }
-
-    fn joints(&self) -> Option<&[String]> {
-        self.joints.as_deref()
+    fn header(&self) -> (&[String], Option<&[String]>) {
+        (&self.names, self.joints.as_deref())
     }
 
     fn choose(&mut self, columns: &[usize]) -> Result<()> {

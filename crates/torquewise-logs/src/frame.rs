@@ -47,12 +47,8 @@ impl FrameRows {
 }
 
 impl Rows for FrameRows {
-    fn names(&self) -> &[String] {
-        self.frame.names()
-    }
-
-    fn joints(&self) -> Option<&[String]> {
-        self.frame.joints()
+    fn header(&self) -> (&[String], Option<&[String]>) {
+        (self.frame.names(), self.frame.joints())
     }
 
     fn choose(&mut self, columns: &[usize]) -> Result<()> {
@@ -151,17 +147,14 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_told_with_frame_row_and_column() {
+    fn what_cannot_be_read_is_told_with_frame_row_and_column_and_no_positions_or_rows_are_refused()
+    {
         let frame = columns(2000, &["t", "q1", "tau1"]);
         let logs = Logs::of_frames(&[("arrays".into(), frame)], &Options::default()).unwrap();
 
         let message = logs.read_all().unwrap_err().to_string();
 
         assert!(message.starts_with("arrays, row 1025, column tau1 cannot be read"), "{message}");
-    }
-
-    #[test]
-    fn a_frame_without_positions_or_rows_is_refused() {
         let open = |rows, names: &[&str]| {
             let frames = [("arrays".into(), columns(rows, names))];
             Logs::of_frames(&frames, &Options::default()).and_then(|logs| logs.read_all())

@@ -46,11 +46,6 @@ impl UsualStep {
 mod tests {
     use super::UsualStep;
 
-    fn gaps(t: &[f64]) -> Vec<usize> {
-        let mut usual = UsualStep::new(t);
-        (1..t.len()).filter(|row| usual.is_gap(t[*row] - t[row - 1])).collect()
-    }
-
     #[test]
     fn long_steps_are_gaps_and_short_pauses_drift_and_jitter_are_none() {
         let with = |place: usize, step: f64| {
@@ -77,7 +72,9 @@ mod tests {
                 *t += step;
                 Some(*t)
             }));
-            assert_eq!(gaps(&t), expected, "{what}");
+            let mut usual = UsualStep::new(&t);
+            let gaps = (1..t.len()).filter(|row| usual.is_gap(t[*row] - t[row - 1]));
+            assert_eq!(gaps.collect::<Vec<_>>(), expected, "{what}");
         }
     }
 }

@@ -128,12 +128,8 @@ impl ParquetRows {
 }
 
 impl Rows for ParquetRows {
-    fn names(&self) -> &[String] {
-        &self.names
-    }
-
-    fn joints(&self) -> Option<&[String]> {
-        self.joints.as_deref()
+    fn header(&self) -> (&[String], Option<&[String]>) {
+        (&self.names, self.joints.as_deref())
     }
 
     fn choose(&mut self, columns: &[usize]) -> Result<()> {

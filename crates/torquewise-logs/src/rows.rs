@@ -4,11 +4,16 @@ use crate::error::{Place, Result};
 
 /// The rows of one log file, in order, as they stand in it.
 pub(crate) trait Rows {
-    /// Names of the columns that can be chosen, as the file gives them less outer space.
-    fn names(&self) -> &[String];
+    /// Names of the columns that can be chosen, as the file gives them less outer space, and of the
+    /// joints where it tells.
+    fn header(&self) -> (&[String], Option<&[String]>);
+
+    fn names(&self) -> &[String] {
+        self.header().0
+    }
 
     fn joints(&self) -> Option<&[String]> {
-        None
+        self.header().1
     }
 
     /// Chooses the columns that rows are made of, in their order; called before the first row.

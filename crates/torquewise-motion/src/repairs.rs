@@ -130,33 +130,23 @@ mod tests {
     }
 
     #[test]
-    fn repairs_of_logs_add_up_and_the_longest_gap_stays() {
+    fn repairs_of_logs_add_up_and_two_sentences_tell_them() {
         let mut other = Repairs { held_rows: 7, ..Repairs::default() };
         other.add_spikes("tau", 1);
         other.add_gap(0.02);
+        let mut none = Repairs::default();
 
         let sum: Repairs = [spoilt(), other].iter().sum();
+        none.add(&Repairs::default());
 
         assert_eq!((sum.repeated_stamps, sum.held_rows, sum.gaps, sum.splits), (3, 7, 2, 1));
         assert_eq!((sum.spikes["tau"], sum.spikes.len(), sum.longest_gap), (13, 1, 0.02));
-    }
-
-    #[test]
-    fn two_sentences_tell_what_was_left_out_and_what_was_repaired() {
+        assert!(none.is_none() && !spoilt().is_none(), "a longest gap of zero is none");
         assert_eq!(
             spoilt().to_string(),
             "left out: 3 rows with the time stamp of the row before; repaired: 12 spikes replaced \
              (tau 12), 1 gap bridged (the longest 8.0 ms), 1 longer gap at which a log was split"
         );
         assert!(Repairs::default().to_string().is_empty());
-    }
-
-    #[test]
-    fn nothing_is_repaired_where_only_a_longest_gap_of_zero_is_added() {
-        let mut none = Repairs::default();
-
-        none.add(&Repairs::default());
-
-        assert!(none.is_none() && !spoilt().is_none());
     }
 }

@@ -3,7 +3,7 @@
 use crate::error::{ReportError, Result};
 use crate::html::chart::Position;
 use crate::html::thin::{Sorted, rows_of, sorted};
-use crate::html::{Axis, Chart, Colour, Guide, Mark, Series};
+use crate::html::{Axis, Chart, Colour, Guide, Mark};
 use plotters::chart::SeriesAnno;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
@@ -169,8 +169,17 @@ where
     }
     for series in &chart.series {
         let mark = series.mark;
-        let style = style_of(series);
-        let Sorted { mut points, spread } = thinned(series, chart.x.log);
+        let colour = drawn(series.colour);
+        let style = match mark {
+            Mark::BroadLine => colour.stroke_width(10),
+            Mark::Cloud => colour.mix(0.55).filled(),
+            Mark::Bars => colour.mix(0.8).filled(),
+            Mark::Rings => colour.stroke_width(4),
+            Mark::Line | Mark::DashedLine | Mark::DottedLine => colour.stroke_width(3),
+        };
+        let all = sorted(series, chart.x.log);
+        let rows = rows_of(mark, &[&all]);
+        let Sorted { mut points, spread } = Sorted::of(&all.points, &all.spread, &rows);
         let is_inside = |[x, y]: [f64; 2]| {
             (across.start..=across.end).contains(&x)
                 && drawable(&chart.y, y)
@@ -182,7 +191,10 @@ where
         let bars =
             ends.map(|(&[x, _], &[low, high])| PathElement::new([(x, low), (x, high)], thin));
         plot.draw_series(bars).map_err(drawing)?;
-        let half = half_bar(&points);
+        // Half the width of bars at points from left to right.
+        let steps = points.windows(2).map(|pair| pair[1][0] - pair[0][0]);
+        let least = steps.filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+        let half = 0.4 * if least.is_finite() { least } else { 1.0 };
         points.iter_mut().filter(|point| !is_inside(**point)).for_each(|point| point[1] = f64::NAN);
         for piece in points.split(|point| point[1].is_nan()) {
             let piece = piece.iter().map(|&[x, y]| (x, y));
@@ -207,7 +219,10 @@ where
             name(drawn, &series.label, mark, style);
         }
     }
-    if names(chart) > 1 {
+    let series = chart.series.iter().map(|series| series.label.clone());
+    let bands = chart.bands.iter().map(|band| band.label.clone());
+    let names = series.chain(bands).chain(chart.guides.iter().map(Guide::name));
+    if names.filter(|name| !name.is_empty()).count() > 1 {
         plot.configure_series_labels()
             .position(SeriesLabelPosition::UpperRight)
             .label_font(("sans-serif", WORDS))
@@ -218,24 +233,6 @@ where
             .map_err(drawing)?;
     }
     Ok(())
-}
-
-fn names(chart: &Chart) -> usize {
-    let series = chart.series.iter().map(|series| series.label.clone());
-    let bands = chart.bands.iter().map(|band| band.label.clone());
-    let guides = chart.guides.iter().map(Guide::name);
-    series.chain(bands).chain(guides).filter(|name| !name.is_empty()).count()
-}
-
-fn style_of(series: &Series) -> ShapeStyle {
-    let colour = drawn(series.colour);
-    match series.mark {
-        Mark::BroadLine => colour.stroke_width(10),
-        Mark::Cloud => colour.mix(0.55).filled(),
-        Mark::Bars => colour.mix(0.8).filled(),
-        Mark::Rings => colour.stroke_width(4),
-        Mark::Line | Mark::DashedLine | Mark::DottedLine => colour.stroke_width(3),
-    }
 }
 
 /// A name in the legend, and what stands before it.
@@ -258,13 +255,6 @@ fn name<'a, 'b: 'a>(
     };
 }
 
-/// Half the width of the bars at points from left to right.
-fn half_bar(points: &[[f64; 2]]) -> f64 {
-    let steps = points.windows(2).map(|pair| pair[1][0] - pair[0][0]);
-    let least = steps.filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
-    0.4 * if least.is_finite() { least } else { 1.0 }
-}
-
 fn number(axis: &Axis, at: f64) -> String {
     let is_whole = (at - at.round()).abs() < 1e-9;
     if !axis.places.is_empty() {
@@ -285,11 +275,6 @@ fn number(axis: &Axis, at: f64) -> String {
 
 fn drawing(error: impl std::fmt::Display) -> ReportError {
     ReportError::Drawing { reason: error.to_string() }
-}
-
-fn thinned(series: &Series, log: bool) -> Sorted {
-    let all = sorted(series, log);
-    Sorted::of(&all.points, &all.spread, &rows_of(series.mark, &[&all]))
 }
 
 fn drawn(colour: Colour) -> RGBColor {

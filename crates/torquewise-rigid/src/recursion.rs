@@ -106,10 +106,6 @@ fn splat<T: Scalar>(v: &Vector3<f64>) -> Vector3<T> {
     v.map(T::splat)
 }
 
-fn splat3<T: Scalar>(m: &Matrix3<f64>) -> Matrix3<T> {
-    m.map(T::splat)
-}
-
 fn along_z<T: Scalar>(z: T) -> Vector3<T> {
     Vector3::new(T::zero(), T::zero(), z)
 }
@@ -302,7 +298,7 @@ impl<T: Scalar> Body<T> {
     /// The body behind the next joint.
     fn next(&self, placement: &Placement, q: T, dq: T, ddq: T) -> Self {
         let (sin, cos) = q.simd_sin_cos();
-        let rotation: Matrix3<T> = turned_about_z(&splat3(&placement.rotation), sin, cos);
+        let rotation: Matrix3<T> = turned_about_z(&placement.rotation.map(T::splat), sin, cos);
         let origin: Vector3<T> = splat(&placement.origin);
         let carried: Vector3<T> = rotation.tr_mul(&self.omega);
         let omega: Vector3<T> = carried + along_z(dq);

@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn the_curve_has_its_values_at_both_ends() {
+    fn the_curve_has_its_values_at_both_ends_and_may_be_another_backward() {
         let friction = Friction::new(&[CURVE]).unwrap();
 
         // 20 Stribeck speeds on the exponential is gone; at 5 widths tanh is 1 to 1e-4.
@@ -274,16 +274,12 @@ mod tests {
         assert!((friction.torque(0, -2.0) + 8.0).abs() < 1e-12);
         assert!((friction.torque(0, 5e-3) - 6.0).abs() < 0.01);
         assert!(friction.torque(0, 0.0).abs() < f64::MIN_POSITIVE);
-    }
-
-    #[test]
-    fn backward_motion_may_rub_otherwise() {
         let text = "[b]\ncoulomb = 1.0\n[b.backward]\ncoulomb = 2.0\nstiction = 2.0\nspeed = 1.0";
 
-        let friction = Friction::from_toml(text, &joints()).unwrap();
+        let both = Friction::from_toml(text, &joints()).unwrap();
 
-        assert_eq!(friction.torques(&[3.0, 3.0]), [0.0, 1.0]);
-        assert_eq!(friction.torques(&[3.0, -3.0]), [0.0, -2.0]);
+        assert_eq!(both.torques(&[3.0, 3.0]), [0.0, 1.0]);
+        assert_eq!(both.torques(&[3.0, -3.0]), [0.0, -2.0]);
     }
 
     #[test]

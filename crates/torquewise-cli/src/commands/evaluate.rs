@@ -1,6 +1,6 @@
 //! How well a model predicts the torque of logs.
 
-use crate::arguments::parsed;
+use crate::arguments::fitting;
 use crate::conditioning;
 use crate::error::Result;
 use crate::files::read_model;
@@ -24,11 +24,13 @@ pub(crate) struct Arguments {
     /// Simulate windows of the log from their measured state with the measured torque, and print how
     /// far they drift after these times
     #[arg(long, value_name = "S", value_delimiter = ',', default_missing_value = "0.2,0.5,1",
-        num_args = 0..=1, value_parser = horizon)]
+        num_args = 0..=1)]
+    #[arg(value_parser = fitting(|s: &f64| *s > 0.0 && s.is_finite(), "give seconds above 0"))]
     rollout: Option<Vec<f64>>,
     /// Draw so many arms from the covariance of the model, simulate them too, and print how many of
     /// the windows end in the band of 90 % of them
-    #[arg(long, value_name = "N", requires = "rollout", value_parser = samples)]
+    #[arg(long, value_name = "N", requires = "rollout")]
+    #[arg(value_parser = fitting(|count: &usize| (2..=10_000).contains(count), "give 2 to 10000"))]
     samples: Option<usize>,
     /// Seed of the samples
     #[arg(long, default_value_t = 0, requires = "samples")]
@@ -65,12 +67,4 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         notes: scores.notes,
         ..Outcome::default()
     })
-}
-
-fn samples(text: &str) -> Result<usize, String> {
-    parsed(text, |count: &usize| (2..=10_000).contains(count), "give 2 to 10000")
-}
-
-fn horizon(text: &str) -> Result<f64, String> {
-    parsed(text, |seconds: &f64| *seconds > 0.0 && seconds.is_finite(), "give seconds above 0")
 }

@@ -97,7 +97,14 @@ struct Files {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let arm = read_arm(&arguments.arm, &arguments.lock)?;
-    let limits = limits(&arm, &arguments.wishes())?;
+    let wishes = Wishes {
+        range: PerJoint(arguments.range.clone()),
+        velocity: PerJoint(arguments.max_velocity.clone()),
+        acceleration: PerJoint(arguments.max_acceleration.clone()),
+        speed_scale: arguments.speed_scale,
+        margin: arguments.margin,
+    };
+    let limits = limits(&arm, &wishes)?;
     let most = PerJoint(arguments.torque_limit.clone());
     let torques = match read_twin(&arguments.arm, None)? {
         Some(model) => twin::torques(&model, &most)?,
@@ -107,10 +114,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     create_folder(&arguments.output)?;
     let inputs = [PathBuf::from(&arguments.arm)];
     check_files(&inputs, files.all().map(|file| (file.as_path(), &[][..])))?;
+    let plan = Plan {
+        seconds: [arguments.standstill, arguments.uniform, arguments.variable],
+        dwell: arguments.dwell,
+        slow_sweeps: arguments.slow_sweeps,
+        rate: arguments.rate,
+        home: arguments.home.clone(),
+        interaction: arguments.interaction.map(usize::from),
+        tries: arguments.tries,
+        seed: arguments.seed,
+    };
     let planned = {
         let bar = share_bar();
         bar.set_length(1000);
-        excite(&limits, torques.as_ref(), &arguments.plan(), &mut |share, doing| {
+        excite(&limits, torques.as_ref(), &plan, &mut |share, doing| {
             bar.set_position(whole(1000.0 * share) as u64);
             bar.set_message(doing);
         })?
@@ -139,31 +156,6 @@ impl Files {
 
     fn all(&self) -> impl Iterator<Item = &PathBuf> {
         self.recordings.iter().flatten().chain([&self.figure])
-    }
-}
-
-impl Arguments {
-    fn wishes(&self) -> Wishes {
-        Wishes {
-            range: PerJoint(self.range.clone()),
-            velocity: PerJoint(self.max_velocity.clone()),
-            acceleration: PerJoint(self.max_acceleration.clone()),
-            speed_scale: self.speed_scale,
-            margin: self.margin,
-        }
-    }
-
-    fn plan(&self) -> Plan {
-        Plan {
-            seconds: [self.standstill, self.uniform, self.variable],
-            dwell: self.dwell,
-            slow_sweeps: self.slow_sweeps,
-            rate: self.rate,
-            home: self.home.clone(),
-            interaction: self.interaction.map(usize::from),
-            tries: self.tries,
-            seed: self.seed,
-        }
     }
 }
 

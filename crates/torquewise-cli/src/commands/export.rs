@@ -1,6 +1,6 @@
 //! `export`: a model as source code, an FMU, a ROS 2 package or a robot file.
 
-use crate::arguments::{Word, choice, parsed};
+use crate::arguments::{Word, choice, fitting};
 use crate::error::{CliError, Result};
 use crate::files::{check_files, create_folder, read_model, read_text, work_folder, write_whole};
 use crate::outcome::Outcome;
@@ -44,7 +44,8 @@ pub(crate) struct Arguments {
     ///
     /// A learner smooths reversals for the noise of measured velocities. A desired velocity has
     /// none: 0.002 tracks better.
-    #[arg(help_heading = "Code", long, value_name = "RAD/S", value_parser = width)]
+    #[arg(help_heading = "Code", long, value_name = "RAD/S")]
+    #[arg(value_parser = fitting(|width: &f64| width.is_finite() && *width >= 0.0, "expected 0 or more radians per second"))]
     reversal: Option<f64>,
     /// Write so many models in place of the one into a new folder, drawn from its covariance
     ///
@@ -137,11 +138,6 @@ fn robot(arguments: &Arguments, model: &Model, exported: &Exported) -> Outcome {
         "files": files.iter().map(|(path, _)| path).filter(|path| !path.is_empty()).collect::<Vec<_>>(),
     });
     Outcome { text, json, notes, ..Outcome::default() }
-}
-
-fn width(text: &str) -> Result<f64, String> {
-    let is_width = |width: &f64| width.is_finite() && *width >= 0.0;
-    parsed(text, is_width, "expected 0 or more radians per second")
 }
 
 fn check_usage(arguments: &Arguments) -> Result<()> {

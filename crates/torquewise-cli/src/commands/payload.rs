@@ -1,6 +1,6 @@
 //! `payload`: the load on a link of an arm whose model is known.
 
-use crate::arguments::parsed;
+use crate::arguments::fitting;
 use crate::error::{CliError, Result};
 use crate::files::{check_files, read_model, staged, write_whole};
 use crate::outcome::{Outcome, object};
@@ -32,12 +32,19 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME")]
     link: Option<String>,
     /// Centre of mass of the load in m, in the frame of the link, where it is known
-    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true,
-        value_parser = meters, conflicts_with = "known_mass")]
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        conflicts_with = "known_mass"
+    )]
+    #[arg(value_parser = fitting(|x: &f64| x.abs() <= 100.0, "expected a length in m, at most 100"))]
     center: Option<Vec<f64>>,
     /// Mass of the load in kg, where torque columns are currents or of unknown gain: finds what a unit
     /// of each is worth, with a model that was learned from the same columns
-    #[arg(long, value_name = "KG", value_parser = mass)]
+    #[arg(long, value_name = "KG")]
+    #[arg(value_parser = fitting(|kg: &f64| *kg > 0.0 && *kg <= 1e4, "expected a mass above 0, at most 10000 kg"))]
     known_mass: Option<f64>,
     #[command(flatten)]
     signals: SignalArguments,
@@ -49,14 +56,6 @@ const ROWS: [(&[&str], &str); 3] = [
     (&["centre x", "centre y", "centre z"], "m"),
     (&["Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"], "kg m2"),
 ];
-
-fn meters(text: &str) -> Result<f64, String> {
-    parsed(text, |x: &f64| x.abs() <= 100.0, "expected a length in m, at most 100")
-}
-
-fn mass(text: &str) -> Result<f64, String> {
-    parsed(text, |kg| *kg > 0.0 && *kg <= 1e4, "expected a mass above 0, at most 10000 kg")
-}
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let inputs = arguments.logs.iter().chain([&arguments.model]);

@@ -2,19 +2,17 @@
 
 use crate::terminal::Terminal;
 
-/// `log.csv` of a [`Terminal::with_log`], one cell replaced; row 0 is the header.
-fn with_cell(terminal: &Terminal, row: usize, column: usize, cell: &str) -> String {
-    let log = terminal.read("log.csv");
-    let mut rows: Vec<Vec<&str>> = log.lines().map(|line| line.split(',').collect()).collect();
-    rows[row][column] = cell;
-    rows.iter().map(|row| row.join(",") + "\n").collect()
-}
-
 #[test]
 fn a_log_that_is_wrong_is_refused_by_every_command_that_reads_torque() {
     let terminal = Terminal::with_model();
-    let with = |row, column, cell| with_cell(&terminal, row, column, cell);
-    let header = terminal.read("log.csv").lines().next().unwrap().to_owned();
+    let log = terminal.read("log.csv");
+    let header = log.lines().next().unwrap().to_owned();
+    // One cell replaced; row 0 is the header.
+    let with = |row: usize, column: usize, cell| -> String {
+        let mut rows: Vec<Vec<&str>> = log.lines().map(|line| line.split(',').collect()).collect();
+        rows[row][column] = cell;
+        rows.iter().map(|row| row.join(",") + "\n").collect()
+    };
     let finite = ["row 2000", "column dq2", "repair or drop"];
     for (text, words) in [
         (String::new(), &["bad.csv is empty", "a log begins with a header"][..]),
@@ -46,10 +44,13 @@ fn a_log_that_is_wrong_is_refused_by_every_command_that_reads_torque() {
 }
 
 #[test]
-fn a_log_without_torque_cannot_be_fitted_or_judged() {
+fn logs_without_torque_or_of_five_rows_cannot_be_fitted_or_judged() {
     let terminal = Terminal::with_model();
-    let log = terminal.read("log.csv").replace("tau1", "current1").replace("tau2", "current2");
-    terminal.write("bare.csv", &log);
+    let log = terminal.read("log.csv");
+    let bare = log.replace("tau1", "current1").replace("tau2", "current2");
+    terminal.write("bare.csv", &bare);
+    let few: Vec<&str> = log.lines().take(6).collect();
+    terminal.write("few.csv", &few.join("\n"));
 
     for line in [
         "fit bare.csv -o out.json",
@@ -59,15 +60,6 @@ fn a_log_without_torque_cannot_be_fitted_or_judged() {
     ] {
         terminal.refused(line, &["bare.csv has no torque", "record columns tau1"]);
     }
-}
-
-#[test]
-fn five_rows_are_too_few() {
-    let terminal = Terminal::with_log();
-    let log = terminal.read("log.csv");
-    let few: Vec<&str> = log.lines().take(6).collect();
-    terminal.write("few.csv", &few.join("\n"));
-
     terminal.refused("fit few.csv -o out.json", &["5 rows", "at least 50", "longer"]);
     assert_eq!(terminal.json("inspect few.csv")["rows"], 5, "but they can be looked at");
 }
@@ -100,9 +92,12 @@ fn models_that_cannot_be_used_are_refused() {
 }
 
 #[test]
-fn a_missing_file_is_named_with_its_cause_and_the_advice_last() {
+fn a_missing_file_is_named_with_its_cause_and_the_advice_last_and_one_of_another_format() {
     let terminal = Terminal::with_log();
+    terminal.write("data.pickle", "\u{80}");
 
+    let unknown = ["no log format known here", ".npz", "convert"];
+    terminal.refused("inspect data.pickle", &unknown);
     terminal.refused("inspect gone.csv", &["gone.csv cannot be read", "because: ", "check"]);
     let said = terminal.run("simulate gone.toml -o new.csv");
 
@@ -111,7 +106,7 @@ fn a_missing_file_is_named_with_its_cause_and_the_advice_last() {
 }
 
 #[test]
-fn an_output_is_refused_before_any_work() {
+fn outputs_that_cannot_be_and_arms_that_are_none_are_refused_before_any_work() {
     let terminal = Terminal::with_model();
     std::fs::create_dir(terminal.path("folder")).unwrap();
 
@@ -121,11 +116,6 @@ fn an_output_is_refused_before_any_work() {
     terminal.refused("patterns log.csv -o log.csv", &["log.csv is read by this"]);
     terminal.refused("predict model.json log.csv -o out.txt", &["\"txt\" is no log format"]);
     terminal.refused("simulate planar-2 -o gone/log.csv", &["no folder gone"]);
-}
-
-#[test]
-fn an_arm_that_is_none_is_refused() {
-    let terminal = Terminal::new();
     terminal.write("bad.toml", "name = 3");
     terminal.write("bad.urdf", "<robot name='x'/>");
 

@@ -114,7 +114,9 @@ fn c18_c19_c20_signals_at_random_moments_leave_all_or_nothing() {
                 let mut found = tree(&folder);
                 if signal == "-KILL" {
                     // Only what is on its way stays of a killed one.
-                    found.retain(|path, _| !is_temporary(path));
+                    let is_own =
+                        |name: &std::ffi::OsStr| name.to_string_lossy().starts_with(".torquewise-");
+                    found.retain(|path, _| !path.iter().any(is_own));
                 }
                 let empty: Vec<_> = found
                     .iter()
@@ -138,10 +140,6 @@ fn c18_c19_c20_signals_at_random_moments_leave_all_or_nothing() {
         }
         println!("{line}: {early} of {} before the end, {takes:.2} s", 3 * kills());
     }
-}
-
-fn is_temporary(path: &Path) -> bool {
-    path.iter().any(|name| name.to_string_lossy().starts_with(".torquewise-"))
 }
 
 fn limited(terminal: &Terminal, limits: &str, line: &str) -> Output {

@@ -98,8 +98,7 @@ fn predict_names_its_columns() {
 
     let torque = terminal.json("predict model.json log.csv -o torque.csv --parts");
 
-    let columns: Vec<&str> =
-        torque["columns"].as_array().unwrap().iter().map(|c| c.as_str().unwrap()).collect();
+    let columns: Vec<String> = serde_json::from_value(torque["columns"].clone()).unwrap();
     assert_eq!(columns[..5], ["t", "tau_hat1", "tau_hat2", "inertia1", "inertia2"]);
     assert!(terminal.read("torque.csv").starts_with(&columns.join(",")));
     assert_eq!(torque["rows"], 3000);

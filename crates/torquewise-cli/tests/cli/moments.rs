@@ -20,22 +20,14 @@ fn parts_merged_and_solved_are_the_model_of_fit() {
 }
 
 #[test]
-fn moments_tell_what_they_are() {
+fn moments_tell_what_they_are_and_what_does_not_add_up_is_refused() {
     let terminal = Terminal::with_log();
-
-    let said = terminal.json("moments log.csv -o log.moments");
+    let said = terminal.json("moments log.csv -o a.moments");
+    terminal.run("moments log.csv -o b.moments --library product");
 
     assert_eq!((said["rows"].as_u64(), said["logs"].as_u64()), (Some(3000), Some(1)));
     assert_eq!(said["joints"].as_array().unwrap().len(), 2);
     assert!(said["bytes"].as_u64().unwrap() > 1000);
-}
-
-#[test]
-fn what_does_not_add_up_is_refused() {
-    let terminal = Terminal::with_log();
-    terminal.done("moments log.csv -o a.moments");
-    terminal.run("moments log.csv -o b.moments --library product");
-
     terminal.refused("merge a.moments b.moments -o c.moments", &["b.moments", "library", "same"]);
     terminal.refused(
         "solve log.csv -o c.json",

@@ -1,7 +1,7 @@
 //! Reports, figures and experiments: what is written, and that it tells what was found.
 
 use crate::spoilt::Table;
-use crate::terminal::Terminal;
+use crate::terminal::{Terminal, each, numbers, texts};
 use serde_json::Value;
 
 #[test]
@@ -79,15 +79,12 @@ fn orders_grow_until_nothing_is_left() {
 
     let found = terminal.json("orders log.csv -o orders.svg --whole-order 2 --trig-order 3");
 
-    let libraries = found["libraries"].as_array().unwrap();
-    let names: Vec<&str> = libraries.iter().map(|l| l["name"].as_str().unwrap()).collect();
     let expected = ["SINDy", "standstill", "uniform velocity", "variable velocity", "energy"];
-    assert_eq!(names, expected);
-    for library in libraries {
+    assert_eq!(texts(&found["libraries"], "name"), expected);
+    for library in found["libraries"].as_array().unwrap() {
         let best = &library["chosen"];
         assert!(library["points"].as_array().unwrap().contains(best), "{library}");
-        let residuals = best["residual_percent"].as_array().unwrap().iter();
-        let residuals = residuals.map(|x| x.as_f64().unwrap());
+        let residuals = numbers(&best["residual_percent"]);
         // The arm is held exactly by every library of these orders but the whole one, at most 2.
         let limit = if library["name"] == "SINDy" { 20.0 } else { 1e-2 };
         assert!(residuals.into_iter().all(|residual| residual < limit), "{library}");
@@ -106,8 +103,7 @@ fn every_term_shows_how_often_resampled_logs_keep_it() {
 
     let (text, shown) = (terminal.done("show model.json"), terminal.json("show model.json"));
 
-    let energies = shown["energies"].as_array().unwrap();
-    let shares: Vec<f64> = energies.iter().map(|e| e["inclusion"].as_f64().unwrap()).collect();
+    let shares = each(&shown["energies"], "inclusion");
     assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)), "{shares:?}");
     let shown = text.lines().filter(|line| line.ends_with(" %)")).count();
     let left_out = text.lines().find(|line| line.ends_with("ask for all to see them"));

@@ -133,23 +133,3 @@ pub(crate) fn assert_tells(said: &Said, words: &[&str]) {
         assert!(said.stdout.contains(word), "{word:?}: {}", said.stdout);
     }
 }
-
-#[test]
-fn a_counterbalance_is_found() {
-    let terminal = Terminal::new();
-    let table = Table::recorded();
-    let q = table.place("q1");
-    // A gas spring: no mass pulls with twice and thrice the angle.
-    let spring = |_: usize, tau: f64, row: &[f64]| {
-        tau - 15.0 * (2.0 * row[q]).sin() - 9.0 * (3.0 * row[q]).cos()
-    };
-    terminal.write("log.csv", &table.with("tau1", spring).text());
-
-    let found = terminal.json("fit log.csv -o model.json");
-
-    let choices = found["choices"].as_array().unwrap();
-    let chosen = |what: &str| {
-        choices.iter().find(|choice| choice["what"] == what).map(|choice| choice["chosen"].clone())
-    };
-    assert_eq!(chosen("counterbalance of joint1"), Some("spring".into()), "{choices:?}");
-}

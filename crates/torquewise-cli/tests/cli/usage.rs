@@ -37,7 +37,7 @@ fn wrong_usage_exits_with_two_and_leaves_nothing() {
 }
 
 #[test]
-fn help_and_version_are_results() {
+fn help_version_and_completions_for_every_shell_are_results() {
     let terminal = Terminal::new();
 
     assert!(
@@ -45,6 +45,9 @@ fn help_and_version_are_results() {
     );
     assert!(terminal.done("fit --help").contains("--library"));
     assert!(terminal.done("--version").starts_with("torquewise "));
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        assert!(terminal.done(&format!("completions {shell}")).contains("evaluate"), "{shell}");
+    }
 }
 
 #[test]
@@ -53,15 +56,6 @@ fn a_program_without_the_page_says_who_has_it() {
 
     assert_eq!((said.code, said.stdout.as_str()), (1, ""), "{said:?}");
     assert!(said.stderr.contains("pip install torquewise"), "{said:?}");
-}
-
-#[test]
-fn completions_are_printed_for_every_shell() {
-    let terminal = Terminal::new();
-
-    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
-        assert!(terminal.done(&format!("completions {shell}")).contains("evaluate"), "{shell}");
-    }
 }
 
 #[test]

@@ -192,15 +192,22 @@ fn a_unit_is_an_archive_of_its_files_and_the_same_each_time() {
 }
 
 #[test]
-fn a_latex_document_closes_what_it_opens() {
+fn a_latex_document_closes_what_it_opens_and_says_what_its_friction_follows() {
     let arm = energies(3, 25, 1);
-    for model in [loaded(arm.clone()), products(3, 20, 2), remembers(arm)] {
+    for (model, followed) in [
+        (arm.clone(), Some([false, false])),
+        (loaded(arm.clone()), Some([false, true])),
+        (products(3, 20, 2), None),
+        (remembers(arm), Some([true, true])),
+    ] {
         let text = to_latex(&model, "version_1");
 
         assert_eq!(text.matches("\\begin{").count(), text.matches("\\end{").count());
         let plain = text.replace("\\{", "").replace("\\}", "");
         assert_eq!(plain.matches('{').count(), plain.matches('}').count());
         assert!(text.contains("version\\_1") && text.trim_end().ends_with("\\end{document}"));
+        let found = [text.contains("\\mathrm{d}x_\\delta"), text.contains("$G_j$")];
+        assert_eq!(found, followed.unwrap_or(found));
     }
 }
 
@@ -217,19 +224,6 @@ fn assert_along(model: &Model, found: &[Vec<f64>], way: &[models::State]) {
         println!("{n} joints, outputs from {first}: {error:.1e}");
         assert!(error < bound, "{n} joints, outputs from {first}: {error:.1e}");
     }
-}
-
-#[test]
-fn a_latex_document_says_what_its_friction_follows() {
-    let arm = energies(3, 25, 1);
-    let followed = |model| {
-        let text = to_latex(&model, "version_1");
-        [text.contains("\\mathrm{d}x_\\delta"), text.contains("$G_j$")]
-    };
-
-    assert_eq!(followed(arm.clone()), [false, false]);
-    assert_eq!(followed(loaded(arm.clone())), [false, true]);
-    assert_eq!(followed(remembers(arm)), [true, true]);
 }
 
 #[test]

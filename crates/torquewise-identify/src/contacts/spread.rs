@@ -146,20 +146,16 @@ mod tests {
     }
 
     #[test]
-    fn what_a_variance_follows_is_found_and_what_it_does_not_is_left_out() {
-        let rows = rows(|at| 0.04 + 2.0 * at[1] + 9.0 * at[3]);
+    fn what_a_variance_follows_is_found_and_a_constant_one_is_that_of_all_rows() {
+        let followed = rows(|at| 0.04 + 2.0 * at[1] + 9.0 * at[3]);
 
-        let spread = Spread::of(&rows, true);
+        let spread = Spread::of(&followed, true);
 
         assert!((0.18..0.35).contains(&spread.at_rest()), "{spread:?}");
         let at = |speed: f64, reversed: f64| spread.at(&[1.0, speed, 2.0, reversed]);
         assert!((at(1.0, 0.0) / 2.04_f64.sqrt() - 1.0).abs() < 0.05, "{spread:?}");
         assert!((at(0.5, 1.0) / 10.04_f64.sqrt() - 1.0).abs() < 0.1, "{spread:?}");
         assert!(spread.coefficients.iter().all(|c| *c >= 0.0), "{spread:?}");
-    }
-
-    #[test]
-    fn a_constant_spread_is_that_of_all_rows() {
         let spread = Spread::of(&rows(|_| 0.25), true);
 
         assert!((spread.whole - 0.5).abs() < 0.01, "{spread:?}");

@@ -106,13 +106,6 @@ impl Linearisation {
         (0..self.linear.len() - offered).collect()
     }
 
-    /// The same where what was not chosen is nothing.
-    pub(crate) fn of_chosen(&self) -> Self {
-        let mut linear = self.linear.clone();
-        linear[self.chosen_indices().len()..].fill(0.0);
-        Self { linear, ..self.clone() }
-    }
-
     /// The same without what was not chosen.
     pub(crate) fn narrowed(&self) -> Self {
         let mut structure = self.structure.clone();
@@ -148,11 +141,6 @@ impl Linearisation {
         let linear = self.linear.len();
         let free = active.iter().filter_map(|k| k.checked_sub(linear)).collect();
         Self { structure: Structure { free, ..self.structure }, ..self }
-    }
-
-    /// Whether the bias of noise in the rows is corrected for (E7).
-    pub(crate) fn corrects_noise(&self) -> bool {
-        self.raw_noise || !self.noise.is_none()
     }
 
     /// The same with rows taken as they are.

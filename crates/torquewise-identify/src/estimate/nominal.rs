@@ -70,26 +70,21 @@ impl Sizes {
     }
 }
 
-/// Inertial parameters of plain links between the axes of a geometry, 10n.
-fn plain_arm(at: &Linearisation, sizes: &Sizes) -> Vec<f64> {
-    let (length, mass) = sizes.link(at.geometry.kinds());
+/// Physical constraints on the parameters of a linearisation, and a feasible start.
+pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> (Prior, Vec<f64>) {
+    let kinds = at.geometry.kinds();
+    let (length, mass) = sizes.link(kinds);
+    // Plain links between the axes.
     let placements = at.geometry.placements();
     let end = |k: usize| placements.get(k + 1).map_or_else(Vector3::zeros, |next| next.origin);
     let links = (0..placements.len()).flat_map(|k| plain_link(mass, &end(k), SPREAD * length));
-    links.collect()
-}
-
-/// Physical constraints on the parameters of a linearisation, and a feasible start.
-pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> (Prior, Vec<f64>) {
-    let bodies = plain_arm(at, sizes);
+    let bodies: Vec<f64> = links.collect();
     let mut start = bodies.clone();
     start.extend(at.parameters().into_iter().skip(bodies.len()));
     let of_bodies = bodies.chunks_exact(PER_BODY).map(|p| std::array::from_fn(|k| p[k])).collect();
     let mut prior = Prior { bodies: of_bodies, ..Prior::default() };
     let drive = &at.structure.drive;
     let first = bodies.len();
-    let kinds = at.geometry.kinds();
-    let (length, mass) = sizes.link(kinds);
     let rotor_of = |shaft: &[f64]| {
         // A slide feels its motor as a mass.
         let slides = shaft.iter().enumerate().any(|(joint, s)| *s != 0.0 && kinds.slides(joint));

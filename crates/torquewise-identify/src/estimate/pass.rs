@@ -36,7 +36,12 @@ pub fn add_up(
         let mut waiting: Vec<Block> = Vec::new();
         let mut path = Path::new(at.n_joints(), &at.travels());
         let mut take = |trajectory, motion: &Motion, noise: Option<&Motion>| {
-            cut(&path.follow(trajectory, motion), noise, at.block_rows, &mut waiting);
+            let motion = path.follow(trajectory, motion);
+            let rows: Vec<usize> = (0..motion.n_rows()).collect();
+            waiting.extend(rows.chunks(at.block_rows.max(1)).map(|rows| Block {
+                motion: motion.select(rows),
+                noise: noise.map(|noise| noise.select(rows)),
+            }));
             if waiting.len() >= AT_ONCE {
                 flush(&mut waiting, &mut sums, at)?;
             }
@@ -66,15 +71,6 @@ fn read(
         return Ok(());
     }
     recording.read_log(log, &mut |trajectory, motion| take(trajectory, motion, None))
-}
-
-/// Cuts what a reader hands over into blocks of time.
-fn cut(motion: &Motion, noise: Option<&Motion>, block_rows: usize, out: &mut Vec<Block>) {
-    let rows: Vec<usize> = (0..motion.n_rows()).collect();
-    out.extend(rows.chunks(block_rows.max(1)).map(|rows| Block {
-        motion: motion.select(rows),
-        noise: noise.map(|noise| noise.select(rows)),
-    }));
 }
 
 impl Block {

@@ -96,7 +96,8 @@ impl<'a> Step<'a> {
         if self.at.structure.chosen == self.at.structure.drive.len() {
             return Ok(best.to_vec());
         }
-        let (at, chosen) = (self.at.of_chosen(), self.at.chosen_indices());
+        let (mut at, chosen) = (self.at.clone(), self.at.chosen_indices());
+        at.linear[chosen.len()..].fill(0.0);
         let (prior, start) = prior(&self.at.narrowed(), sizes);
         let own = self.all.of(&chosen, &at, (0.0, 0.0));
         let solution = minimise(own.quadratic(), &prior, strength, &start[..chosen.len()])?;

@@ -72,6 +72,9 @@ impl ChainLearner<'_> {
         choices: &mut Vec<Choice>,
     ) -> Result<(ChainSpec, Chain), IdentifyError> {
         if let Some(Joints { kinds, coupling, choices: before }) = self.joints.take() {
+            let is_of_joints = |own: &Choice| {
+                [KINDS, COUPLING].contains(&own.what.as_str()) || own.what.starts_with(KIND_OF)
+            };
             choices.extend(before.into_iter().filter(is_of_joints));
             let mut spec = upright(at(kinds.clone()), &kinds);
             spec.search.coupling = coupling;
@@ -112,7 +115,12 @@ impl ChainLearner<'_> {
                 (best, kinds) = (slid, other);
             }
         }
-        self.leave_untold(&kinds, &look.untold, choices);
+        choices.extend(look.untold.iter().map(|&joint| Choice {
+            what: format!("{KIND_OF} {}", self.motion.joints()[joint]),
+            chosen: kinds.of(joint).name().to_owned(),
+            rule: "not told by the log: the other kind fits nearly as well".to_owned(),
+            from: Vec::new(),
+        }));
         Ok(best)
     }
 
@@ -220,26 +228,11 @@ impl ChainLearner<'_> {
         let may_slide = may_slide.take(MOST_SLIDES.saturating_sub(count(&kinds))).collect();
         Ok(FirstLook { kinds, may_slide, untold })
     }
-
-    /// Warns of joints whose kind the log does not determine.
-    fn leave_untold(&self, kinds: &JointKinds, joints: &[usize], choices: &mut Vec<Choice>) {
-        choices.extend(joints.iter().map(|&joint| Choice {
-            what: format!("{KIND_OF} {}", self.motion.joints()[joint]),
-            chosen: kinds.of(joint).name().to_owned(),
-            rule: "not told by the log: the other kind fits nearly as well".to_owned(),
-            from: Vec::new(),
-        }));
-    }
 }
 
 /// Whether a log does not tell the kind of a joint, as the choices of its fit have it.
 pub(crate) fn is_kind_untold(choices: &[Choice], joint: &str) -> bool {
     choices.iter().any(|own| own.what == format!("{KIND_OF} {joint}"))
-}
-
-/// Whether a choice is of what the joints are, slides or coupled ones.
-fn is_of_joints(choice: &Choice) -> bool {
-    [KINDS, COUPLING].contains(&choice.what.as_str()) || choice.what.starts_with(KIND_OF)
 }
 
 /// Whether friction is no offset of a slide whose direction is searched: gravity explains that as

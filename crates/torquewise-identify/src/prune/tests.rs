@@ -91,29 +91,13 @@ fn what_is_left_out_is_below_the_tolerance() {
 }
 
 #[test]
-fn a_larger_residual_keeps_fewer_terms() {
-    let count = |rms: f64| prune(terms(), &motion(), &[rms; N], 3).len();
+fn a_larger_residual_keeps_fewer_terms_and_none_all_that_load() {
+    let kept = |terms, rms: f64| prune(terms, &motion(), &[rms; N], 3);
 
-    let counts = [1e-6, 1e-3, 1e-1, 1e1].map(count);
+    let counts = [1e-6, 1e-3, 1e-1, 1e1].map(|rms| kept(terms(), rms).len());
 
     assert!(counts.is_sorted_by(|a, b| a > b), "{counts:?}");
-}
-
-#[test]
-fn without_residual_every_term_that_loads_stays() {
-    let (motion, all) = (motion(), terms());
-
-    let kept = prune(all.clone(), &motion, &[0.0; N], 3);
-
-    assert_eq!(kept, all);
-}
-
-#[test]
-fn terms_that_load_nothing_are_left_out() {
-    let motion = motion();
+    assert_eq!(kept(terms(), 0.0), terms());
     let still = EnergyTerm { place: Place::Potential, function: torquewise_model::Term::one(N) };
-
-    let kept = prune(vec![(still, 5.0)], &motion, &[0.1; N], 3);
-
-    assert_eq!(kept, []);
+    assert_eq!(kept(vec![(still, 5.0)], 0.1), []);
 }

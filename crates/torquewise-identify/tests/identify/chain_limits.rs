@@ -1,13 +1,14 @@
-//! Logs that are short, still, without friction or of one joint, fitted along a chain.
+//! Logs that are short, still, without friction, of one joint or of six, fitted along a chain.
 
 use crate::chain::{NOISE, WRIST, linear, rubbing, sines};
-use crate::support::{chain, fit, percent, reference_arm, threads_leave_no_trace};
+use crate::support::{chain, fit, motion, noisy, percent, reference_arm, threads_leave_no_trace};
 use faer::Mat;
 use torquewise_identify::plan::FrictionKind;
+use torquewise_identify::score;
 use torquewise_model::Torque;
 use torquewise_model::model::GeometryFound;
 use torquewise_motion::{Motion, Signals};
-use torquewise_sim::Arm;
+use torquewise_sim::{Arm, MotionKind};
 
 #[test]
 fn a_search_stops_when_three_starts_lead_to_the_same_arm() {
@@ -70,4 +71,20 @@ fn joints_that_never_move_do_not_panic() {
         let tau = Torque::new(&found.model).over(&log).unwrap();
         assert!(tau.is_all_finite(), "{moving} joints move");
     }
+}
+
+#[test]
+fn six_joints_are_exact_without_noise_and_predicted_with_it() {
+    let arm = Arm::builtin("generic-6").unwrap();
+    let test = motion(&arm, MotionKind::Sines, 20.0, 100.0, 99);
+
+    let [clean, noisy] = [1, 2].map(|case| {
+        let log = noisy(&motion(&arm, MotionKind::Moves, 200.0, 100.0, 1), case, 1);
+        score(&fit(&log, &chain(FrictionKind::None)).model, &test).unwrap().joints
+    });
+
+    assert!(clean.iter().all(|joint| joint.nrmse_percent < 0.1), "{clean:?}");
+    let limits = [2.0, 1.0, 1.0, 5.0, 5.0];
+    let good = noisy.iter().zip(limits).all(|(joint, limit)| joint.nrmse_percent < limit);
+    assert!(good && noisy[5].rmse < 0.03, "{noisy:?}");
 }

@@ -97,20 +97,14 @@ fn logs_of_one_arm_agree_whatever_their_motion_and_friction() {
 }
 
 #[test]
-fn one_log_agrees_with_itself_though_it_has_gaps() {
+fn one_log_agrees_with_itself_though_it_has_gaps_and_one_without_torque_is_refused() {
     let moves = |hand, seed| log(hand, 40.0, MotionKind::Moves, seed);
     let logs = [moves(3.0, 1), moves(4.0, 2)];
     let model = fit(&logs[..], &Plan::default()).model;
 
     assert_eq!(disagreements(&model, &logs[..], &|_| "one".into()).unwrap(), []);
     assert_ne!(disagreements(&model, &logs[..], &|k| k.to_string()).unwrap(), []);
-}
-
-#[test]
-fn a_log_without_torque_is_refused() {
-    let bare = log(3.0, 40.0, MotionKind::Moves, 1);
-    let model = fit(&bare, &Plan::default()).model;
-    let without = Motion::new(Signals { tau: None, ..bare.into_signals() }).unwrap();
-
+    let [bare, _] = logs.map(Motion::into_signals);
+    let without = Motion::new(Signals { tau: None, ..bare }).unwrap();
     assert!(disagreements(&model, &without, &|_| String::new()).is_err());
 }

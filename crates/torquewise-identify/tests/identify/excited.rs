@@ -1,15 +1,8 @@
 //! Limits → plan → torque of the reference arm → model: it predicts what it has not seen.
 use crate::support::{executed, fit, outside, percent, reference_arm, states_of};
 use torquewise_identify::Plan as FitPlan;
-use torquewise_motion::{Motion, Pattern};
-use torquewise_sim::Arm;
-use torquewise_sim::excite::{Plan, Planned, Wishes, excite, limits};
-
-/// The recording with the torque the arm needs for it.
-fn log(arm: &Arm, recording: &Planned) -> Motion {
-    let motion = recording.motion().unwrap();
-    executed(arm, motion.t().to_vec(), &states_of(&motion))
-}
+use torquewise_motion::Pattern;
+use torquewise_sim::excite::{Plan, Wishes, excite, limits};
 
 #[test]
 fn the_model_of_a_planned_log_predicts_sines_it_has_not_seen() {
@@ -18,7 +11,10 @@ fn the_model_of_a_planned_log_predicts_sines_it_has_not_seen() {
     for slow_sweeps in [false, true] {
         let plan = Plan { tries: 6, seed: 1, slow_sweeps, ..Plan::default() };
         let planned = excite(&limits, None, &plan, &mut |_, _| {}).unwrap();
-        let logs = planned.recordings.each_ref().map(|recording| log(&arm, recording));
+        let logs = planned.recordings.each_ref().map(|recording| {
+            let motion = recording.motion().unwrap();
+            executed(&arm, motion.t().to_vec(), &states_of(&motion))
+        });
 
         let found = fit(&logs[..], &FitPlan::default());
 

@@ -9,14 +9,12 @@ mod excited;
 mod friction;
 mod gears;
 mod memory;
-mod oracle;
 mod recovery;
 mod rollouts;
 mod rounds;
 mod samples;
 #[path = "../../../torquewise-logs/tests/logs/shared.rs"]
 mod shared;
-mod six_joints;
 mod sliding;
 mod spoilt;
 mod summary;

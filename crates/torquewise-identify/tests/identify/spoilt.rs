@@ -21,7 +21,7 @@ use torquewise_motion::{Motion, Signals};
 use torquewise_sim::{Arm, MotionKind};
 
 /// Seconds of the log, and rows per second that it is cut from and has itself.
-const SECONDS: f64 = 20.0;
+const SECONDS: usize = 20;
 const FINE: usize = 2_000;
 const RATE: usize = 250;
 /// Noise of a position \[rad\], and of a torque in parts of its deviation.
@@ -40,14 +40,9 @@ struct Rows {
 }
 
 fn plain(rate: usize) -> Rows {
-    let shown: Vec<usize> = (0..fine_rows()).step_by(FINE / rate).collect();
+    let shown: Vec<usize> = (0..SECONDS * FINE).step_by(FINE / rate).collect();
     let t = shown.iter().map(|&row| row as f64 / FINE as f64).collect();
     Rows { t, shown, lag: 0, step: 0.0, spikes: 0.0 }
-}
-
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small")]
-fn fine_rows() -> usize {
-    (SECONDS * FINE as f64) as usize
 }
 
 impl Rows {
@@ -81,7 +76,7 @@ fn spoilt() -> Vec<(&'static str, Rows)> {
 
 fn motion(seed: u64, rate: usize) -> Motion {
     let arm = Arm::builtin("generic-6").unwrap();
-    crate::support::motion(&arm, MotionKind::Moves, SECONDS, rate as f64, seed)
+    crate::support::motion(&arm, MotionKind::Moves, SECONDS as f64, rate as f64, seed)
 }
 
 /// The text of a log with q and tau.

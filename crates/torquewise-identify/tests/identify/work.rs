@@ -16,27 +16,20 @@ fn sindy() -> Design {
 }
 
 #[test]
-fn moments_take_a_twentieth_of_the_multiplications_of_the_sindy_library() {
+fn moments_of_the_sindy_library_are_those_of_e3_and_take_a_twentieth_of_its_multiplications() {
     let design = sindy();
 
     let [by_moments, by_rows] = [Route::Moments, Route::Direct]
         .map(|route| Prepared::new(&design, N_RESPONSES, route).cost());
 
     assert_eq!(design.n_columns(), 3_612);
-    assert_eq!(Prepared::cheaper(&design, N_RESPONSES, 60_000).route(), Route::Moments);
+    for (rows, route) in [(60_000, Route::Moments), (1, Route::Direct)] {
+        assert_eq!(Prepared::cheaper(&design, N_RESPONSES, rows).route(), route);
+    }
     assert!(by_rows > 20.0 * by_moments, "{by_rows} and {by_moments} multiplications per row");
-}
-
-#[test]
-fn the_moments_of_the_sindy_library_are_those_that_e3_counts() {
-    let plan = MomentPlan::new(&sindy());
+    let plan = MomentPlan::new(&design);
 
     // Harmonics up to 8 of three angles, monomials up to degree 4 of six variables; 129 harmonics
     // and 28 monomials with each torque.
     assert_eq!(plan.size(N_RESPONSES), 833 * 210 + 129 * 28 * N_RESPONSES);
-}
-
-#[test]
-fn a_handful_of_rows_is_not_worth_a_table_of_moments() {
-    assert_eq!(Prepared::cheaper(&sindy(), N_RESPONSES, 1).route(), Route::Direct);
 }

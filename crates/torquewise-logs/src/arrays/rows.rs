@@ -57,8 +57,8 @@ impl ArrayRows {
 }
 
 impl Rows for ArrayRows {
-    fn names(&self) -> &[String] {
-        &self.names
+    fn header(&self) -> (&[String], Option<&[String]>) {
+        (&self.names, None)
     }
 
     fn choose(&mut self, columns: &[usize]) -> Result<()> {

@@ -53,12 +53,8 @@ impl BagRows {
 }
 
 impl Rows for BagRows {
-    fn names(&self) -> &[String] {
-        &self.names
-    }
-
-    fn joints(&self) -> Option<&[String]> {
-        Some(&self.survey.joints)
+    fn header(&self) -> (&[String], Option<&[String]>) {
+        (&self.names, Some(&self.survey.joints))
     }
 
     fn choose(&mut self, columns: &[usize]) -> Result<()> {

@@ -7,13 +7,10 @@ use torquewise_motion::Repairs;
 
 const STEP: f64 = 0.01;
 
-fn position(t: f64) -> f64 {
-    (3.0 * t).sin() + 0.4 * (7.1 * t).cos()
-}
-
 /// Rows stamped at `t`, sampled at `sampled`.
 fn block(t: Vec<f64>, sampled: &[f64]) -> Raw {
-    let q: Vec<f64> = sampled[..t.len()].iter().map(|t| position(*t)).collect();
+    let q: Vec<f64> =
+        sampled[..t.len()].iter().map(|t| (3.0 * t).sin() + 0.4 * (7.1 * t).cos()).collect();
     let tau = q.iter().map(|q| 2.0 * q).collect();
     let signals = [Some(vec![q]), None, None, Some(vec![tau])];
     Raw { joints: vec!["joint1".into()], t, signals }
@@ -45,13 +42,16 @@ fn mended(block: &Raw, cuts: &[usize]) -> (Raw, Repairs) {
 }
 
 #[test]
-fn a_sound_clock_is_left_alone() {
+fn a_sound_clock_is_left_alone_and_that_of_an_arm_at_rest() {
     let t = jittery(3_000);
     let sound = block(t.clone(), &t);
+    let still: Vec<f64> = even(3_000).into_iter().map(|t| t.clamp(10.0, 20.0)).collect();
+    let at_rest = block(even(3_000), &still);
 
     assert_eq!(ClockRepair::of(std::slice::from_ref(&sound)), ClockRepair::default());
-    let (mended, repairs) = mended(&sound, &[700, 1_900]);
-    assert!(mended.t == t && repairs.is_none());
+    let (whole, repairs) = mended(&sound, &[700, 1_900]);
+    assert!(whole.t == t && repairs.is_none());
+    assert_eq!(mended(&at_rest, &[]).0.t, at_rest.t);
 }
 
 #[test]
@@ -101,14 +101,6 @@ fn encoders_and_torques_of_few_levels_at_rest_are_no_held_rows() {
     }
 
     assert_eq!(ClockRepair::of(&[log]).held, 0);
-}
-
-#[test]
-fn an_arm_at_rest_is_no_fault_of_the_clock() {
-    let still: Vec<f64> = even(3_000).into_iter().map(|t| t.clamp(10.0, 20.0)).collect();
-    let log = block(even(3_000), &still);
-
-    assert_eq!(mended(&log, &[]).0.t, log.t);
 }
 
 #[test]

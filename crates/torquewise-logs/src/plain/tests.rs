@@ -12,22 +12,21 @@ fn mapping(header: &str) -> Result<Mapping> {
 }
 
 #[test]
-fn columns_may_stand_in_any_order_with_others_between() {
-    let mapping = mapping("tau2,q2,note,t,q1, tau1 ,q02,qa").unwrap();
+fn columns_may_stand_in_any_order_with_others_between_and_count_from_zero() {
+    let found = mapping("tau2,q2,note,t,q1, tau1 ,q02,qa").unwrap();
+    assert_eq!(found.n_joints, 2);
+    assert_eq!(found.chosen, [3, 4, 1, 5, 0]);
+    assert_eq!(found.slot(Signal::Tau), Some(3));
+    assert_eq!(found.slot(Signal::Dq), None);
+    assert_eq!(found.ignored, ["note", "q02", "qa"]);
 
-    assert_eq!(mapping.n_joints, 2);
-    assert_eq!(mapping.chosen, [3, 4, 1, 5, 0]);
-    assert_eq!(mapping.slot(Signal::Tau), Some(3));
-    assert_eq!(mapping.slot(Signal::Dq), None);
-    assert_eq!(mapping.ignored, ["note", "q02", "qa"]);
-}
+    let ten: Vec<_> = (1..=10).map(|joint| format!("q{joint}")).collect();
+    let ten = mapping(&format!("t,{}", ten.join(","))).unwrap();
+    assert_eq!(ten.chosen, (0..=10).collect::<Vec<_>>());
 
-#[test]
-fn ten_joints_are_in_order_of_number() {
-    let header: Vec<_> = (1..=10).map(|joint| format!("q{joint}")).collect();
-    let mapping = mapping(&format!("t,{}", header.join(","))).unwrap();
-
-    assert_eq!(mapping.chosen, (0..=10).collect::<Vec<_>>());
+    assert!(matches!(mapping("t,q00,q01"), Err(LogError::NoColumn { missing: "q1", .. })));
+    let from_zero = mapping("tau0,t,q1,q0,tau1").unwrap();
+    assert_eq!((from_zero.n_joints, &from_zero.chosen[..]), (2, &[1, 3, 2, 0, 4][..]));
 }
 
 #[test]
@@ -48,14 +47,6 @@ fn the_message_says_which_column_is_missing() {
             other => panic!("{header}: {other:?}"),
         }
     }
-}
-
-#[test]
-fn joints_may_be_counted_from_zero() {
-    assert!(matches!(mapping("t,q00,q01"), Err(LogError::NoColumn { missing: "q1", .. })));
-    let found = mapping("tau0,t,q1,q0,tau1").unwrap();
-
-    assert_eq!((found.n_joints, &found.chosen[..]), (2, &[1, 3, 2, 0, 4][..]));
 }
 
 #[test]

@@ -71,16 +71,12 @@ mod tests {
     use torquewise_motion::signals::Signal;
 
     #[test]
-    fn a_turn_is_the_same_in_every_unit() {
+    fn a_turn_is_the_same_in_every_unit_and_units_of_another_signal_are_unknown() {
         let radians = |turn: f64, unit| turn * factor(Signal::Q, Some(unit)).unwrap();
         assert_eq!(radians(360.0, "deg").to_bits(), radians(1.0, "rev").to_bits());
         let per_second = |turn: f64, unit| turn * factor(Signal::Dq, Some(unit)).unwrap();
         assert_eq!(per_second(60.0, "rpm").to_bits(), per_second(1.0, "rev/s").to_bits());
         assert_eq!(per_second(180.0, "deg/s").to_bits(), std::f64::consts::PI.to_bits());
-    }
-
-    #[test]
-    fn units_of_another_signal_are_unknown() {
         assert_eq!(factor(Signal::Q, Some("rad/s")), None);
         assert_eq!(factor(Signal::Tau, Some("rad")), None);
         assert_eq!((factor(Signal::Ddq, None), time_factor(Some("min"))), (Some(1.0), None));

@@ -17,10 +17,7 @@ fn read(file: &Path) -> Result<Vec<Motion>, LogError> {
 }
 
 fn read_bytes(bytes: &[u8]) -> Result<Vec<Motion>, LogError> {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("log.parquet");
-    std::fs::write(&file, bytes).unwrap();
-    read(&file)
+    read(&crate::file_of(".parquet", bytes))
 }
 
 /// A column of a foreign file: its type, and what writes its values, which may be missing.
@@ -80,8 +77,7 @@ fn numbers(name: &str, values: &[f64]) -> Foreign {
 }
 
 static VALID: LazyLock<Vec<u8>> = LazyLock::new(|| {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("log.parquet");
+    let file = crate::file_of(".parquet", b"");
     let wave = |phase: f64| Mat::from_fn(50, 1, |row, _| (row as f64 + phase).sin());
     let motion = Motion::new(Signals {
         joints: vec!["hip".into()],
@@ -145,13 +141,16 @@ fn nulls_and_numbers_that_are_not_finite_are_named_by_row_and_column() {
 }
 
 #[test]
-fn files_without_rows_or_content_are_refused() {
+fn files_without_rows_or_content_are_refused_and_those_cut_short_wherever_they_end() {
     let none = read_columns(&[numbers("t", &[]), numbers("q1", &[])]);
 
     assert!(matches!(none, Err(LogError::NoRows { .. })));
     assert!(matches!(read_bytes(b""), Err(LogError::Empty { .. })));
     assert!(matches!(read_bytes(b"t,q1\n0,1\n"), Err(LogError::Decode { .. })));
     assert!(matches!(read_bytes(b"PAR1\0\0\0\0PAR1"), Err(LogError::Damaged { .. })));
+    for end in 0..VALID.len() {
+        assert!(read_bytes(&VALID[..end]).is_err(), "{end} of {} bytes", VALID.len());
+    }
 }
 
 /// Metadata with elements of a schema: a name, and the number of children.
@@ -220,11 +219,4 @@ fn a4_pages_that_take_more_memory_than_stated_are_refused() {
     let refused = read_written(&columns, properties.build()).unwrap_err().to_string();
 
     assert!(refused.contains("576 MB, at most 512 are held"), "{refused}");
-}
-
-#[test]
-fn a_truncated_file_is_refused_wherever_it_ends() {
-    for end in 0..VALID.len() {
-        assert!(read_bytes(&VALID[..end]).is_err(), "{end} of {} bytes", VALID.len());
-    }
 }

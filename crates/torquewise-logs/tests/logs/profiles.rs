@@ -27,13 +27,10 @@ fn read(file: &PathBuf, profile: &str) -> Vec<Motion> {
     open(file, profile).unwrap().read_all().unwrap()
 }
 
-fn refused(file: &PathBuf, profile: &str) -> String {
-    open(file, profile).and_then(|logs| logs.read_all()).map_err(|error| told(&error)).unwrap_err()
-}
-
 /// The message of an error and what to do.
-fn told(error: &LogError) -> String {
-    let help = miette::Diagnostic::help(error).map(|help| help.to_string());
+fn refused(file: &PathBuf, profile: &str) -> String {
+    let error = open(file, profile).and_then(|logs| logs.read_all()).unwrap_err();
+    let help = miette::Diagnostic::help(&error).map(|help| help.to_string());
     format!("{error}: {}", help.unwrap_or_default())
 }
 
@@ -115,7 +112,7 @@ fn a_joint_that_is_left_out_still_counts_in_couplings() {
 }
 
 #[test]
-fn a_file_without_a_clock_takes_the_rate() {
+fn a_file_without_a_clock_takes_the_rate_which_a_profile_may_say_alone() {
     let files = Files::new();
     let log = files.add_rows("a.csv", "Joint_1", 40, |k| k.to_string());
 
@@ -124,6 +121,18 @@ fn a_file_without_a_clock_takes_the_rate() {
 
     assert_eq!((motion.n_rows(), motion.t()[0], motion.q()[(0, 0)]), (30, 0.01, 10.0));
     assert!(without.contains("has no clock, found Joint_1") && without.contains("rate = …"));
+    let log = files.add("a.csv", "q1,q2,tau1,tau2\n0,1,2,3\n1,2,3,4\n");
+
+    let logs = open(&log, "rate = 250.0").unwrap();
+
+    assert!(logs.has_tau() && !logs.has_dq());
+    let mut stamps = Vec::new();
+    logs.read_raw(None, &mut |_, block| -> Result<(), LogError> {
+        stamps.extend_from_slice(&block.t);
+        Ok(())
+    })
+    .unwrap();
+    assert_eq!(stamps, [0.0, 0.004]);
 }
 
 #[test]
@@ -253,18 +262,7 @@ fn clocks_that_count_from_a_date_count_from_the_first_row() {
 }
 
 #[test]
-fn a_profile_file_that_is_wrong_is_named() {
-    let files = Files::new();
-    let file = files.add("arm.toml", "robot = \"x\"\n\n[q]\ncolumn = \"pos\"\n");
-
-    let refused = Profile::read(&file).unwrap_err().to_string();
-
-    assert!(refused.contains("arm.toml, line 4: unknown field `column`"), "{refused}");
-    assert!(matches!(Profile::read(&file.join("no")), Err(LogError::Read { .. })));
-}
-
-#[test]
-fn profiles_that_are_built_in_are_found_by_name() {
+fn profiles_that_are_built_in_are_found_by_name_and_files_that_are_wrong_are_named() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../profiles");
 
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -277,22 +275,11 @@ fn profiles_that_are_built_in_are_found_by_name() {
     let refused = Profile::read("ur11".as_ref()).unwrap_err().to_string();
     assert!(refused.starts_with("ur11: no such file"), "{refused}");
     assert!(refused.contains("delan_character, ") && refused.ends_with("ur10"), "{refused}");
-}
-
-#[test]
-fn a_profile_may_say_the_rate_and_nothing_else() {
     let files = Files::new();
-    let log = files.add("a.csv", "q1,q2,tau1,tau2\n0,1,2,3\n1,2,3,4\n");
-    let profile = Some(Profile::from_toml("rate = 250.0").unwrap());
+    let file = files.add("arm.toml", "robot = \"x\"\n\n[q]\ncolumn = \"pos\"\n");
 
-    let logs = Logs::open_with(&[log], &Options { profile, ..Options::default() }).unwrap();
+    let refused = Profile::read(&file).unwrap_err().to_string();
 
-    assert!(logs.has_tau() && !logs.has_dq());
-    let mut stamps = Vec::new();
-    logs.read_raw(None, &mut |_, block| -> Result<(), LogError> {
-        stamps.extend_from_slice(&block.t);
-        Ok(())
-    })
-    .unwrap();
-    assert_eq!(stamps, [0.0, 0.004]);
+    assert!(refused.contains("arm.toml, line 4: unknown field `column`"), "{refused}");
+    assert!(matches!(Profile::read(&file.join("no")), Err(LogError::Read { .. })));
 }

@@ -97,7 +97,7 @@ fn a_csv_table_holds_shortest_numbers_and_quoted_text() {
 }
 
 #[test]
-fn values_that_do_not_fit_the_columns_are_refused() {
+fn values_that_do_not_fit_the_columns_are_refused_and_a_folder_that_does_not_exist_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let (numbers, counts, none) =
         (Values::Numbers(&[1.0]), Values::Counts(&[1]), Values::Numbers(&[]));
@@ -113,11 +113,6 @@ fn values_that_do_not_fit_the_columns_are_refused() {
             assert!(refused.ends_with(&format!("{name}: {problem}")), "{refused}");
         }
     }
-}
-
-#[test]
-fn a_folder_that_does_not_exist_is_named() {
-    let folder = tempfile::tempdir().unwrap();
     for name in FORMATS {
         let file = folder.path().join("missing").join(name);
         let refused = TableWriter::create(&file, &[]).err().unwrap();

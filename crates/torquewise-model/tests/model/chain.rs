@@ -60,14 +60,6 @@ fn odd(n: usize) -> Model {
     Model { joints, chain: Some(chain), ..Model::default() }
 }
 
-/// The same as all of its energy terms.
-fn expanded(model: &Model) -> Model {
-    let terms = model.chain.as_ref().unwrap().energy_terms().unwrap();
-    let weighted = terms.into_iter().map(|(term, weight)| Weighted::new(term, weight));
-    let form = Form::Energy(weighted.collect());
-    Model { form, chain: None, ..model.clone() }
-}
-
 /// A number of rows that four do not divide.
 fn motion(model: &Model) -> Motion {
     let signal = |shift: f64, size: f64| {
@@ -94,7 +86,11 @@ fn a_chain_moves_as_its_energies_say() {
 
 fn moves_as_its_energies_say(model: &Model) {
     let motion = motion(model);
-    let (chain, terms) = (Torque::new(model), Torque::new(&expanded(model)));
+    let terms = model.chain.as_ref().unwrap().energy_terms().unwrap();
+    let weighted = terms.into_iter().map(|(term, weight)| Weighted::new(term, weight));
+    let form = Form::Energy(weighted.collect());
+    let expanded = Model { form, chain: None, ..model.clone() };
+    let (chain, terms) = (Torque::new(model), Torque::new(&expanded));
 
     let (own, expected) = (chain.parts(&motion).unwrap(), terms.parts(&motion).unwrap());
 
@@ -107,13 +103,6 @@ fn moves_as_its_energies_say(model: &Model) {
     let q = &[0.3, -1.2, 2.1, 0.7, -0.4][..model.n_joints()];
     let (own, expected) = (chain.mass_matrix(q).unwrap(), terms.mass_matrix(q).unwrap());
     assert!(largest(&(&own - &expected)) < least);
-}
-
-#[test]
-fn the_energies_of_nine_joints_are_not_listed() {
-    let error = odd(9).chain.unwrap().energy_terms().unwrap_err();
-
-    assert!(matches!(error, ModelError::TooManyJoints { joints: 9, most: 8 }));
 }
 
 #[test]
@@ -138,13 +127,16 @@ fn a_chain_that_is_coupled_or_slides_is_physics_and_its_file_keeps_it() {
 }
 
 #[test]
-fn a_coupled_joint_must_turn() {
+fn a_coupled_joint_must_turn_and_energies_of_nine_joints_are_not_listed() {
     let mut model = coupled();
     model.chain.as_mut().unwrap().kinds = JointKinds::read("RPR").unwrap();
 
     let error = to_json(&model).unwrap_err().to_string();
 
     assert!(error.contains("slides is coupled"), "{error}");
+    let error = odd(9).chain.unwrap().energy_terms().unwrap_err();
+
+    assert!(matches!(error, ModelError::TooManyJoints { joints: 9, most: 8 }));
 }
 
 #[test]

@@ -208,19 +208,14 @@ mod tests {
     }
 
     #[test]
-    fn the_least_error_is_found_among_several_valleys() {
+    fn the_least_error_is_found_among_several_valleys_and_at_the_end_is_told() {
         let error = |s: f64| (s - 0.0123).powi(2) + 1e-3 * (1.0 - (200.0 * (s - 0.0123)).cos());
 
         let found = best_shift(error, -0.1..=0.1, 0.005).unwrap();
+        let at_end = best_shift(|s| s, -0.1..=0.1, 0.01).unwrap();
 
         assert_abs_diff_eq!(found.seconds, 0.0123, epsilon = 5e-6);
-    }
-
-    #[test]
-    fn a_best_at_the_end_is_told() {
-        let found = best_shift(|s| s, -0.1..=0.1, 0.01).unwrap();
-
-        assert_eq!((found.seconds, found.at_end), (-0.1, true));
+        assert_eq!((at_end.seconds, at_end.at_end), (-0.1, true));
     }
 
     #[test]

@@ -64,7 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn weights_above_the_threshold_stay_and_carry_no_ridge() {
+    fn weights_above_the_threshold_stay_without_ridge_and_a_negative_one_is_refused() {
         let problem = diagonal(&[0.3, -0.05, 0.11, -0.4]);
 
         let plain = Stlsq::default().select(&problem).unwrap();
@@ -72,10 +72,6 @@ mod tests {
 
         assert_eq!([&plain.active, &ridged.active], [&[0, 2, 3], &[0, 2, 3]]);
         assert!((ridged.coefficients[0] - 0.3).abs() < 1e-15);
-    }
-
-    #[test]
-    fn a_negative_threshold_is_refused() {
         let refused = Stlsq { threshold: -1.0, ..Stlsq::default() }.select(&diagonal(&[1.0]));
 
         assert!(matches!(refused, Err(SparseError::Setting { setting: "threshold", .. })));

@@ -121,7 +121,7 @@ fn the_elbow_counts_planted_clusters() {
 }
 
 #[test]
-fn a_shapeless_cloud_is_one_cluster() {
+fn a_shapeless_cloud_is_one_cluster_and_so_is_one_without_spread() {
     for seed in 0..5 {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let uniform: Vec<[f64; 2]> =
@@ -131,10 +131,6 @@ fn a_shapeless_cloud_is_one_cluster() {
         assert_eq!(clusters_found(&uniform), 1, "uniform, seed {seed}");
         assert_eq!(clusters_found(&round), 1, "normal, seed {seed}");
     }
-}
-
-#[test]
-fn a_curve_without_spread_has_one_cluster() {
     assert_eq!(elbow(&[]), 0);
     assert_eq!(elbow(&[3.0]), 1);
     assert_eq!(elbow(&[0.0, 0.0, 0.0]), 1);

@@ -104,7 +104,7 @@ mod tests {
     use Pattern::{Standstill, VariableVelocity};
 
     #[test]
-    fn trajectories_are_strung_together_with_a_gap() {
+    fn trajectories_are_strung_together_with_a_gap_over_which_no_band_reaches() {
         let clock = Clock::new(&[1.7e9, 1.7e9 + 0.5, 1.7e9 + 1.0, 0.0, 0.5, 90.0]);
 
         assert_eq!(clock.t, [0.0, 0.5, 1.0, 1.5, 2.0, 2.5]);
@@ -112,10 +112,6 @@ mod tests {
         assert_eq!((curve[2], curve[4]), ([1.0, 2.0], [1.5, 3.0]));
         assert!(curve[3][1].is_nan() && curve[6][1].is_nan());
         assert_eq!(curve.len(), 8);
-    }
-
-    #[test]
-    fn a_band_reaches_to_the_next_pattern_but_not_over_a_break() {
         let clock = Clock::new(&[0.0, 1.0, 2.0, 3.0, 0.0, 1.0]);
         let patterns =
             [Standstill, Standstill, VariableVelocity, Standstill, Standstill, Standstill];

@@ -58,12 +58,8 @@ mod tests {
     }
 
     #[test]
-    fn both_themes_have_the_same_roles() {
+    fn both_themes_have_the_same_roles_and_the_light_one_is_the_paper_of_the_svg_figures() {
         assert_eq!(names(LIGHT), names(DARK));
-    }
-
-    #[test]
-    fn the_light_theme_is_the_paper_of_the_svg_figures() {
         let others = [Colour::Measured, Colour::Faded, Colour::Series(0), Colour::Series(99)];
 
         for colour in Pattern::ALL.map(Colour::Pattern).into_iter().chain(others) {

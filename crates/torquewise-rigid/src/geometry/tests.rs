@@ -25,7 +25,7 @@ fn right_angles_are_the_six_directions_of_the_frame_before() {
 }
 
 #[test]
-fn the_nearest_right_angle_of_one_is_itself() {
+fn the_nearest_right_angle_of_one_is_itself_and_of_an_axis_turned_back_keeps_its_frame() {
     for right in RIGHT_ANGLES {
         let near = [right[0] + 0.1, right[1] - 0.2];
 
@@ -33,10 +33,6 @@ fn the_nearest_right_angle_of_one_is_itself() {
 
         assert_relative_eq!(found, axis(right), epsilon = 1e-14);
     }
-}
-
-#[test]
-fn an_axis_turned_back_is_snapped_without_turning_its_frame() {
     // Half a turn about x − y, which no right angle is written as.
     let size = (PI - 0.1) / 2.0_f64.sqrt();
 
@@ -47,7 +43,7 @@ fn an_axis_turned_back_is_snapped_without_turning_its_frame() {
 }
 
 #[test]
-fn snapping_moves_what_is_near_and_frees_what_is_far() {
+fn snapping_moves_what_is_near_and_frees_what_is_far_such_as_a_tilted_base() {
     let far = [0.7, 0.1, 0.2, -0.3];
     let near = [FRAC_PI_2 + 0.05, -0.02, 0.01, 0.4];
     let geometry = Geometry::new(&[&[0.02, -0.03], &far[..], &near[..]].concat()).unwrap();
@@ -58,10 +54,6 @@ fn snapping_moves_what_is_near_and_frees_what_is_far() {
     let expected = [0.0, 0.0, 0.7, 0.1, 0.2, -0.3, FRAC_PI_2, 0.0, 0.01, 0.4];
     assert_eq!(snapped.parameters(), expected);
     assert_eq!(free, [2, 3, 4, 5, 8, 9]);
-}
-
-#[test]
-fn a_tilted_base_and_nothing_else_may_stay_free() {
     let geometry = Geometry::new(&[0.3, 0.0, 0.0, 0.01, 0.0, 0.0]).unwrap();
 
     let (snapped, free) = geometry.snapped(0.1);
@@ -91,19 +83,16 @@ fn an_axis_turned_across_leaves_those_beyond_where_they_were() {
 }
 
 #[test]
-fn gravity_of_a_straight_chain_points_down() {
-    let [x, y, z] = Geometry::straight(3).gravity();
+fn gravity_of_a_straight_chain_points_down_and_turns_with_a_tilt() {
+    for (geometry, tilt) in
+        [(Geometry::straight(3), 0.0_f64), (Geometry::new(&[0.2, 0.0]).unwrap(), 0.2)]
+    {
+        let [x, y, z] = geometry.gravity();
 
-    assert_relative_eq!(Vector3::new(x, y, z), -super::GRAVITY * Vector3::z());
-}
-
-#[test]
-fn a_tilt_about_x_turns_gravity_towards_y() {
-    let [x, y, z] = Geometry::new(&[0.2, 0.0]).unwrap().gravity();
-
-    assert_relative_eq!(x, 0.0);
-    assert_relative_eq!(y, super::GRAVITY * 0.2_f64.sin(), epsilon = 1e-14);
-    assert_relative_eq!(z, -super::GRAVITY * 0.2_f64.cos(), epsilon = 1e-14);
+        assert_relative_eq!(x, 0.0);
+        assert_relative_eq!(y, super::GRAVITY * tilt.sin(), epsilon = 1e-14);
+        assert_relative_eq!(z, -super::GRAVITY * tilt.cos(), epsilon = 1e-14);
+    }
 }
 
 #[test]

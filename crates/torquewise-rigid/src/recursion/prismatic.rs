@@ -1,14 +1,14 @@
 //! Sliding joints in the recursion: a body slides along z of its frame, which keeps its direction
 //! (E26).
 
-use super::{Body, Moved, PER_BODY, Scalar, along_z, splat, splat3};
+use super::{Body, Moved, PER_BODY, Scalar, along_z, splat};
 use crate::geometry::Placement;
 use nalgebra::{Matrix3, Vector3};
 
 impl<T: Scalar> Body<T> {
     /// The body behind the next joint, which slides: p += q z, and 2 ω×z q̇ beside z q̈.
     pub(super) fn slid(&self, placement: &Placement, q: T, dq: T, ddq: T) -> Self {
-        let rotation: Matrix3<T> = splat3(&placement.rotation);
+        let rotation: Matrix3<T> = placement.rotation.map(T::splat);
         let origin: Vector3<T> = splat::<T>(&placement.origin) + rotation.column(2) * q;
         let omega: Vector3<T> = rotation.tr_mul(&self.omega);
         let alpha: Vector3<T> = rotation.tr_mul(&self.alpha);
@@ -18,15 +18,6 @@ impl<T: Scalar> Body<T> {
         let acceleration =
             rotation.tr_mul(&carried) + omega.cross(&along_z(dq + dq)) + along_z(ddq);
         Self { rotation, origin, omega, alpha, acceleration }
-    }
-
-    /// Force along a direction per unit of each parameter.
-    fn pushes(&self, along: &Vector3<T>) -> [T; PER_BODY] {
-        let (w, dw, a) = (&self.omega, &self.alpha, &self.acceleration);
-        // along·(ω̇×e + ω×(ω×e)) for the three unit vectors e at once.
-        let first = along.cross(dw) + w * w.dot(along) - along * w.dot(w);
-        let none = T::zero();
-        [along.dot(a), first.x, first.y, first.z, none, none, none, none, none, none]
     }
 }
 
@@ -38,8 +29,13 @@ impl<T: Scalar> Moved<T> {
             if k > joint {
                 along = body.rotation.tr_mul(&along);
             }
-            for (parameter, value) in body.pushes(&along).iter().enumerate() {
-                put(joint, PER_BODY * k + parameter, *value);
+            let (w, dw, a) = (&body.omega, &body.alpha, &body.acceleration);
+            // along·(ω̇×e + ω×(ω×e)) for the three unit vectors e at once; moments push nothing.
+            let first = along.cross(dw) + w * w.dot(&along) - along * w.dot(w);
+            let mut forces = [T::zero(); PER_BODY];
+            forces[..4].copy_from_slice(&[along.dot(a), first.x, first.y, first.z]);
+            for (parameter, value) in forces.into_iter().enumerate() {
+                put(joint, PER_BODY * k + parameter, value);
             }
         }
     }

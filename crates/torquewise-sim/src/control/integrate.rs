@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn the_error_follows_the_tolerance() {
+    fn the_error_follows_the_tolerance_and_a_polynomial_of_degree_five_is_exact() {
         for tolerance in [1e-6, 1e-9, 1e-12] {
             let [x, dx] = followed([1.0, 0.0], tolerance, 10.0, |x| [x[1], -x[0]]).unwrap();
 
@@ -133,14 +133,8 @@ mod tests {
             // Some dozens to hundreds of steps, each wrong by the tolerance at most.
             assert!(wrong < 300.0 * tolerance, "{wrong} at {tolerance}");
         }
-    }
-
-    #[test]
-    fn a_polynomial_of_degree_five_is_exact() {
-        // x₁ is the time, so that x₀ = t⁵ from t = 1 to 3.
+        // x₁ is the time, so that x₀ = t⁵ from t = 1 to 3; rounding only, of numbers up to 243.
         let [x, _] = followed([1.0; 2], 1e-3, 2.0, |x| [5.0 * x[1].powi(4), 1.0]).unwrap();
-
-        // Rounding only, of numbers up to 243.
         assert!((x - 243.0).abs() < 243.0 * 1e-13, "{x}");
     }
 

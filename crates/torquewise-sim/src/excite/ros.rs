@@ -109,12 +109,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn small_numbers_have_no_exponent_and_no_negative_zero() {
+    fn small_numbers_have_no_exponent_and_no_negative_zero_and_names_are_quoted() {
         assert_eq!(numbers(&[-1e-15, 1e-7, -2.5]), "[0.0, 0.000000100000, -2.500000000000]");
-    }
-
-    #[test]
-    fn names_are_quoted() {
         assert_eq!(quoted("on: \"\u{1}"), "\"on: \\\"\\u0001\"");
     }
 }

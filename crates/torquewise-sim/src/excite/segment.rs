@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn the_fastest_glide_just_reaches_a_limit() {
+    fn the_fastest_glide_just_reaches_a_limit_and_one_of_no_length_takes_no_time() {
         let by_speed = glide(&[-1.0, 0.0], &[2.0, 0.1], &LIMITS);
         let by_acceleration = glide(&[0.0, 0.0], &[0.1, -0.5], &LIMITS);
 
@@ -166,10 +166,6 @@ mod tests {
                 assert!(speed <= limits.velocity && acceleration <= limits.acceleration);
             }
         }
-    }
-
-    #[test]
-    fn a_way_of_no_length_takes_no_time_and_stays() {
         let segment = glide(&[0.3, 0.4], &[0.3, 0.4], &LIMITS);
 
         assert!(segment.seconds() <= 0.0);

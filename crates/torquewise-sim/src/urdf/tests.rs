@@ -103,25 +103,19 @@ fn a_prismatic_joint_slides_within_its_limits_and_needs_them() {
 }
 
 #[test]
-fn every_joint_that_may_not_move_is_named() {
-    for kind in ["floating", "planar", "spherical"] {
-        let error = refused(&two_joints("revolute", kind));
-
-        assert!(matches!(error, SimError::UnsupportedJoints { .. }), "{error:?}");
-        assert!(error.to_string().contains(&format!("`j2` ({kind})")), "{error}");
-    }
-}
-
-#[test]
-fn a_mimic_joint_is_refused_until_it_is_locked() {
+fn every_joint_that_may_not_move_is_named_and_one_that_follows_another_until_it_is_locked() {
     let mimic = joint("j2", "revolute", ["l1", "l2"], "<mimic joint='j1'/>");
     let first = joint("j1", "revolute", ["base", "l1"], "");
-    let text = robot(&[link("base"), link("l1"), link("l2"), first, mimic]);
+    let follows = robot(&[link("base"), link("l1"), link("l2"), first, mimic]);
+    let kinds = ["floating", "planar", "spherical"];
+    let others = kinds.map(|kind| (two_joints("revolute", kind), format!("`j2` ({kind})")));
+    for (text, named) in others.into_iter().chain([(follows.clone(), String::new())]) {
+        let error = refused(&text);
 
-    let error = refused(&text);
-
-    assert!(matches!(error, SimError::UnsupportedJoints { .. }), "{error:?}");
-    assert_eq!(Arm::from_urdf(&text, &["j2".into()]).unwrap().joints(), ["j1"]);
+        assert!(matches!(error, SimError::UnsupportedJoints { .. }), "{error:?}");
+        assert!(error.to_string().contains(&named), "{error}");
+    }
+    assert_eq!(Arm::from_urdf(&follows, &["j2".into()]).unwrap().joints(), ["j1"]);
 }
 
 #[test]
@@ -222,22 +216,17 @@ fn an_element_at_fault_is_named_with_its_line() {
 }
 
 #[test]
-fn elements_within_a_hundred_thousand_others_are_read_or_refused() {
+fn files_too_deep_with_entities_or_cut_anywhere_are_refused() {
+    let whole = two_joints("revolute", "revolute");
     let deep = format!("{}{}", "<a>".repeat(100_000), "</a>".repeat(100_000));
-    let text = two_joints("revolute", "revolute").replace("</robot>", &(deep + "</robot>"));
+    let text = whole.replace("</robot>", &(deep + "</robot>"));
 
-    assert!(matches!(refused(&"<a>".repeat(100_000)), SimError::Urdf { .. }));
-    assert!(Arm::from_urdf(&text, &[]).is_ok_and(|arm| arm.n_joints() == 2));
-}
-
-#[test]
-fn a_file_with_entities_or_cut_anywhere_is_refused() {
     let entities = "<!DOCTYPE a [<!ENTITY b 'bbbb'>]><robot name='&b;'/>";
-    let text = two_joints("revolute", "revolute");
-
-    assert!(matches!(refused(entities), SimError::Urdf { .. }));
-
-    for end in 0..text.len() {
-        assert!(Arm::from_urdf(&text[..end], &[]).is_err(), "cut at {end}");
+    for wrong in [&"<a>".repeat(100_000), entities] {
+        assert!(matches!(refused(wrong), SimError::Urdf { .. }));
+    }
+    assert!(Arm::from_urdf(&text, &[]).is_ok_and(|arm| arm.n_joints() == 2));
+    for end in 0..whole.len() {
+        assert!(Arm::from_urdf(&whole[..end], &[]).is_err(), "cut at {end}");
     }
 }

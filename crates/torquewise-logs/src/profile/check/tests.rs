@@ -56,7 +56,7 @@ fn every_key_is_read_and_written_again() {
 }
 
 #[test]
-fn what_is_not_understood_is_named_by_its_line() {
+fn what_is_not_understood_is_named_by_its_line_and_what_amperes_lack() {
     let unknown = message("joints = [\"a\"]\n\n[q]\ncolums = \"pos\"\n");
     assert!(unknown.starts_with("profile, line 4: unknown field `colums`"), "{unknown}");
     let syntax = message("rate = 100.0\nrobot = \n");
@@ -64,6 +64,8 @@ fn what_is_not_understood_is_named_by_its_line() {
     let kind = message("[q]\ncolumns = 3\n");
     assert!(kind.contains("line 2") && kind.contains("a prefix such as \"pos\""), "{kind}");
     assert!(message("[tau]\ngear = \"big\"\n").contains("a number, or a list"));
+    let amperes = message("[tau]\ncolumns = \"i\"\nunit = \"A\"\n");
+    assert!(amperes.contains("tau.unit has \"A\", expected torque_constant = ["), "{amperes}");
 }
 
 #[test]
@@ -82,13 +84,6 @@ fn lists_of_another_length_are_named_with_what_was_expected() {
     }
     let unnamed = message("[q]\ncolumns = [\"x\", \"y\"]\nscale = [1]\n");
     assert!(unnamed.contains("q.scale has 1 entries, expected 2") && unnamed.contains("q.columns"));
-}
-
-#[test]
-fn amperes_without_a_torque_constant_say_what_to_add() {
-    let message = message("[tau]\ncolumns = \"i\"\nunit = \"A\"\n");
-
-    assert!(message.contains("tau.unit has \"A\", expected torque_constant = ["), "{message}");
 }
 
 #[test]

@@ -40,33 +40,23 @@ fn noise_is_taken_from_standstill_where_there_is_some() {
 }
 
 #[test]
-fn the_step_of_an_encoder_is_found() {
+fn the_steps_of_an_encoder_and_of_a_current_are_found() {
     let step = 2.0 * std::f64::consts::PI / 16384.0;
-    let x: Vec<f64> =
+    let encoder: Vec<f64> =
         (0..3000).map(|k| ((0.01 * f64::from(k)).sin() / step).round() * step).collect();
+    let current: Vec<f64> = (0..500).map(|k| f64::from((k * 5) % 7) * 0.01 - 0.03).collect();
+    let never_alone: Vec<f64> =
+        (0..200).map(|k| 0.1 * f64::from([0, 2, 5, 9, 12][k % 5])).collect();
 
-    let found = quantisation(&x).unwrap();
+    let [encoder, current, never_alone] =
+        [encoder, current, never_alone].map(|x| quantisation(&x).unwrap());
 
-    assert_relative_eq!(found.step, step, max_relative = 1e-6);
-    assert!((found.levels - 2.0 / step).abs() < 2.0);
-}
-
-#[test]
-fn seven_levels_of_a_current_are_counted() {
-    let x: Vec<f64> = (0..500).map(|k| f64::from((k * 5) % 7) * 0.01 - 0.03).collect();
-
-    let found = quantisation(&x).unwrap();
-
-    assert_relative_eq!(found.step, 0.01, max_relative = 1e-9);
-    assert_relative_eq!(found.levels, 7.0);
-    assert_relative_eq!(found.share_of_deviation, 0.5, max_relative = 0.01);
-}
-
-#[test]
-fn a_step_that_never_occurs_alone_is_found() {
-    let x: Vec<f64> = (0..200).map(|k| 0.1 * f64::from([0, 2, 5, 9, 12][k % 5])).collect();
-
-    assert_relative_eq!(quantisation(&x).unwrap().step, 0.1, max_relative = 1e-9);
+    assert_relative_eq!(encoder.step, step, max_relative = 1e-6);
+    assert!((encoder.levels - 2.0 / step).abs() < 2.0);
+    assert_relative_eq!(current.step, 0.01, max_relative = 1e-9);
+    assert_relative_eq!(current.levels, 7.0);
+    assert_relative_eq!(current.share_of_deviation, 0.5, max_relative = 0.01);
+    assert_relative_eq!(never_alone.step, 0.1, max_relative = 1e-9);
 }
 
 #[test]

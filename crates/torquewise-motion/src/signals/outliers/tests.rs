@@ -16,28 +16,23 @@ fn torque(t: f64) -> f64 {
 }
 
 #[test]
-fn a_clean_torque_with_friction_steps_is_left_alone() {
-    let t = times(3000);
-    let clean: Vec<f64> = t.iter().map(|t| torque(*t)).collect();
-    let mut x = clean.clone();
-    let scale = spike_scale(&x);
+fn friction_that_steps_peaks_of_fast_sines_ramps_and_pulses_are_left_alone() {
+    let sine = |hz: f64| times(2000).iter().map(|t| (2.0 * PI * hz * t).sin()).collect();
+    let steps = times(3000).iter().map(|t| torque(*t)).collect();
+    let quantised_ramp = (0..4000).map(|k| (f64::from(k) * 0.013).round() * 0.01).collect();
+    let mut pulse_of_four_rows = vec![0.0; 200];
+    pulse_of_four_rows[100..104].fill(1.0);
+    let mut cases: Vec<(Vec<f64>, Option<f64>)> =
+        vec![(steps, None), (quantised_ramp, None), (pulse_of_four_rows, Some(1e-3))];
+    cases.extend([0.3, 2.0, 9.0, 17.0, 31.0].map(|hz| (sine(hz), None)));
+    for (case, (clean, scale)) in cases.into_iter().enumerate() {
+        let mut x = clean.clone();
+        let scale = scale.unwrap_or_else(|| spike_scale(&clean));
 
-    let rows = replace_outliers(&t, &mut x, scale);
+        let rows = replace_outliers(&times(x.len()), &mut x, scale);
 
-    assert_eq!(rows, [0; 0]);
-    assert_eq!(x, clean);
-}
-
-#[test]
-fn sharp_peaks_of_a_fast_sine_are_left_alone() {
-    let t = times(2000);
-    for frequency in [0.3, 2.0, 9.0, 17.0, 31.0] {
-        let mut x: Vec<f64> = t.iter().map(|t| (2.0 * PI * frequency * t).sin()).collect();
-        let scale = spike_scale(&x);
-
-        let rows = replace_outliers(&t, &mut x, scale);
-
-        assert_eq!(rows, [0; 0], "{frequency} Hz");
+        assert_eq!(rows, [0; 0], "case {case}");
+        assert_eq!(x, clean, "case {case}");
     }
 }
 
@@ -72,24 +67,4 @@ fn white_noise_is_no_spike() {
 
     // Six deviations and more: 4e-5 rows of 20 000 if the deviation were known exactly.
     assert!(rows.len() <= 2, "{rows:?}");
-}
-
-#[test]
-fn a_quantised_ramp_is_left_alone() {
-    let mut x: Vec<f64> = (0..4000).map(|k| (f64::from(k) * 0.013).round() * 0.01).collect();
-
-    let scale = spike_scale(&x);
-    let rows = replace_outliers(&times(4000), &mut x, scale);
-
-    assert_eq!(rows, [0; 0]);
-}
-
-#[test]
-fn a_pulse_of_four_rows_is_no_spike() {
-    let mut x = vec![0.0; 200];
-    x[100..104].fill(1.0);
-
-    let rows = replace_outliers(&times(200), &mut x, 1e-3);
-
-    assert_eq!(rows, [0; 0]);
 }

@@ -69,19 +69,13 @@ fn hostile_words_stay_words() {
 }
 
 #[test]
-fn a_page_asks_for_nothing_from_elsewhere() {
+fn a_page_asks_for_nothing_from_elsewhere_and_each_chart_has_a_number_of_its_own() {
     let html = page("plain").to_html().unwrap();
 
     for asking in ["src=\"", "href=\"http", "url(http", "@import", "fetch(", "XMLHttpRequest"] {
         assert!(!html.contains(asking), "{asking}");
     }
     assert!(html.contains("default-src 'none'"), "and the browser is told so");
-}
-
-#[test]
-fn each_chart_has_a_number_of_its_own() {
-    let html = page("plain").to_html().unwrap();
-
     for chart in ["chart-1", "chart-2", "chart-3"] {
         assert_eq!(html.matches(&format!("id=\"{chart}\"")).count(), 1, "{chart}");
     }
