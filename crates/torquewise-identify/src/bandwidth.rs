@@ -23,6 +23,9 @@ const WIDER: f64 = 2.5;
 /// A chain that was searched at a bandwidth this little worse than the best need not be searched
 /// again there.
 const NEAR: f64 = 0.02;
+/// Near a reversal friction that no law holds looks like a torque that is early: a delay is judged by
+/// rows at which a joint has more than this part of its RMS speed.
+const SLOW: f64 = 0.1;
 /// A delay must lower the error by this part, and by so many standard errors of the gain over the
 /// blocks: what friction lacks can pass for a small one.
 const LEAST_GAIN: f64 = 0.03;
@@ -132,7 +135,7 @@ impl Grid {
         let none = no_delay(logs);
         let mut cutoffs = cutoffs(logs, (request, none), watch)?;
         let Some(cutoff) = lowest_near_best(&cutoffs) else { return Ok(None) };
-        let delays = at(logs, request, (cutoff, &logs.delays()), watch)?;
+        let delays = at(logs, request, (cutoff, &logs.delays()), SLOW, watch)?;
         let delay = clear_delay(&delays, none).unwrap_or(none);
         if !is_same(delay, none) {
             cutoffs = self::cutoffs(logs, (request, delay), watch)?;
@@ -215,7 +218,8 @@ fn cutoffs(
     watch: Watch<'_>,
 ) -> Result<Vec<Tried>, IdentifyError> {
     let all = |cutoffs: Vec<f64>| -> Result<Vec<Tried>, IdentifyError> {
-        let found = cutoffs.par_iter().map(|&cutoff| at(logs, request, (cutoff, &[delay]), watch));
+        let found =
+            cutoffs.par_iter().map(|&cutoff| at(logs, request, (cutoff, &[delay]), 0.0, watch));
         Ok(found.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
     };
     let cutoffs = logs.cutoffs();
@@ -234,6 +238,7 @@ fn at(
     logs: &impl RawRecording,
     request: &Request,
     (cutoff, delays): (f64, &[f64]),
+    slow: f64,
     watch: Watch<'_>,
 ) -> Result<Vec<Tried>, IdentifyError> {
     Progress::Working.tell(watch)?;
@@ -241,7 +246,7 @@ fn at(
     let Some(Band { motion, torques }) = band else { return Ok(Vec::new()) };
     let targets: Vec<_> = torques.iter().map(|torque| (&torque.filtered, &torque.raw)).collect();
     let (at, blocks) = (request.linearisation().narrowed(), even_blocks(&motion));
-    let unseen = Unseen::new(&at, &motion, &targets, &blocks)?;
+    let unseen = Unseen::new(&at, &motion, &targets, &blocks, slow)?;
     let errors = unseen.and_then(|unseen| unseen.errors_of_all());
     let tried = torques.iter().zip(errors.into_iter().flatten());
     Ok(tried.map(|(torque, errors)| Tried { cutoff, delay: torque.delay, errors }).collect())

@@ -161,21 +161,33 @@ struct JointRows {
 type Sums = (Mat<f64>, Mat<f64>);
 
 impl<'a> Unseen<'a> {
+    /// - `slow`: rows at which a joint is slower than this part of its RMS speed do not count for it
     /// - returns: `None` where there are too few rows
     pub(crate) fn new(
         at: &Linearisation,
         motion: &Motion,
         targets: &'a [Target<'a>],
         blocks: &'a [HeldOut],
+        slow: f64,
     ) -> Result<Option<Self>, IdentifyError> {
-        if motion.n_rows() < CHOICE_ROWS {
+        let m = motion.n_rows();
+        if m < CHOICE_ROWS {
             return Ok(None);
         }
-        let columns = at.columns_of(motion)?;
-        Ok(Self::of_columns(columns, motion.n_rows(), targets, blocks))
+        let (mut columns, mut weights) = at.columns_of(motion)?;
+        for (joint, weights) in weights.chunks_mut(m).enumerate() {
+            let dq = motion.dq().col(joint);
+            let slow = slow * dq.norm_l2() / (m as f64).sqrt();
+            for row in (0..m).filter(|row| dq[*row].abs() < slow) {
+                weights[row] = 0.0;
+                columns.row_mut(joint * m + row).fill(0.0);
+            }
+        }
+        Ok(Self::of_columns((columns, weights), m, targets, blocks))
     }
 
-    /// - `columns`: (m·n)×p, joint by joint, and what each row was multiplied by, m·n
+    /// - `columns`: (m·n)×p, joint by joint, and what each row was multiplied by, m·n; a row that was
+    ///   multiplied by 0 does not count
     /// - returns: `None` where there are too few rows
     pub(crate) fn of_columns(
         (all, weights): (Mat<f64>, Vec<f64>),
@@ -257,6 +269,7 @@ impl<'a> Unseen<'a> {
                     let fitted = &held * picked(&solved[b], &places, &all_of(self.targets.len()));
                     for (k, (_, target)) in self.targets.iter().enumerate() {
                         let left = block.rows.iter().zip(fitted.col(k).iter());
+                        let left = left.filter(|(row, _)| weights[**row] != 0.0);
                         let square = |(&row, x): (&usize, &f64)| {
                             (target[(row, joint)] - x / weights[row]).powi(2)
                         };

@@ -86,16 +86,17 @@ impl Prior {
     /// The lower triangle of [`Self::add_hessian`].
     fn add_certainty(&self, x: &[f64], strength: f64, hessian: &mut Mat<f64>) {
         let at = |positive: &Positive| positive.value(x).max(positive.nominal);
-        self.add_slopes(x, strength, at, (&mut vec![0.0; x.len()], hessian));
+        self.add_slopes(x, [strength; 2], at, (&mut vec![0.0; x.len()], hessian));
     }
 
-    /// Adds `strength` times the gradient of Ψ at x and the lower triangle of its Hessian.
+    /// Adds strengths times the gradient of Ψ at x and the lower triangle of its Hessian.
     ///
+    /// - `strengths`: that of the gradient, that of the Hessian
     /// - `at`: where what must be positive is taken to be
     fn add_slopes(
         &self,
         x: &[f64],
-        strength: f64,
+        [strength, stiffness]: [f64; 2],
         at: impl Fn(&Positive) -> f64,
         (gradient, hessian): (&mut [f64], &mut Mat<f64>),
     ) {
@@ -108,14 +109,14 @@ impl Prior {
             for i in 0..PER_BODY {
                 gradient[first + i] += strength * slope[i];
                 for j in 0..=i {
-                    hessian[(first + i, first + j)] += strength * curvature[i][j];
+                    hessian[(first + i, first + j)] += stiffness * curvature[i][j];
                 }
             }
         }
         for positive in &self.positive {
             let value = at(positive);
             let slope = strength * positive.weight * (1.0 / positive.nominal - 1.0 / value);
-            let curvature = strength * positive.weight / (value * value);
+            let curvature = stiffness * positive.weight / (value * value);
             for &(j, b) in &positive.terms {
                 gradient[j] += slope * b;
                 let column = hessian.col_as_slice_mut(j);
@@ -125,7 +126,7 @@ impl Prior {
         }
         for &(k, sigma) in &self.small {
             gradient[k] += strength * x[k] / (sigma * sigma);
-            hessian[(k, k)] += strength / (sigma * sigma);
+            hessian[(k, k)] += stiffness / (sigma * sigma);
         }
     }
 }
@@ -160,34 +161,56 @@ pub fn minimise(
     strength: f64,
     start: &[f64],
 ) -> Result<Vec<f64>, ChainError> {
+    minima(cost, prior, &[strength], start).map(|mut found| found.swap_remove(0))
+}
+
+/// The same for each of falling strengths, from the minimum at the one before.
+///
+/// # Errors
+/// As [`minimise`].
+pub fn minima(
+    cost: Quadratic<'_>,
+    prior: &Prior,
+    strengths: &[f64],
+    start: &[f64],
+) -> Result<Vec<Vec<f64>>, ChainError> {
     // Where no prior counts.
     let least = Factored::new(cost.hessian.clone()).map(|factor| factor.solve(cost.right));
     let gain = least.map_or(f64::INFINITY, |least| cost.value(start) - cost.value(&least));
-    let mut strengths = vec![strength];
-    let mut own = strength;
-    while gain > own * start.len() as f64 && strengths.len() < STRENGTHS {
-        own /= FALL;
-        strengths.push(own);
+    let stronger = |own: &f64| (gain > own * start.len() as f64).then_some(own / FALL);
+    let way = std::iter::successors(strengths.first().copied(), stronger).take(STRENGTHS).skip(1);
+    let on_the_way: Vec<f64> = way.collect();
+    let (mut x, mut before) = (start.to_vec(), None);
+    for own in on_the_way.into_iter().rev() {
+        x = descend(cost, prior, (own, before, NEAR * own), x)?;
+        before = Some(own);
     }
-    let fall = |x: Vec<f64>, own: f64| {
-        let near = if own > strength { NEAR * own } else { SETTLED };
-        descend(cost, prior, (own, near), x)
+    let each = |own: &f64| {
+        x = descend(cost, prior, (*own, before, SETTLED), std::mem::take(&mut x))?;
+        before = Some(*own);
+        Ok(x.clone())
     };
-    strengths.into_iter().rev().try_fold(start.to_vec(), fall)
+    strengths.iter().map(each).collect()
 }
 
 /// Newton's method at one strength, at most 60 steps, until its decrement is below what is near enough.
+///
+/// - `before`: the strength whose minimum x is. The first step follows the minimum from there, along
+///   its slope by the strength: Newton's own, of a prior so much weaker, would lead out of what is
+///   feasible.
 fn descend(
     cost: Quadratic<'_>,
     prior: &Prior,
-    (strength, near): (f64, f64),
+    (strength, mut before, near): (f64, Option<f64>, f64),
     mut x: Vec<f64>,
 ) -> Result<Vec<f64>, ChainError> {
     let value = |x: &[f64]| prior.value(x).map(|psi| cost.value(x) + strength * psi);
     let mut current = value(&x).ok_or(ChainError::Singular)?;
     for _ in 0..ROUNDS {
-        let (step, decrement) = newton_step(cost, prior, strength, &x)?;
-        if decrement < near {
+        let follows = before.is_some();
+        let strengths = [strength, before.take().unwrap_or(strength)];
+        let (step, decrement) = newton_step(cost, prior, strengths, &x)?;
+        if decrement < near && !follows {
             break;
         }
         let (mut share, mut taken) = (1.0, false);
@@ -201,7 +224,7 @@ fn descend(
             }
             share *= 0.5;
         }
-        if !taken {
+        if !taken && !follows {
             // What is left to gain is rounding.
             break;
         }
@@ -224,16 +247,18 @@ pub fn curvature(
     Factored::new(hessian)
 }
 
+/// - `strengths`: of the prior in the gradient and in the Hessian
+/// - returns: the step and its decrement
 fn newton_step(
     cost: Quadratic<'_>,
     prior: &Prior,
-    strength: f64,
+    strengths: [f64; 2],
     x: &[f64],
 ) -> Result<(Vec<f64>, f64), ChainError> {
     let hx = cost.hessian * ColRef::from_slice(x);
     let mut gradient: Vec<f64> = hx.iter().zip(cost.right).map(|(hx, b)| hx - b).collect();
     let mut hessian = cost.hessian.clone();
-    prior.add_slopes(x, strength, |positive| positive.value(x), (&mut gradient, &mut hessian));
+    prior.add_slopes(x, strengths, |positive| positive.value(x), (&mut gradient, &mut hessian));
     let step: Vec<f64> = Factored::new(hessian)?.solve(&gradient).iter().map(|d| -d).collect();
     let decrement = -step.iter().zip(&gradient).map(|(d, g)| d * g).sum::<f64>();
     if !decrement.is_finite() {
@@ -265,10 +290,11 @@ impl Factored {
             let below = matrix.col_as_slice_mut(j).iter_mut().zip(&scales).skip(j);
             below.for_each(|(x, own)| *x *= own * scales[j]);
         }
+        let mut before = 0.0;
         for jitter in JITTERS {
-            let mut shifted = matrix.clone();
-            (0..p).for_each(|j| shifted[(j, j)] += jitter);
-            if let Ok(factor) = shifted.llt(Side::Lower) {
+            (0..p).for_each(|j| matrix[(j, j)] += jitter - before);
+            before = jitter;
+            if let Ok(factor) = matrix.llt(Side::Lower) {
                 return Ok(Self { scales, factor });
             }
         }
@@ -335,9 +361,9 @@ mod tests {
         let (cost, strength) = (Quadratic { hessian: &hessian, right: &right }, 1e-2);
 
         let found = minimise(cost, &prior, strength, &nominal()).unwrap();
-        let direct = descend(cost, &prior, (strength, SETTLED), nominal().to_vec()).unwrap();
+        let direct = descend(cost, &prior, (strength, None, SETTLED), nominal().to_vec()).unwrap();
 
-        let (_, decrement) = newton_step(cost, &prior, strength, &found).unwrap();
+        let (_, decrement) = newton_step(cost, &prior, [strength; 2], &found).unwrap();
         assert!(decrement < 1e-5 * cost.value(&found).abs(), "{decrement:e}");
         assert!(cost.value(&found) < 1.4 * cost.value(&direct), "{:e}", cost.value(&direct));
     }

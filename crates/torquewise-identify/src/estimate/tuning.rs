@@ -5,19 +5,16 @@ use super::step::{Step, Tuning};
 use faer::Mat;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
-use torquewise_rigid::feasible::minimise;
+use torquewise_rigid::feasible::minima;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::{CvScore, listed, mean};
 
 /// The choice of the prior's strength, as the model file has it.
 const STRENGTH: &str = "strength of the physical prior";
-/// Strengths of the prior that are tried, the strongest first, in units of what one independent
-/// row determines.
+/// Strengths of the prior that are tried, the strongest first, in units of what one independent row
+/// determines. Weaker ones would leave to noise what the log does not tell, and no held-out row of the
+/// same log would object.
 const STRENGTHS: [f64; 9] = [1e3, 1e2, 30.0, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03];
-/// Weaker ones leave to noise what the log does not tell, and no held-out row of the same log would
-/// object: each is taken only if the error is lower than before by a part that is worth it.
-const WEAKER: [f64; 3] = [0.01, 0.003, 0.001];
-const WORTH: f64 = 0.01;
 /// The strength where a log is too short to choose one.
 const USUAL_STRENGTH: f64 = 10.0;
 /// Fewer folds with rows are too few to choose by.
@@ -30,23 +27,16 @@ impl Step<'_> {
     /// of the geometry is that of arms, and counts as one independent row.
     pub(super) fn tuning(&self, active: &[usize]) -> Result<Tuning, IdentifyError> {
         let prior = self.repeats;
-        let strengths: Vec<f64> =
-            STRENGTHS.iter().chain(&WEAKER).map(|strength| strength * prior).collect();
+        let strengths = STRENGTHS.map(|strength| strength * prior);
         let linear = self.at.linear_indices();
         let Some(errors) = self.errors(&linear, &strengths, prior)? else {
             let strength = USUAL_STRENGTH * prior;
             return Ok(Tuning { strength, prior, choice: None, errors: Vec::new() });
         };
         let means: Vec<f64> = errors.iter().map(|errors| mean(errors)).collect();
-        let usual = 0..STRENGTHS.len();
-        let mut place = usual.min_by(|&a, &b| means[a].total_cmp(&means[b])).unwrap_or(0);
-        while place + 1 >= STRENGTHS.len()
-            && means.get(place + 1).is_some_and(|weaker| *weaker < (1.0 - WORTH) * means[place])
-        {
-            place += 1;
-        }
+        let place = (0..means.len()).min_by(|&a, &b| means[a].total_cmp(&means[b])).unwrap_or(0);
         let strength = strengths[place];
-        let trials: Vec<CvScore> = (STRENGTHS.iter().chain(&WEAKER).zip(&errors))
+        let trials: Vec<CvScore> = (STRENGTHS.iter().zip(&errors))
             .map(|(strength, errors)| CvScore {
                 label: strength.to_string(),
                 complexity: active.len(),
@@ -81,14 +71,11 @@ impl Step<'_> {
         }
         let of_fold = |&fold: &usize| {
             let (held, rest, share) = self.without(fold);
-            let mut x: Vec<f64> = active.iter().map(|&k| self.start[k]).collect();
-            let mut errors = Vec::with_capacity(strengths.len());
-            for strength in strengths {
-                let rest = rest.of(active, self.at, (share * prior, 0.0));
-                x = minimise(rest.quadratic(), &self.prior, *strength, &x)?;
-                errors.push(self.error(&held, fold, &self.whole(active, &x)));
-            }
-            Ok(errors)
+            let start: Vec<f64> = active.iter().map(|&k| self.start[k]).collect();
+            let rest = rest.of(active, self.at, (share * prior, 0.0));
+            let found = minima(rest.quadratic(), &self.prior, strengths, &start)?;
+            let error = |x: &Vec<f64>| self.error(&held, fold, &self.whole(active, x));
+            Ok(found.iter().map(error).collect::<Vec<f64>>())
         };
         let by_fold = folds.par_iter().map(of_fold).collect::<Result<Vec<_>, IdentifyError>>()?;
         let of = |k: usize| by_fold.iter().map(|errors| errors[k]).collect();

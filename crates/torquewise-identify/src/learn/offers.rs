@@ -220,7 +220,7 @@ impl ChainLearner<'_> {
         let (tau, at) = (motion.require_tau()?.to_owned(), self.library(chain, library));
         let blocks = regions(&motion, self.motion.n_rows().div_ceil(motion.n_rows().max(1)));
         let target = [(&tau, &tau)];
-        let Some(unseen) = Unseen::new(&at, &motion, &target, &blocks)? else {
+        let Some(unseen) = Unseen::new(&at, &motion, &target, &blocks, 0.0)? else {
             return Ok(Vec::new());
         };
         let bodies = at.linear.len() - at.structure.drive.len();
