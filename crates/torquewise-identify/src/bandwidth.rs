@@ -23,8 +23,8 @@ const WIDER: f64 = 2.5;
 /// A chain that was searched at a bandwidth this little worse than the best need not be searched
 /// again there.
 const NEAR: f64 = 0.02;
-/// Near a reversal friction that no law holds looks like a torque that is early: a delay is judged by
-/// rows at which a joint has more than this part of its RMS speed.
+/// Near a reversal friction that no law holds looks like a torque that is early: a delay must be better
+/// than none also by the rows at which a joint has more than this part of its RMS speed.
 const SLOW: f64 = 0.1;
 /// A delay must lower the error by this part, and by so many standard errors of the gain over the
 /// blocks: what friction lacks can pass for a small one.
@@ -135,8 +135,15 @@ impl Grid {
         let none = no_delay(logs);
         let mut cutoffs = cutoffs(logs, (request, none), watch)?;
         let Some(cutoff) = lowest_near_best(&cutoffs) else { return Ok(None) };
-        let delays = at(logs, request, (cutoff, &logs.delays()), SLOW, watch)?;
-        let delay = clear_delay(&delays, none).unwrap_or(none);
+        let delays = at(logs, request, (cutoff, &logs.delays()), 0.0, watch)?;
+        let mut delay = clear_delay(&delays, none).unwrap_or(none);
+        if !is_same(delay, none) {
+            let in_motion = at(logs, request, (cutoff, &[none, delay]), SLOW, watch)?;
+            let left = in_motion.iter().map(|tried| tried.errors.all());
+            if !left.is_sorted_by(|without, delayed| delayed < without) {
+                delay = none;
+            }
+        }
         if !is_same(delay, none) {
             cutoffs = self::cutoffs(logs, (request, delay), watch)?;
         }
@@ -181,7 +188,12 @@ impl Grid {
         let delays = self.delays.iter().map(|tried| of(tried, milliseconds(tried.delay))).collect();
         let mut choices = vec![
             choice("cut-off of the filter", hertz(cutoff), "lowest near the least error", cutoffs),
-            choice("delay of the torque", milliseconds(delay), "none but for a clear gain", delays),
+            choice(
+                "delay of the torque",
+                milliseconds(delay),
+                "none but for a clear gain, in motion too,",
+                delays,
+            ),
         ];
         choices.retain(|choice| choice.from.len() > 1);
         Ok(Tuned { recording, request, choices })
