@@ -136,12 +136,13 @@ impl Grid {
         let mut cutoffs = cutoffs(logs, (request, none), watch)?;
         let Some(cutoff) = lowest_near_best(&cutoffs) else { return Ok(None) };
         let delays = at(logs, request, (cutoff, &logs.delays()), 0.0, watch)?;
-        let mut delay = clear_delay(&delays, none).unwrap_or(none);
-        if !is_same(delay, none) {
-            let in_motion = at(logs, request, (cutoff, &[none, delay]), SLOW, watch)?;
-            let left = in_motion.iter().map(|tried| tried.errors.all());
-            if !left.is_sorted_by(|without, delayed| delayed < without) {
-                delay = none;
+        let mut delay = none;
+        if let Some(clear) = clear_delay(&delays, none) {
+            let in_motion = at(logs, request, (cutoff, &[none, clear]), SLOW, watch)?;
+            if let [without, with] = &in_motion[..]
+                && with.errors.all() < without.errors.all()
+            {
+                delay = clear;
             }
         }
         if !is_same(delay, none) {

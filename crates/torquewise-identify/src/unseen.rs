@@ -161,7 +161,7 @@ struct JointRows {
 type Sums = (Mat<f64>, Mat<f64>);
 
 impl<'a> Unseen<'a> {
-    /// - `slow`: rows at which a joint is slower than this part of its RMS speed do not count for it
+    /// - `slow`: rows at which a joint is slower than this part of its RMS speed leave nothing of it
     /// - returns: `None` where there are too few rows
     pub(crate) fn new(
         at: &Linearisation,
@@ -187,7 +187,7 @@ impl<'a> Unseen<'a> {
     }
 
     /// - `columns`: (m·n)×p, joint by joint, and what each row was multiplied by, m·n; a row that was
-    ///   multiplied by 0 does not count
+    ///   multiplied by 0 leaves nothing
     /// - returns: `None` where there are too few rows
     pub(crate) fn of_columns(
         (all, weights): (Mat<f64>, Vec<f64>),

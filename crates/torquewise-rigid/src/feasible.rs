@@ -181,19 +181,17 @@ pub fn minima(
     let least = Factored::new(cost.hessian.clone()).map(|factor| factor.solve(cost.right));
     let gain = least.map_or(f64::INFINITY, |least| cost.value(start) - cost.value(&least));
     let stronger = |own: &f64| (gain > own * start.len() as f64).then_some(own / FALL);
-    let way = std::iter::successors(strengths.first().copied(), stronger).take(STRENGTHS).skip(1);
-    let on_the_way: Vec<f64> = way.collect();
-    let (mut x, mut before) = (start.to_vec(), None);
-    for own in on_the_way.into_iter().rev() {
-        x = descend(cost, prior, (own, before, NEAR * own), x)?;
+    let stronger = std::iter::successors(strengths.first().copied(), stronger);
+    let on_the_way: Vec<f64> = stronger.take(STRENGTHS).skip(1).collect();
+    let falling = on_the_way.iter().rev().map(|own| (*own, NEAR * own));
+    let falling = falling.chain(strengths.iter().map(|own| (*own, SETTLED)));
+    let (mut x, mut before, mut found) = (start.to_vec(), None, Vec::new());
+    for (own, near) in falling {
+        x = descend(cost, prior, (own, before, near), x)?;
         before = Some(own);
+        found.push(x.clone());
     }
-    let each = |own: &f64| {
-        x = descend(cost, prior, (*own, before, SETTLED), std::mem::take(&mut x))?;
-        before = Some(*own);
-        Ok(x.clone())
-    };
-    strengths.iter().map(each).collect()
+    Ok(found.split_off(on_the_way.len()))
 }
 
 /// Newton's method at one strength, at most 60 steps, until its decrement is below what is near enough.
@@ -204,14 +202,15 @@ pub fn minima(
 fn descend(
     cost: Quadratic<'_>,
     prior: &Prior,
-    (strength, mut before, near): (f64, Option<f64>, f64),
+    (strength, before, near): (f64, Option<f64>, f64),
     mut x: Vec<f64>,
 ) -> Result<Vec<f64>, ChainError> {
     let value = |x: &[f64]| prior.value(x).map(|psi| cost.value(x) + strength * psi);
     let mut current = value(&x).ok_or(ChainError::Singular)?;
-    for _ in 0..ROUNDS {
+    for round in 0..ROUNDS {
+        let before = before.filter(|_| round == 0);
         let follows = before.is_some();
-        let strengths = [strength, before.take().unwrap_or(strength)];
+        let strengths = [strength, before.unwrap_or(strength)];
         let (step, decrement) = newton_step(cost, prior, strengths, &x)?;
         if decrement < near && !follows {
             break;

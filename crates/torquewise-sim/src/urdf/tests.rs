@@ -109,7 +109,7 @@ fn every_joint_that_may_not_move_is_named_and_one_that_follows_another_until_it_
     let follows = robot(&[link("base"), link("l1"), link("l2"), first, mimic]);
     let kinds = ["floating", "planar", "spherical"];
     let others = kinds.map(|kind| (two_joints("revolute", kind), format!("`j2` ({kind})")));
-    for (text, named) in others.into_iter().chain([(follows.clone(), String::new())]) {
+    for (text, named) in others.into_iter().chain([(follows.clone(), "`j2` (mimic)".to_owned())]) {
         let error = refused(&text);
 
         assert!(matches!(error, SimError::UnsupportedJoints { .. }), "{error:?}");
