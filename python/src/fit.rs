@@ -6,7 +6,7 @@ use crate::model::{Model, json};
 use crate::work::work;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use serde_json::{Map, Value};
+use serde_json::Map;
 use std::path::PathBuf;
 use std::sync::Arc;
 use torquewise::log::{Prepared, Rows};
@@ -56,9 +56,8 @@ pub(crate) fn fit_options(
         if ["urdf", "lock", "gravity"].contains(&name.as_str()) {
             continue;
         }
-        let known = FitOptions::of_keywords(&Map::from_iter([(name.clone(), Value::Null)]));
-        if let Err(error @ torquewise::Error::NoOption { .. }) = known {
-            return Err(raised(error));
+        if FitOptions::keywords().iter().all(|own| own.name != name) {
+            return Err(raised(torquewise::Error::NoOption { name }));
         }
         let text = dumps.call((&value,), Some(&whole)).and_then(|own| own.extract::<String>());
         let Ok(text) = text else {
@@ -71,6 +70,12 @@ pub(crate) fn fit_options(
     }
     let found = FitOptions::of_keywords(&keywords).map_err(raised)?;
     Ok(FitOptions { geometry: geometry(given, joints)?, ..found })
+}
+
+/// The options of a fit that are plain values, as JSON: the package lists the same.
+#[pyfunction]
+pub(crate) fn keywords() -> PyResult<String> {
+    json(&FitOptions::keywords())
 }
 
 /// The value of a keyword that is not one of JSON.

@@ -31,7 +31,7 @@ mod _core {
     #[pymodule_export]
     use crate::errors::{FitError, Interrupted, LogError, ModelError, TorquewiseError, UsageError};
     #[pymodule_export]
-    use crate::fit::{Fit, fit};
+    use crate::fit::{Fit, fit, keywords};
     #[pymodule_export]
     use crate::friction_state::FrictionState;
     #[pymodule_export]

@@ -1,23 +1,19 @@
 """Keywords are listed once: signatures, help, types and the engine name the same."""
 
 import inspect
+import json
+import os
 import pickle
 import pydoc
 import re
-import typing
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
 import torquewise
-from torquewise import FitOptions, LogOptions, Model, Summary, plot
-
-WORDS = {
-    name: typing.get_args(typing.get_args(eval(kind.__forward_arg__, vars(typing)))[0])
-    for name, kind in FitOptions.__annotations__.items()
-    if kind.__forward_arg__.startswith("Literal") and name != "filter"
-}
+from torquewise import FitOptions, LogOptions, Model, Summary, _core, plot
 
 
 def test_help_shows_every_keyword():
@@ -59,16 +55,44 @@ def test_signatures_name_each_option(function, options):
             assert own.default == (usual[name].default if name in usual else None)
 
 
-@pytest.mark.parametrize("name", WORDS)
-def test_words_are_those_of_the_engine(name, train):
-    with pytest.raises(ValueError) as caught:
-        torquewise.fit(train, **{name: "magic"}, progress=False)
+TYPES = {
+    "whole": "int",
+    "number": "float",
+    "switch": "bool",
+    "text": "str",
+    "texts": "Sequence[str]",
+}
+LISTED = Path(__file__).parent.parent / "package/torquewise/_engine_options.py"
 
-    told = str(caught.value).partition("expected one of ")[2].split("\n")[0]
-    assert told.split(", ") == list(WORDS[name])
+
+def test_options_of_the_package_are_those_of_the_engine():
+    lines = [
+        '"""Options of a fit that are plain values, as the engine lists them: written by its tests."""',
+        "",
+        "from __future__ import annotations",
+        "",
+        "from collections.abc import Sequence",
+        "from typing import Literal, TypedDict",
+        "",
+        "",
+        "class EngineOptions(TypedDict, total=False):",
+        '    """Keywords of :func:`torquewise.fit` that are plain values."""',
+        "",
+    ]
+    for keyword in json.loads(_core.keywords()):
+        words = ", ".join(f'"{word}"' for word in keyword.get("word", []))
+        kind = f"Literal[{words}]" if words else TYPES[next(k for k in keyword if k != "name")]
+        lines.append(f"    {keyword['name']}: {kind} | None")
+    text = "\n".join([*lines, ""])
+
+    if os.environ.get("TORQUEWISE_WRITE_DOCUMENTS"):
+        LISTED.write_text(text)
+    assert LISTED.read_text() == text, "write it anew with TORQUEWISE_WRITE_DOCUMENTS=1"
 
 
-def test_every_option_of_the_package_is_one_of_the_engine(train):
+def test_words_and_names_that_are_none_are_refused(train):
+    with pytest.raises(ValueError, match="expected one of energy, product, chain"):
+        torquewise.fit(train, library="magic", progress=False)
     with pytest.raises(torquewise.UsageError, match="librari"):
         torquewise.fit(train, librari="chain")
     for name in FitOptions.__annotations__.keys() - LogOptions.__annotations__.keys():

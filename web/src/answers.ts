@@ -31,7 +31,19 @@ export interface Found {
   ignored_columns: string[];
 }
 
+// An option of a fit, and what it is set to.
+export interface Keyword {
+  name: string;
+  word?: string[];
+  whole?: { start: number; end: number };
+  number?: null;
+  switch?: null;
+  text?: null;
+  texts?: null;
+}
+
 export interface Opened {
+  options: Keyword[];
   columns: Column[];
   suggestion?: { profile: Profile; reasons: string[]; is_complete: boolean };
   log?: { found: Found; warnings: string[]; is_filtered: boolean; profile: string | null };

@@ -4,7 +4,7 @@ import { ColumnsForm } from "./columns";
 import { byId, download, element, fill, list, number, table } from "./dom";
 import { chosen, optionsForm } from "./options";
 import { showResult, showScores } from "./result";
-import type { Fitted, Opened, Profile, Scores } from "./answers";
+import type { Fitted, Keyword, Opened, Profile, Scores } from "./answers";
 
 // The log in hand, and how it is read; nothing of it outlives the page.
 let files: File[] = [];
@@ -72,7 +72,8 @@ function open(own: File[], by: Profile | null): Promise<void> {
 }
 
 function showFound(opened: Opened): void {
-  const { found, warnings, is_filtered, profile: text } = opened.log!;
+  const { options, log } = opened;
+  const { found, warnings, is_filtered, profile: text } = log!;
   const patterns = found.patterns.map(({ name, rows }) => `${name} ${Math.round(100 * rows / Math.max(1, found.rows))} %`);
   fill(byId("found"), 
     element("h2", { id: "found-heading" }, "What is in it"),
@@ -86,16 +87,16 @@ function showFound(opened: Opened): void {
   byId("found").hidden = false;
   const form = element("form", { onsubmit: (event: Event) => {
     event.preventDefault();
-    void fit(form);
-  } }, element("p", { class: "actions" }, element("button", { class: "main", id: "run" }, "Find the equations of motion")), optionsForm());
+    void fit(form, options);
+  } }, element("p", { class: "actions" }, element("button", { class: "main", id: "run" }, "Find the equations of motion")), optionsForm(options));
   fill(byId("fit"), element("h2", { id: "fit-heading" }, "Fit"), form);
   byId("fit").hidden = false;
 }
 
-function fit(form: HTMLFormElement): Promise<void> {
+function fit(form: HTMLFormElement, keywords: Keyword[]): Promise<void> {
   return work(async () => {
     byId("result").hidden = true;
-    const { options, cutoff } = chosen(form);
+    const { options, cutoff } = chosen(form, keywords);
     const date = `${new Date().toISOString().slice(0, 16).replace("T", " ")} UTC`;
     const own = files;
     const answered = await ask<Fitted>({ ask: "fit", log: logAt(own, cutoff), options, date }, own, doing);

@@ -1,58 +1,62 @@
-// Options of a fit, in groups; those left as they are are chosen by the log.
+// Options of a fit as the engine lists them, in groups; those left as they are are chosen by the log.
 import { element } from "./dom";
+import type { Keyword } from "./answers";
 
-type Option =
-  | { name: string; label: string; words: readonly (readonly [string, string])[] }
-  | { name: string; label: string; least: number; most: number; step: "any" | 1 }
-  | { name: string; label: string; hint: string };
+const GROUPS: Record<string, string[]> = {
+  "What is fitted": ["library", "friction", "kinds", "counterbalance", "refine", "seed"],
+  "Signals": ["cutoff", "noise_correction"],
+  "Patterns of motion": ["activation", "clusters"],
+  "Terms of a library": ["method", "select", "threshold", "interaction", "trig_order", "gravity_order", "n_bootstrap"],
+};
 
-const GROUPS: { title: string; options: Option[] }[] = [
-  { title: "What is fitted", options: [
-    { name: "library", label: "Model", words: [["", "chosen by the log"], ["chain", "learned chain of rigid bodies"], ["energy", "energies M(q), V(q)"], ["product", "products of terms"]] },
-    { name: "friction", label: "Friction", words: [["", "chosen by held-out rows"], ["none", "none"], ["linear", "dry and viscous"], ["stribeck", "Stribeck"]] },
-    { name: "kinds", label: "Kinds of joints", hint: "r turns, p slides, as r,r,p" },
-    { name: "counterbalance", label: "Counterbalanced joints", hint: "their names, with commas" },
-  ] },
-  { title: "Signals", options: [
-    { name: "cutoff", label: "Cut-off of the filter [Hz]", least: 0, most: 1e5, step: "any" },
-    { name: "noise_correction", label: "Bias of noise", words: [["", "taken out"], ["false", "left in"]] },
-  ] },
-  { title: "Terms of a library", options: [
-    { name: "method", label: "Regression", words: [["", "stepwise, by pattern of motion"], ["sindy", "one-shot SINDy"]] },
-    { name: "select", label: "Selection", words: [["", "usual"], ["bic", "BIC"], ["lasso", "LASSO"], ["stlsq", "thresholds"]] },
-    { name: "threshold", label: "Least coefficient", least: 0, most: 1e9, step: "any" },
-    { name: "interaction", label: "Joint angles in a term", least: 1, most: 16, step: 1 },
-    { name: "trig_order", label: "Sines and cosines in a term", least: 1, most: 8, step: 1 },
-    { name: "n_bootstrap", label: "Resampled logs", least: 0, most: 1000, step: 1 },
-  ] },
-  { title: "Search", options: [
-    { name: "refine", label: "Refine", words: [["", "by torque alone"], ["rollout", "by simulated motion"]] },
-    { name: "seed", label: "Seed", least: 0, most: 4_294_967_295, step: 1 },
-  ] },
-];
+const LABELS: Record<string, string> = {
+  library: "Model", friction: "Friction", kinds: "Kinds of joints: r turns, p slides, as r,r,p",
+  counterbalance: "Counterbalanced joints: their names, with commas", refine: "Refine", seed: "Seed",
+  cutoff: "Cut-off of the filter [Hz]", noise_correction: "Bias of noise",
+  activation: "Activation index", clusters: "Clusters of rows",
+  method: "Regression", select: "Selection", threshold: "Least coefficient",
+  interaction: "Joint angles in a term", trig_order: "Sines and cosines in a term",
+  gravity_order: "The same in gravity's", n_bootstrap: "Resampled logs",
+};
 
-export function optionsForm(): HTMLElement {
-  const field = (option: Option) => element("label", { class: "field" },
-    element("span", {}, option.label),
-    "words" in option
-      ? element("select", { name: option.name }, ...option.words.map(([value, text]) => element("option", { value }, text)))
-      : "hint" in option
-        ? element("input", { name: option.name, placeholder: option.hint })
-        : element("input", { name: option.name, type: "number", min: option.least, max: option.most, step: option.step, placeholder: "usual" }));
-  return element("details", { class: "options" }, element("summary", {}, "Options"),
-    ...GROUPS.map(({ title, options }) => element("fieldset", {}, element("legend", {}, title), ...options.map(field))));
+const WORDS: Record<string, string> = {
+  chain: "learned chain of rigid bodies", energy: "energies M(q), V(q)", product: "products of terms",
+  linear: "dry and viscous", stribeck: "Stribeck", auto: "by held-out rows", rollout: "by simulated motion",
+  sindy: "one-shot SINDy", stepwise: "stepwise, by pattern of motion", bic: "BIC", lasso: "LASSO",
+  stlsq: "thresholds", scaled: "each joint by its range", paper: "constants of the paper",
+};
+
+// The filter goes with the log.
+const CUTOFF: Keyword = { name: "cutoff", number: null };
+
+function input(option: Keyword): HTMLElement {
+  const { name } = option;
+  const choice = (words: [string, string][]) => element("select", { name },
+    ...[["", "usual"], ...words].map(([value, text]) => element("option", { value }, text)));
+  if (option.word) return choice(option.word.map((word) => [word, WORDS[word] ?? word]));
+  if ("switch" in option) return choice([["true", "taken out"], ["false", "left in"]]);
+  if ("text" in option || "texts" in option) return element("input", { name, placeholder: "usual" });
+  const { start, end } = option.whole ?? { start: 0, end: Number.MAX_VALUE };
+  return element("input", { name, type: "number", min: start, max: end, step: option.whole ? 1 : "any", placeholder: "usual" });
 }
 
-export function chosen(form: HTMLFormElement): { options: Record<string, unknown>; cutoff: number | null } {
+export function optionsForm(keywords: Keyword[]): HTMLElement {
+  const all = new Map([...keywords, CUTOFF].map((option) => [option.name, option]));
+  return element("details", { class: "options" }, element("summary", {}, "Options"),
+    ...Object.entries(GROUPS).map(([title, names]) => element("fieldset", {}, element("legend", {}, title),
+      ...names.map((name) => element("label", { class: "field" }, element("span", {}, LABELS[name]!), input(all.get(name)!))))));
+}
+
+export function chosen(form: HTMLFormElement, keywords: Keyword[]): { options: Record<string, unknown>; cutoff: number | null } {
+  const given = (name: string) => (form.elements.namedItem(name) as HTMLInputElement | HTMLSelectElement).value.trim();
   const options: Record<string, unknown> = {};
-  for (const option of GROUPS.flatMap((group) => group.options)) {
-    const value = (form.elements.namedItem(option.name) as HTMLInputElement | HTMLSelectElement).value.trim();
+  for (const option of keywords) {
+    const value = given(option.name);
     if (value === "") continue;
-    if ("least" in option) options[option.name] = Number(value);
-    else if (option.name === "counterbalance") options[option.name] = value.split(/\s*,\s*/);
-    else options[option.name] = value === "false" ? false : value;
+    if (option.whole || "number" in option) options[option.name] = Number(value);
+    else if ("texts" in option) options[option.name] = value.split(/\s*,\s*/);
+    else options[option.name] = "switch" in option ? value === "true" : value;
   }
-  const cutoff = (options["cutoff"] as number | undefined) ?? null;
-  delete options["cutoff"];
-  return { options, cutoff };
+  const cutoff = given("cutoff");
+  return { options, cutoff: cutoff === "" ? null : Number(cutoff) };
 }

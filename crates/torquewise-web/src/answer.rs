@@ -100,7 +100,8 @@ impl LogAt {
 fn open(log: &LogAt, held: Held<'_>, observer: Observer<'_>) -> Result<Value, Error> {
     let inputs = log.inputs(held);
     let first = inputs.first().ok_or(LogError::NoFiles)?;
-    let mut found = json!({ "columns": preview(first, PREVIEW_ROWS)? });
+    let columns = preview(first, PREVIEW_ROWS)?;
+    let mut found = json!({ "columns": columns, "options": FitOptions::keywords() });
     if log.profile.is_none() {
         let suggestion = suggest(std::slice::from_ref(first))?;
         found["suggestion"] = json!({

@@ -1,7 +1,8 @@
 //! What can go wrong between a log and its model.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
-use crate::setting::{OF_FIT, Remedy, Wording};
+use crate::keywords::names;
+use crate::setting::{Remedy, Wording};
 use miette::Diagnostic;
 use torquewise_logs::LogError;
 use torquewise_model::ModelError;
@@ -47,7 +48,7 @@ pub enum Error {
     #[error("{setting}: {reason}")]
     WrongValue { setting: &'static str, reason: String },
     #[error("{name} is no option of a fit")]
-    #[diagnostic(help("choose among {}", OF_FIT.join(", ")))]
+    #[diagnostic(help("choose among {}", names().join(", ")))]
     NoOption { name: String },
     #[error("SINDy fits a library, not a chain")]
     #[diagnostic(help("choose the product library"))]

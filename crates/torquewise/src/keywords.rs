@@ -2,9 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::options::{FitOptions, Library};
-use crate::setting::OF_FIT;
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Map, Value, json};
+use std::ops::RangeInclusive;
 use torquewise_identify::plan::{FrictionKind, Refine, Regression};
 use torquewise_model::JointKind;
 use torquewise_regression::select::Selector;
@@ -13,14 +13,72 @@ use torquewise_regression::select::lasso::Lasso;
 use torquewise_regression::select::stlsq::Stlsq;
 use torquewise_stepwise::activation::Scaling;
 
+/// Options that are whole numbers, their bounds, and what they are set to.
+type Whole = (&'static str, RangeInclusive<u64>, fn(&FitOptions) -> Option<u64>);
+
+const WHOLE: [Whole; 6] = [
+    ("n_bootstrap", 0..=1_000, |own| own.n_bootstrap.map(|count| count as u64)),
+    ("interaction", 1..=16, |own| own.interaction.map(|count| count as u64)),
+    ("trig_order", 1..=8, |own| own.trig_order.map(u64::from)),
+    ("gravity_order", 1..=8, |own| own.gravity_order.map(u64::from)),
+    ("clusters", 1..=9, |own| own.clusters.map(|count| count as u64)),
+    ("seed", 0..=u64::MAX, |own| Some(own.seed)),
+];
+
+/// An option of a fit as other languages give it: what their own lists are written from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Keyword {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is set to.
+    #[serde(flatten)]
+    pub takes: Takes,
+}
+
+/// What an option is set to.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Takes {
+    /// One of these.
+    Word(Vec<&'static str>),
+    /// A whole number within bounds.
+    Whole(RangeInclusive<u64>),
+    /// A number, zero or more.
+    Number,
+    /// True or false.
+    Switch,
+    /// A text.
+    Text,
+    /// Texts.
+    Texts,
+}
+
 impl FitOptions {
+    /// All options that are plain values.
+    pub fn keywords() -> Vec<Keyword> {
+        let others = [
+            ("library", words::<Library>()),
+            ("method", words::<Regression>()),
+            ("friction", words::<FrictionKind>()),
+            ("kinds", Takes::Text),
+            ("counterbalance", Takes::Texts),
+            ("refine", words::<Refine>()),
+            ("select", words::<Selector>()),
+            ("threshold", Takes::Number),
+            ("noise_correction", Takes::Switch),
+            ("activation", words::<Scaling>()),
+        ];
+        let whole = WHOLE.map(|(name, bounds, _)| (name, Takes::Whole(bounds)));
+        others.into_iter().chain(whole).map(|(name, takes)| Keyword { name, takes }).collect()
+    }
+
     /// The options that keywords of another language say; those left out are the usual ones.
     ///
     /// # Errors
     /// [`Error::NoOption`], [`Error::WrongValue`].
     pub fn of_keywords(keywords: &Map<String, Value>) -> Result<Self> {
         for (name, value) in keywords {
-            let setting = OF_FIT.into_iter().find(|setting| setting == name);
+            let setting = names().into_iter().find(|setting| setting == name);
             let setting = setting.ok_or_else(|| Error::NoOption { name: name.clone() })?;
             let wrong = |reason| Error::WrongValue { setting, reason };
             // One by one, so that a complaint names the option.
@@ -35,15 +93,8 @@ impl FitOptions {
 
     /// Fails where a number is out of its bounds.
     pub(crate) fn check_bounds(&self) -> Result<()> {
-        let counts = [
-            ("interaction", self.interaction, 1..=16),
-            ("trig_order", self.trig_order.map(usize::from), 1..=8),
-            ("gravity_order", self.gravity_order.map(usize::from), 1..=8),
-            ("clusters", self.clusters, 1..=9),
-            ("n_bootstrap", self.n_bootstrap, 0..=1_000),
-        ];
-        for (setting, count, bounds) in counts {
-            if count.is_some_and(|count| !bounds.contains(&count)) {
+        for (setting, bounds, of) in WHOLE {
+            if of(self).is_some_and(|count| !bounds.contains(&count)) {
                 let [least, most] = [bounds.start(), bounds.end()];
                 let reason = format!("expected a number from {least} to {most}");
                 return Err(Error::WrongValue { setting, reason });
@@ -103,6 +154,14 @@ impl Word for Scaling {
     }
 }
 
+pub(crate) fn names() -> Vec<&'static str> {
+    FitOptions::keywords().iter().map(|own| own.name).collect()
+}
+
+fn words<T: Word>() -> Takes {
+    Takes::Word(T::all().into_iter().map(|(word, _)| word).collect())
+}
+
 pub(crate) fn word<'de, D: Deserializer<'de>, T: Word>(deserializer: D) -> Result<T, D::Error> {
     let word = String::deserialize(deserializer)?;
     let all = T::all();
@@ -125,4 +184,20 @@ pub(crate) fn some_word<'de, D: Deserializer<'de>, T: Word>(
     deserializer: D,
 ) -> Result<Option<T>, D::Error> {
     word(deserializer).map(Some)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_field_has_its_keyword() {
+        let told = FitOptions::deserialize(json!({ "": 0 })).unwrap_err().to_string();
+        let mut fields: Vec<&str> = told.split('`').skip(3).step_by(2).collect();
+        let mut keywords = names();
+        fields.sort_unstable();
+        keywords.sort_unstable();
+
+        assert_eq!(fields, keywords, "{told}");
+    }
 }

@@ -57,6 +57,7 @@ pub mod twin;
 pub use error::Error;
 pub use evaluate::{Evaluation, evaluate};
 pub use fit::{Fit, FitResult};
+pub use keywords::{Keyword, Takes};
 pub use log::{Filter, Log};
 /// Help of an [`Error`] is a method of this trait.
 pub use miette::Diagnostic;

@@ -2,26 +2,6 @@
 
 use std::fmt;
 
-/// Names of the options of a fit that are plain values.
-pub(crate) const OF_FIT: [&str; 16] = [
-    "library",
-    "method",
-    "friction",
-    "interaction",
-    "trig_order",
-    "gravity_order",
-    "select",
-    "threshold",
-    "n_bootstrap",
-    "kinds",
-    "counterbalance",
-    "noise_correction",
-    "refine",
-    "activation",
-    "clusters",
-    "seed",
-];
-
 /// How a front end words an option of a fit or an export by its name, or one with its value.
 pub type Wording = fn(&str, Option<&str>) -> String;
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict, TypeVar
 
 from numpy.typing import ArrayLike
 
+from ._engine_options import EngineOptions
+
 if TYPE_CHECKING:
     from typing_extensions import Unpack as Unpack
 
@@ -34,28 +36,12 @@ class LogOptions(TypedDict, total=False):
     delay: float | None
 
 
-class MethodOptions(TypedDict, total=False):
+class MethodOptions(EngineOptions, total=False):
     """Keywords of :func:`torquewise.fit` that are not about the log."""
 
-    library: Literal["energy", "product", "chain"] | None
-    method: Literal["stepwise", "sindy"] | None
-    friction: Literal["none", "linear", "stribeck", "auto"] | None
     urdf: Path | None
     lock: Sequence[str] | None
     gravity: Sequence[float] | None
-    kinds: str | None
-    counterbalance: Sequence[str] | None
-    refine: Literal["rollout"] | None
-    select: Literal["bic", "lasso", "stlsq"] | None
-    threshold: float | None
-    n_bootstrap: int | None
-    interaction: int | None
-    trig_order: int | None
-    gravity_order: int | None
-    noise_correction: bool | None
-    activation: Literal["scaled", "paper"] | None
-    clusters: int | None
-    seed: int | None
 
 
 class FitOptions(MethodOptions, LogOptions, total=False):
