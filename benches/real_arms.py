@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import torquewise
 from public_logs import (
     ARMS,
     PlainFriction,
@@ -29,6 +28,8 @@ from public_logs import (
 )
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
+
+import torquewise
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "real-arms.md"

@@ -75,8 +75,13 @@ def steps(peer, folder):
     found = {x: judged(reconstruct(x)) for x in (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)}
     best = min(found, key=lambda x: sum(found[x][0]))
     errors, active = found[best]
-    return {"seconds": spent, "active": active, "errors": errors, "best": f"threshold {best}",
-            "default_errors": found[0.1][0]}
+    return {
+        "seconds": spent,
+        "active": active,
+        "errors": errors,
+        "best": f"threshold {best}",
+        "default_errors": found[0.1][0],
+    }
 
 
 def many(peer, folder, repeats):

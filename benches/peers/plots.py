@@ -26,8 +26,13 @@ def candidates(found, axes):
     for color, (task, label) in enumerate(TASKS.items()):
         colors[task] = f"C{color}"
         times = [ours[size]["gram"][0] + ours[size][task][0] for size in sizes]
-        axes.loglog([int(size) for size in sizes], times, "o-", color=colors[task],
-                    label="torquewise, " + label)
+        axes.loglog(
+            [int(size) for size in sizes],
+            times,
+            "o-",
+            color=colors[task],
+            label="torquewise, " + label,
+        )
     peers = {size: found["peers"].get(f"candidates{size}", {}) for size in sizes}
     peers[sizes[-1]] = found["peers"]["library"]
     for name in peers[sizes[-1]]:
@@ -48,8 +53,9 @@ def rows(found, axes):
     peers = (("lstsq", "least squares", "numpy lstsq"), ("pysindy", "STLSQ", "PySINDy"))
     for color, (name, task, label) in enumerate(peers):
         times = {int(rows): own[name][0] for rows, own in ours}
-        axes.loglog(times.keys(), times.values(), "o-", color=f"C{color}",
-                    label="torquewise, " + task)
+        axes.loglog(
+            times.keys(), times.values(), "o-", color=f"C{color}", label="torquewise, " + task
+        )
         results = {rows: found["peers"].get(f"rows{rows}", {}).get(name, {}) for rows in times}
         theirs = {rows: own["seconds"][0] for rows, own in results.items() if "seconds" in own}
         axes.plot(theirs.keys(), theirs.values(), "x--", color=f"C{color}", label=label)

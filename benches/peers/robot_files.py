@@ -39,8 +39,9 @@ def in_mujoco(model, trajectories):
 
 
 def row(shared, profile, arm):
-    import torquewise
     from public_logs import band
+
+    import torquewise
 
     profile = ROOT / "profiles" / f"{profile}.toml"
     log = torquewise.read_log(shared / "data" / arm.log, profile=profile, repair=True)

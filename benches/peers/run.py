@@ -68,8 +68,11 @@ def percent(errors):
 
 def table(found, task):
     own = found["ours"].get(task, {})
-    lines = ["| peer | its seconds | evaluating the library | ours | ratio | with evaluation "
-             "| memory [MB] | gap | terms | errors [%] | best |", "|---" * 11 + "|"]
+    lines = [
+        "| peer | its seconds | evaluating the library | ours | ratio | with evaluation "
+        "| memory [MB] | gap | terms | errors [%] | best |",
+        "|---" * 11 + "|",
+    ]
     for name, result in found["peers"].get(task, {}).items():
         if "seconds" not in result:
             lines.append(f"| {name} | {result.get('failed', 'failed')} |" + " |" * 9)
@@ -131,8 +134,9 @@ def arguments():
 
 
 def versions(python):
-    listed = subprocess.run([python, "-m", "pip", "list", "--format=json"], capture_output=True,
-                            check=True, text=True)
+    listed = subprocess.run(
+        [python, "-m", "pip", "list", "--format=json"], capture_output=True, check=True, text=True
+    )
     needed = (HERE / "requirements.txt").read_text()
     found = {package["name"]: package["version"] for package in json.loads(listed.stdout)}
     return {name: version for name, version in found.items() if name.lower() + "==" in needed}

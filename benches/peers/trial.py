@@ -121,17 +121,17 @@ def lasso(peer, tol=GAP):
 def celer(tol):
     from celer import celer_path
 
-    return lambda x, y, lambdas: celer_path(
-        x, y, pb="lasso", alphas=lambdas, tol=tol, max_iter=1_000
-    )[1].T
+    return lambda x, y, lambdas: (
+        celer_path(x, y, pb="lasso", alphas=lambdas, tol=tol, max_iter=1_000)[1].T
+    )
 
 
 def sklearn(tol):
     from sklearn.linear_model import lasso_path
 
-    return lambda x, y, lambdas: lasso_path(
-        x, y, alphas=lambdas, precompute=True, tol=tol, max_iter=100_000
-    )[1].T
+    return lambda x, y, lambdas: (
+        lasso_path(x, y, alphas=lambdas, precompute=True, tol=tol, max_iter=100_000)[1].T
+    )
 
 
 def lars(_):

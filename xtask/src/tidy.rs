@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// Lines of a file of Rust, and of all of them.
 const MOST_LINES_OF_FILE: usize = 400;
-const MOST_LINES: usize = 80_066;
+const MOST_LINES: usize = 80_000;
 
 /// Prints every broken rule.
 pub(crate) fn run(root: &Path) -> Result<()> {

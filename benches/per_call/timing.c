@@ -1,5 +1,4 @@
-/* Nanoseconds of processor time per call of each function of exported code: name, median, least.
-   Before that its torque at some states: q, dq, ddq, tau of each joint. */
+/* Nanoseconds of processor time per call of each function of exported code: name, median, least. */
 
 #define _POSIX_C_SOURCE 199309L
 #define ARM_DECLARATIONS_ONLY
@@ -55,14 +54,6 @@ int main(void)
             dq[i][j] = within(1.0);
             ddq[i][j] = within(1.0);
         }
-    }
-    for (int i = 0; i < STATES; i++) {
-        arm_torque(q[i], dq[i], ddq[i], y);
-        printf("state");
-        for (int j = 0; j < N; j++) {
-            printf(" %.17g %.17g %.17g %.17g", q[i][j], dq[i][j], ddq[i][j], y[j]);
-        }
-        puts("");
     }
     TIME("torque", arm_torque(q[i], dq[i], ddq[i], y));
     TIME("gravity", arm_gravity(q[i], y));
