@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Arc;
 use torquewise::control::{
-    Drive, Law, Learned, Periodic, Plant, Run, Sensors, Tracking, compare, each, is_of_joints,
+    Actuator, Law, Learned, Periodic, Plant, Run, Sensors, Tracking, compare, each, is_of_joints,
     periodic,
 };
 use torquewise::dynamics::Friction;
@@ -70,7 +70,7 @@ pub(crate) fn control<'py>(
     };
     let (counts, noise, cutoff, noise_seed) = sensors;
     let sensors = Sensors { noise, cutoff, seed: noise_seed, ..Sensors::of_counts(counts) };
-    let drive = Drive::new(n, &torque_limit, delay);
+    let drive = Actuator::new(n, &torque_limit, delay);
     let plant = Plant { friction, drive, sensors, ..Plant::ideal(arm) };
     let wanted = desired(wanted, (waves, seed), &plant)?;
     let long = wanted.t().last().map_or(0.0, |end| end - wanted.t()[0]);

@@ -9,7 +9,7 @@ use numpy::ndarray::Array2;
 use pyo3::prelude::*;
 use std::sync::Arc;
 use torquewise::external::ExternalOptions;
-use torquewise::payload::Place;
+use torquewise::payload::LoadPlace;
 
 /// External torque of a log: rows of t, n torques and n thresholds, how these were set and contacts as JSON.
 #[pyfunction]
@@ -72,7 +72,7 @@ pub(crate) fn payload(
     center: Option<[f64; 3]>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(String, Vec<String>, Model)> {
-    let Some(place) = Place::named(&model.model, link, center) else {
+    let Some(place) = LoadPlace::named(&model.model, link, center) else {
         return wrong(format!("link: no link of the model is called {}", link.unwrap_or("")));
     };
     let (model, log) = (Arc::clone(&model.model), log.log.clone());
@@ -98,7 +98,7 @@ pub(crate) fn gains(
     if !(mass > 0.0 && mass <= 1e4) {
         return wrong("mass: expected a number above 0, at most 10000 kg".to_owned());
     }
-    let Some(place) = Place::named(&model.model, None, None) else {
+    let Some(place) = LoadPlace::named(&model.model, None, None) else {
         return wrong("model: expected joints".to_owned());
     };
     let (model, log) = (Arc::clone(&model.model), log.log.clone());

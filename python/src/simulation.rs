@@ -12,7 +12,8 @@ use torquewise::dynamics::{
     Arm, Friction, MotionKind, MotionPlan, Noise, SimulatedLog, add_noise, arms as builtin_arms,
 };
 use torquewise::excite::{
-    Limits, PerJoint, Plan, Torques, Wishes, excite as plan_motions, joint_trajectory, limits,
+    ExcitationPlan, JointValues, Limits, Torques, Wishes, excite as plan_motions, joint_trajectory,
+    limits,
 };
 use torquewise::motion::bounded_file;
 use torquewise::twin::{self, TwinLog};
@@ -133,21 +134,21 @@ pub(crate) fn excite<'py>(
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyList>> {
     let (arm, model) = arm_of(&arm, &lock)?;
-    let (usual, wishes) = (Plan::default(), Wishes::default());
+    let (usual, wishes) = (ExcitationPlan::default(), Wishes::default());
     let wishes = Wishes {
-        range: PerJoint(range),
-        velocity: PerJoint(max_velocity),
-        acceleration: PerJoint(max_acceleration),
+        range: JointValues(range),
+        velocity: JointValues(max_velocity),
+        acceleration: JointValues(max_acceleration),
         speed_scale: speed_scale.unwrap_or(wishes.speed_scale),
         margin: margin.unwrap_or(wishes.margin),
     };
     let limits: Vec<Limits> = limits(&arm, &wishes).map_err(value_error)?;
-    let most = PerJoint(torque_limit);
+    let most = JointValues(torque_limit);
     let torques = match model {
         Some(model) => twin::torques(&model, &most).map_err(raised)?,
         None => Torques::of_arm(&arm, &most).map_err(value_error)?,
     };
-    let plan = Plan {
+    let plan = ExcitationPlan {
         seconds: seconds.unwrap_or(usual.seconds),
         dwell: dwell.unwrap_or(usual.dwell),
         slow_sweeps,

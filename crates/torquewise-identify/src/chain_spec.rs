@@ -4,8 +4,8 @@ use crate::drive_terms::{DriveTerm, Gravity};
 use crate::learn::residual_rms;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
-use torquewise_rigid::search::Watch;
-use torquewise_rigid::{Chain, Rows, Search, refine};
+use torquewise_rigid::search::SearchWatch;
+use torquewise_rigid::{Chain, ChainRows, Search, refine};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::{BLOCKS, CvScore, choose_worth, split};
 
@@ -42,9 +42,9 @@ const ROUNDS: usize = 6;
 pub(crate) fn trial(
     label: String,
     spec: &ChainSpec,
-    rows: &Rows,
+    rows: &ChainRows,
     start: &Chain,
-    watch: Watch<'_>,
+    watch: SearchWatch<'_>,
 ) -> Result<CvScore, IdentifyError> {
     let search = Search { rounds: ROUNDS, weighings: 1, ..spec.search.clone() };
     let errors = (0..BLOCKS)
@@ -61,7 +61,7 @@ pub(crate) fn trial(
 
 /// Geometric mean over the joints of RMSE on `held` over the spread of the torque in `all`: a joint
 /// whose torque is mostly noise counts no more than the others.
-fn error(chain: &Chain, held: &Rows, all: &Rows) -> f64 {
+fn error(chain: &Chain, held: &ChainRows, all: &ChainRows) -> f64 {
     let errors = residual_rms(chain, held).into_iter().enumerate();
     let parts: Vec<f64> = errors
         .map(|(joint, rms)| (rms, all.deviation_of(joint)))

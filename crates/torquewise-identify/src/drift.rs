@@ -9,7 +9,7 @@ use torquewise_stepwise::error::IdentifyError;
 
 /// A joint whose friction changes along a log.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Drift {
+pub struct FrictionDrift {
     /// Its name.
     pub joint: String,
     /// By what part of itself friction grows from the beginning of a log to its end; falls if
@@ -43,7 +43,7 @@ const LEAST_FREE: f64 = 1e-6;
 ///
 /// # Errors
 /// [`IdentifyError`] if torque is missing or the motion is of another arm.
-pub fn drifts(model: &Model, sample: &Motion) -> Result<Vec<Drift>, IdentifyError> {
+pub fn drifts(model: &Model, sample: &Motion) -> Result<Vec<FrictionDrift>, IdentifyError> {
     let t = sample.t();
     let logs: Vec<Range<usize>> =
         logs(t).into_iter().filter(|log| t[log.end - 1] - t[log.start] >= LONG).collect();
@@ -66,7 +66,7 @@ pub fn drifts(model: &Model, sample: &Motion) -> Result<Vec<Drift>, IdentifyErro
         let (part, std_error) = change(&rows.iter().map(row).collect::<Vec<_>>())?;
         let found = part.abs() >= LEAST_PART && part.abs() >= LEAST_ERRORS * std_error;
         let joint = model.joints[joint].clone();
-        found.then_some(Drift { joint, part, std_error, seconds: longest })
+        found.then_some(FrictionDrift { joint, part, std_error, seconds: longest })
     };
     Ok((0..model.n_joints()).filter_map(of_joint).collect())
 }
@@ -92,7 +92,7 @@ fn change(rows: &[(f64, f64, f64)]) -> Option<(f64, f64)> {
     is_told.then(|| (values[1] / scale, std_errors[1] / scale))
 }
 
-impl fmt::Display for Drift {
+impl fmt::Display for FrictionDrift {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { joint, part, std_error, seconds } = self;
         let verb = if *part < 0.0 { "falls" } else { "rises" };

@@ -14,8 +14,8 @@ use std::ops::ControlFlow;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
 use torquewise_rigid::coupling::Coupling;
-use torquewise_rigid::search::{FINAL_ROWS, Stage, all_parameters};
-use torquewise_rigid::{Chain, ChainError, JointKinds, Rows, Search, refine, search};
+use torquewise_rigid::search::{FINAL_ROWS, SearchStage, all_parameters};
+use torquewise_rigid::{Chain, ChainError, ChainRows, JointKinds, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
 use torquewise_stepwise::held_out::CvScore;
@@ -208,11 +208,11 @@ impl<'a> ChainLearner<'a> {
         Self { motion, laws, joints: None, found: None, watch }
     }
 
-    fn rows(&self, spec: &ChainSpec, count: usize) -> Result<Rows, IdentifyError> {
+    fn rows(&self, spec: &ChainSpec, count: usize) -> Result<ChainRows, IdentifyError> {
         let motion = thinned(self.motion, count);
         let drive = columns(&spec.drive, &motion, spec.gravity.as_ref());
         let tau = motion.require_tau()?;
-        let rows = Rows::new([motion.q(), motion.dq(), motion.ddq(), tau], &drive)?;
+        let rows = ChainRows::new([motion.q(), motion.dq(), motion.ddq(), tau], &drive)?;
         let is_measured: Vec<bool> =
             (0..motion.n_joints()).map(|joint| rows.deviation_of(joint) > 0.0).collect();
         let is_certain = |row, joint| !spec.has_friction() || self.moves(&motion, row, joint);
@@ -338,11 +338,11 @@ impl<'a> ChainLearner<'a> {
 }
 
 /// The observer, in the form that a search reports to.
-pub(crate) fn searching(watch: Watch<'_>) -> impl Fn(Stage) -> ControlFlow<()> + Sync {
+pub(crate) fn searching(watch: Watch<'_>) -> impl Fn(SearchStage) -> ControlFlow<()> + Sync {
     move |stage| {
         watch(match stage {
-            Stage::Round => Progress::Working,
-            Stage::Starts { made, agreeing } => {
+            SearchStage::Round => Progress::Working,
+            SearchStage::Starts { made, agreeing } => {
                 Progress::Starts { made, most: Search::default().starts, agreeing }
             }
         })
@@ -355,7 +355,7 @@ fn left(chain: &Chain) -> f64 {
 }
 
 /// RMS of what a chain leaves of each joint \[N·m\], all rows alike, n.
-pub(crate) fn residual_rms(chain: &Chain, rows: &Rows) -> Vec<f64> {
+pub(crate) fn residual_rms(chain: &Chain, rows: &ChainRows) -> Vec<f64> {
     let (m, predicted) = (rows.len(), chain.torque(rows));
     let of_joint = |joint: usize| {
         let pairs = rows.torque_of(joint).iter().zip(&predicted[joint * m..]);

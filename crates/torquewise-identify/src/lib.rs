@@ -45,7 +45,7 @@ pub mod verdict;
 
 pub use diagnose::{Diagnosis, diagnose};
 pub use disagreement::{Disagreement, disagreements};
-pub use drift::{Drift, drifts};
+pub use drift::{FrictionDrift, drifts};
 pub use excitation::findings;
 pub use plan::{Method, Plan};
 pub use reconstruct::{Solution, reconstruct, solve};

@@ -16,7 +16,7 @@ use torquewise_rigid::inertia::seen_from;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 
-pub use gains::Gains;
+pub use gains::DriveGains;
 use pass::Pass;
 use rows::WithLoad;
 
@@ -60,12 +60,12 @@ pub struct Payload {
 
 /// Where a load is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct LoadPlace {
     link: usize,
     center: Option<[f64; 3]>,
 }
 
-impl Place {
+impl LoadPlace {
     /// On the link of a name, as the URDF that gave the geometry calls it or its joint; the last if
     /// none. `None` if the model has no such link.
     ///
@@ -114,7 +114,7 @@ impl Payload {
     pub fn find(
         model: &Model,
         recording: &(impl Recording + ?Sized),
-        place: Place,
+        place: LoadPlace,
     ) -> Result<Self, IdentifyError> {
         let chain = chain_of(model)?;
         Self::of_passes(&Pass::over(model, chain, recording)?, (model, chain), recording, place)
@@ -124,7 +124,7 @@ impl Payload {
         passes: &[Pass],
         (model, chain): (&Model, &RigidChain),
         recording: &(impl Recording + ?Sized),
-        Place { link, center }: Place,
+        LoadPlace { link, center }: LoadPlace,
     ) -> Result<Self, IdentifyError> {
         let pass = passes.get(link).ok_or(ModelError::NoChain)?;
         let robot = chain.robot.as_ref();

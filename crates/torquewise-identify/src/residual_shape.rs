@@ -8,7 +8,7 @@ use torquewise_stepwise::error::IdentifyError;
 
 /// Rows in which most of what is left of a torque lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
+pub enum ResidualPlace {
     /// The joint rests.
     Rest,
     /// It moves slowly, about its reversals.
@@ -25,7 +25,7 @@ pub struct Shape {
     /// Its name.
     pub joint: String,
     /// Where it is missed.
-    pub place: Place,
+    pub place: ResidualPlace,
     /// Part of the squared residual that lies there, and of the rows.
     pub shares: [f64; 2],
 }
@@ -59,23 +59,23 @@ pub(crate) fn shapes(
 }
 
 /// Where the squared residual of a joint is densest, if most of it is there.
-fn densest(q: &[f64], dq: &[f64], left: &[f64]) -> Option<(Place, [f64; 2])> {
+fn densest(q: &[f64], dq: &[f64], left: &[f64]) -> Option<(ResidualPlace, [f64; 2])> {
     let peak = dq.iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()));
     let (low, high) = q
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| (low.min(*q), high.max(*q)));
     let speed = |row: usize| dq[row].abs() / peak.max(f64::MIN_POSITIVE);
     let edge = |part: usize| low + (high - low) * part as f64 / POSES as f64;
-    let mut places = vec![Place::Rest, Place::Slow, Place::Fast];
-    places.extend((0..POSES).map(|part| Place::Pose([edge(part), edge(part + 1)])));
-    let is_in = |place: Place, row: usize| match place {
-        Place::Rest => speed(row) < SPEEDS[0],
-        Place::Slow => (SPEEDS[0]..SPEEDS[1]).contains(&speed(row)),
-        Place::Fast => speed(row) >= SPEEDS[2],
-        Place::Pose([from, to]) => q[row] >= from && q[row] <= to,
+    let mut places = vec![ResidualPlace::Rest, ResidualPlace::Slow, ResidualPlace::Fast];
+    places.extend((0..POSES).map(|part| ResidualPlace::Pose([edge(part), edge(part + 1)])));
+    let is_in = |place: ResidualPlace, row: usize| match place {
+        ResidualPlace::Rest => speed(row) < SPEEDS[0],
+        ResidualPlace::Slow => (SPEEDS[0]..SPEEDS[1]).contains(&speed(row)),
+        ResidualPlace::Fast => speed(row) >= SPEEDS[2],
+        ResidualPlace::Pose([from, to]) => q[row] >= from && q[row] <= to,
     };
     let total: f64 = left.iter().map(|left| left * left).sum();
-    let shares = |place: Place| {
+    let shares = |place: ResidualPlace| {
         let rows: Vec<usize> = (0..left.len()).filter(|&row| is_in(place, row)).collect();
         let own: f64 = rows.iter().map(|&row| left[row] * left[row]).sum();
         [own / total, rows.len() as f64 / left.len() as f64]
@@ -95,14 +95,16 @@ impl fmt::Display for Shape {
             self.joint
         )?;
         match self.place {
-            Place::Rest => f.write_str(
+            ResidualPlace::Rest => f.write_str(
                 "at rest: friction holds it there with any torque; record motion with fewer stops",
             ),
-            Place::Slow => f.write_str(
+            ResidualPlace::Slow => f.write_str(
                 "slow ones about reversals: record slow strokes to and fro, over its whole range",
             ),
-            Place::Fast => f.write_str("fast ones: record more fast motion, with many reversals"),
-            Place::Pose([from, to]) => write!(
+            ResidualPlace::Fast => {
+                f.write_str("fast ones: record more fast motion, with many reversals")
+            }
+            ResidualPlace::Pose([from, to]) => write!(
                 f,
                 "between positions {from:.2} and {to:.2}: record more there, and look for a stop, a cable or \
                  a load that acts in this pose"
@@ -113,10 +115,10 @@ impl fmt::Display for Shape {
 
 #[cfg(test)]
 mod tests {
-    use super::{Place, densest};
+    use super::{ResidualPlace, densest};
 
     /// A joint that swings over ±1 rad and rests every fifth time, and what is left where asked.
-    fn planted(is_missed: impl Fn(f64, f64) -> bool) -> Option<Place> {
+    fn planted(is_missed: impl Fn(f64, f64) -> bool) -> Option<ResidualPlace> {
         let phase = |row: usize| row as f64 * 0.01 % std::f64::consts::TAU;
         let rests = |row: usize| (row / 628) % 5 == 4;
         let q = |row: usize| if rests(row) { 0.0 } else { phase(row).sin() };
@@ -133,10 +135,12 @@ mod tests {
 
     #[test]
     fn planted_residuals_are_placed() {
-        assert_eq!(planted(|_, dq| dq.abs() > 0.8), Some(Place::Fast));
-        assert_eq!(planted(|_, dq| dq != 0.0 && dq.abs() < 0.1), Some(Place::Slow));
-        assert!(matches!(planted(|q, _| q > 0.7), Some(Place::Pose([from, _])) if from > 0.6));
-        assert_eq!(planted(|_, dq| dq == 0.0), Some(Place::Rest));
+        assert_eq!(planted(|_, dq| dq.abs() > 0.8), Some(ResidualPlace::Fast));
+        assert_eq!(planted(|_, dq| dq != 0.0 && dq.abs() < 0.1), Some(ResidualPlace::Slow));
+        assert!(
+            matches!(planted(|q, _| q > 0.7), Some(ResidualPlace::Pose([from, _])) if from > 0.6)
+        );
+        assert_eq!(planted(|_, dq| dq == 0.0), Some(ResidualPlace::Rest));
         assert_eq!(planted(|_, _| true), None);
     }
 }

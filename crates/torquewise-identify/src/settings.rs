@@ -3,7 +3,7 @@
 use crate::plan::Plan;
 use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
-use torquewise_model::model::Filter;
+use torquewise_model::model::TrainingFilter;
 use torquewise_motion::{Pattern, Recording};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::library::{Basis, SummedLibrary};
@@ -11,7 +11,7 @@ use torquewise_stepwise::patterns::PatternPlan;
 
 /// What logs are summed under. Summaries made under different settings do not add up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Settings {
+pub struct SumSettings {
     /// Joint names, base to tip.
     pub joints: Vec<String>,
     /// The library that is summed; none where a chain is learned, which needs no sums.
@@ -23,10 +23,10 @@ pub struct Settings {
     /// Whether they were filtered at all.
     pub filtered: bool,
     /// The filter that the model keeps, if there was one.
-    pub filter: Option<Filter>,
+    pub filter: Option<TrainingFilter>,
 }
 
-impl Settings {
+impl SumSettings {
     pub(crate) fn new(
         recording: &(impl Recording + ?Sized),
         plan: &Plan,

@@ -5,10 +5,10 @@ use crate::framed::{damaged, framed, unframed};
 use crate::plan::{Method, Plan};
 use crate::reconstruction::{Progress, Watch};
 use crate::rounds::Request;
-use crate::settings::Settings;
+use crate::settings::SumSettings;
 use serde::{Deserialize, Serialize};
 use torquewise_model::model::Choice;
-use torquewise_model::model::Filter;
+use torquewise_model::model::TrainingFilter;
 use torquewise_motion::Recording;
 use torquewise_regression::normal_sums::{FOLDS, NormalSums};
 use torquewise_regression::row_sums::RowSums;
@@ -27,7 +27,7 @@ const MAGIC: [u8; 8] = *b"twmoment";
 /// and however they are grouped before, the summary is the same, bit for bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    pub(crate) settings: Settings,
+    pub(crate) settings: SumSettings,
     pub(crate) logs: usize,
     pub(crate) survey: SurveySum,
     /// Noise in rows at standstill.
@@ -82,7 +82,7 @@ pub fn summarise(
         }
         Method::Chain(_) => (None, Vec::new()),
     };
-    let settings = Settings::new(recording, plan, library, signals);
+    let settings = SumSettings::new(recording, plan, library, signals);
     let basis = settings.basis()?;
     let mut all = Summary { choices, ..Summary::new(settings, basis.as_ref()) };
     for log in 0..recording.n_logs() {
@@ -136,7 +136,7 @@ pub fn summarise_again(
 
 impl Summary {
     /// The same sums, with the filter that their rows went through.
-    pub fn filtered_by(mut self, filter: Option<Filter>) -> Self {
+    pub fn filtered_by(mut self, filter: Option<TrainingFilter>) -> Self {
         self.settings.filter = filter;
         self
     }
@@ -146,7 +146,7 @@ impl Summary {
         self.survey.joints()
     }
 
-    fn new(settings: Settings, basis: Option<&Basis>) -> Self {
+    fn new(settings: SumSettings, basis: Option<&Basis>) -> Self {
         let n = settings.joints.len();
         let none = |basis: &Basis| vec![RowSums::new(&basis.prepared); settings.parts().len()];
         let sums = basis.map_or_else(Vec::new, none);
@@ -155,7 +155,7 @@ impl Summary {
     }
 
     /// What its logs were summed under.
-    pub fn settings(&self) -> &Settings {
+    pub fn settings(&self) -> &SumSettings {
         &self.settings
     }
 
@@ -214,7 +214,7 @@ impl Summary {
 
     /// What its logs were summed up to for a library.
     pub(crate) fn library_sums(self) -> Result<LibrarySums, IdentifyError> {
-        let Settings { library, patterns, .. } = self.settings;
+        let SumSettings { library, patterns, .. } = self.settings;
         let library = library.ok_or(IdentifyError::NoLibrary)?;
         let still = self.still.finish_still();
         Ok(LibrarySums { library, patterns, sums: self.sums, still, choices: self.choices })

@@ -10,7 +10,9 @@ use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
 use torquewise_motion::Motion;
 use torquewise_rigid::search::glance;
-use torquewise_rigid::{Chain, ChainError, Geometry, Kinematics, Rows, Search, refine, search};
+use torquewise_rigid::{
+    Chain, ChainError, ChainRows, Geometry, Kinematics, Search, refine, search,
+};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
 use torquewise_stepwise::survey::{Survey, thinned};
@@ -91,7 +93,7 @@ impl SignTest {
         let extras = columns(&self.drive, &motion, None);
         let rows = rows(&motion, &extras)?;
         let tried = |signs: u32, geometry: &Geometry, free: &[usize]| {
-            let rows = joints_of(signs).fold(rows.clone(), Rows::turned);
+            let rows = joints_of(signs).fold(rows.clone(), ChainRows::turned);
             let rounds = if free.is_empty() { 0 } else { Search::default().rounds };
             let search = Search { rounds, ..Search::default() };
             let chain =
@@ -144,7 +146,7 @@ impl SignTest {
     /// are turned, by one of the two, if all its friction brakes.
     ///
     /// - `parts`: all other sets of the joints that `whole` turns
-    fn tells(&self, joint: usize, whole: &Tried, parts: &[Tried], rows: &Rows) -> bool {
+    fn tells(&self, joint: usize, whole: &Tried, parts: &[Tried], rows: &ChainRows) -> bool {
         let all =
             |tried: &Tried| (0..rows.n_joints()).map(|k| tried.part(rows, k)).product::<f64>();
         let brakes = whole.chain.as_ref().is_some_and(|chain| {
@@ -178,7 +180,7 @@ impl SignTest {
 
     /// Product over joints of the mean square that a chain leaves, or that friction adds which drives
     /// its shaft, over the variance of the torque: a joint that nothing explains does not count.
-    fn left(&self, chain: &Chain, rows: &Rows, motion: &Motion, extras: &[Mat<f64>]) -> f64 {
+    fn left(&self, chain: &Chain, rows: &ChainRows, motion: &Motion, extras: &[Mat<f64>]) -> f64 {
         let mut left: Vec<f64> = chain.residual_rms.iter().map(|rms| rms * rms).collect();
         let mut shafts: Vec<&[f64]> = self.drive.iter().filter_map(DriveTerm::resists).collect();
         shafts.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
@@ -251,7 +253,7 @@ pub(crate) fn swapped(
     let drive = DriveTerm::usual(&FrictionLibrary::new(peaks));
     let rows = rows(&motion, &columns(&drive, &motion, None))?;
     let watch = searching(watch);
-    let left = |rows: &Rows, (starts, count): (usize, usize)| {
+    let left = |rows: &ChainRows, (starts, count): (usize, usize)| {
         glance(&rows.thinned(count), &Search { seed, starts, ..Search::default() }, &watch)
     };
     let best_first = |pairs: Vec<[usize; 2]>, look: (usize, usize)| {
@@ -275,7 +277,7 @@ struct Tried {
 
 impl Tried {
     /// What the chain leaves of the torque of a joint, RMS over the spread.
-    fn part(&self, rows: &Rows, joint: usize) -> f64 {
+    fn part(&self, rows: &ChainRows, joint: usize) -> f64 {
         let rms = self.chain.as_ref().and_then(|chain| chain.residual_rms.get(joint));
         rms.map_or(f64::INFINITY, |rms| rms / rows.deviation_of(joint).max(f64::MIN_POSITIVE))
     }
@@ -291,9 +293,9 @@ fn joints_of(signs: u32) -> impl Iterator<Item = usize> {
     (0..u32::BITS as usize).filter(move |joint| signs >> joint & 1 == 1)
 }
 
-fn rows(motion: &Motion, extras: &[Mat<f64>]) -> Result<Rows, IdentifyError> {
+fn rows(motion: &Motion, extras: &[Mat<f64>]) -> Result<ChainRows, IdentifyError> {
     let signals = [motion.q(), motion.dq(), motion.ddq(), motion.require_tau()?];
-    Ok(Rows::new(signals, extras)?)
+    Ok(ChainRows::new(signals, extras)?)
 }
 
 /// Shafts that several joints turn, as they are with one of them turned round.

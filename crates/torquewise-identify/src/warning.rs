@@ -1,7 +1,7 @@
 //! Warnings: what the user should know, in words.
 
 use crate::disagreement::Disagreement;
-use crate::drift::{Drift, logs};
+use crate::drift::{FrictionDrift, logs};
 use crate::excitation::{Finding, findings, list};
 use crate::learn::kinds::is_kind_untold;
 use crate::residual_shape::Shape;
@@ -66,7 +66,7 @@ pub enum Warning {
     /// Logs that were fitted together differ in what gravity does.
     Disagreement(Disagreement),
     /// Friction changes along long logs.
-    Drift(Drift),
+    Drift(FrictionDrift),
     /// Most of what is missed of a joint is missed in few rows.
     Shape(Shape),
     /// Gravity pulls elsewhere than a URDF and its user say.

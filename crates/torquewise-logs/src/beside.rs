@@ -1,6 +1,6 @@
 //! Rows of a log joined with those of further files.
 
-use crate::error::{LogError, Place, Result};
+use crate::error::{LogError, Result, RowPlace};
 use crate::rows::Rows;
 use std::path::PathBuf;
 
@@ -129,7 +129,7 @@ impl Rows for SideBySide {
         chosen.is_some_and(|(part, place)| self.parts[*part].rows.is_null(*place))
     }
 
-    fn place(&self) -> Place {
+    fn place(&self) -> RowPlace {
         self.parts[0].rows.place()
     }
 

@@ -1,6 +1,6 @@
 //! Rows of a CSV file, one line at a time.
 
-use crate::error::{LogError, Place, Result, shown};
+use crate::error::{LogError, Result, RowPlace, shown};
 use crate::joints::{self, CSV_COMMENT};
 use crate::lines::{Advance, Lines, MAX_LINE, split};
 use crate::rows::Rows;
@@ -122,8 +122,8 @@ impl<R: BufRead> Rows for CsvRows<R> {
         Ok(true)
     }
 
-    fn place(&self) -> Place {
-        Place { file: self.file.clone(), row: self.row, line: Some(self.lines.number) }
+    fn place(&self) -> RowPlace {
+        RowPlace { file: self.file.clone(), row: self.row, line: Some(self.lines.number) }
     }
 }
 

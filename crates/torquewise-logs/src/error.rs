@@ -16,7 +16,7 @@ pub type Result<T, E = LogError> = std::result::Result<T, E>;
 
 /// A row of a log file, as its user counts it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct RowPlace {
     /// The log file.
     pub file: PathBuf,
     /// Data row, 1 for the first after the header.
@@ -25,7 +25,7 @@ pub struct Place {
     pub line: Option<u64>,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for RowPlace {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "{}, row {}", self.file.display(), self.row)?;
         self.line.map_or(Ok(()), |line| write!(out, " (line {line})"))
@@ -97,18 +97,18 @@ pub enum LogError {
     NotNumeric { file: PathBuf, column: String, found: String },
     #[error("{place} has {found} fields, the header has {expected}")]
     #[diagnostic(help("complete or drop the row"))]
-    Ragged { place: Place, found: usize, expected: usize },
+    Ragged { place: RowPlace, found: usize, expected: usize },
     #[error("{place}, column {column}: \"{text}\" is not a number")]
     #[diagnostic(help("repair or drop the row"))]
-    NotANumber { place: Place, column: String, text: String },
+    NotANumber { place: RowPlace, column: String, text: String },
     #[error("{place}, column {column} is {value}")]
     #[diagnostic(help("repair or drop the row"))]
-    NotFinite { place: Place, column: String, value: f64 },
+    NotFinite { place: RowPlace, column: String, value: f64 },
     #[error("{place}: t = {t:?} s does not follow {before:?} s")]
     #[diagnostic(help(
         "sort the rows and drop repeated ones, or put each trajectory in a file of its own"
     ))]
-    TimeOrder { place: Place, t: f64, before: f64 },
+    TimeOrder { place: RowPlace, t: f64, before: f64 },
     #[error(
         "{place}: {repeated} rows repeat the time stamp before them, {rows} do not: stamps are \
          rounded too far"
@@ -117,7 +117,7 @@ pub enum LogError {
         "record finer ones, or say how many rows there are in a second by a profile with the line \
          `rate = HZ`"
     ))]
-    CoarseClock { place: Place, repeated: u64, rows: u64 },
+    CoarseClock { place: RowPlace, repeated: u64, rows: u64 },
     #[error("{} is a folder without .db3 or .mcap files", file.display())]
     #[diagnostic(help("give the folder of a ROS 2 bag, or log files"))]
     EmptyFolder { file: PathBuf },
@@ -132,7 +132,7 @@ pub enum LogError {
     NoBag { file: PathBuf },
     #[error("{place}: the message does not name joint {joint}, only {found}")]
     #[diagnostic(help("list the joints that all messages have as joints = […] in a profile"))]
-    JointGone { place: Place, joint: String, found: String },
+    JointGone { place: RowPlace, joint: String, found: String },
     #[error("{}, array {array}: {reason}", file.display())]
     #[diagnostic(help("save it again as an array of plain numbers"))]
     Array { file: PathBuf, array: String, reason: &'static str },

@@ -1,6 +1,6 @@
 //! Tables in memory that another program holds, read where they lie.
 
-use crate::error::{LogError, Place, Result};
+use crate::error::{LogError, Result, RowPlace};
 use crate::rows::Rows;
 use std::fmt::Debug;
 use std::path::{Path, PathBuf};
@@ -70,7 +70,7 @@ impl Rows for FrameRows {
                     let (file, row) = (self.label.clone(), self.first as u64 + 1);
                     let column = self.frame.names()[*column].clone();
                     let problem = format!(", column {column} cannot be read: {reason}");
-                    let place = Place { file, row, line: None };
+                    let place = RowPlace { file, row, line: None };
                     LogError::unusable(place, &problem, "give a table of numbers")
                 })?;
             }
@@ -82,8 +82,8 @@ impl Rows for FrameRows {
         Ok(true)
     }
 
-    fn place(&self) -> Place {
-        Place { file: self.label.clone(), row: self.row as u64, line: None }
+    fn place(&self) -> RowPlace {
+        RowPlace { file: self.label.clone(), row: self.row as u64, line: None }
     }
 
     fn count(&self) -> Option<u64> {

@@ -69,7 +69,7 @@ mod parquet_sink;
 pub mod table;
 
 pub use conditioned::ConditionedLogs;
-pub use error::{LogError, Place};
+pub use error::{LogError, RowPlace};
 pub use format::{is_bag, is_log};
 pub use frame::Frame;
 pub use log_input::{HeldBytes, LogInput};

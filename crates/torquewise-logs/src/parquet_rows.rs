@@ -1,6 +1,6 @@
 //! Rows of a Parquet file, some of each row group at a time.
 
-use crate::error::{LogError, Place, Result, guarded};
+use crate::error::{LogError, Result, RowPlace, guarded};
 use crate::format::Format;
 use crate::joints::{self, PARQUET_KEY};
 use crate::log_input::{LogInput, Opened};
@@ -167,8 +167,8 @@ impl Rows for ParquetRows {
         u64::try_from(self.reader.metadata().file_metadata().num_rows()).ok()
     }
 
-    fn place(&self) -> Place {
-        Place { file: self.file.clone(), row: self.row, line: None }
+    fn place(&self) -> RowPlace {
+        RowPlace { file: self.file.clone(), row: self.row, line: None }
     }
 }
 

@@ -3,7 +3,7 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_motion::signals::{ConditionReport, Conditioner, Plan, Raw, Signal};
+use torquewise_motion::signals::{ConditionReport, Conditioner, Raw, Signal, SignalPlan};
 use torquewise_motion::{Motion, MotionError};
 
 /// Standard deviation of the white noise of raw q of each joint, n: q̇ and q̈ are derived from it.
@@ -27,7 +27,7 @@ impl RawNoise {
         Self { seed, deviations: positions.map(|own| own.noise).collect() }
     }
 
-    pub(crate) fn lane(&self, plan: Plan) -> NoiseLane {
+    pub(crate) fn lane(&self, plan: SignalPlan) -> NoiseLane {
         let conditioner = Conditioner::new(plan.for_part());
         NoiseLane { noise: self.clone(), conditioner, random: None }
     }

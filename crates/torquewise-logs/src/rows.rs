@@ -1,6 +1,6 @@
 //! From log file to rows: what every format is decoded to, named columns of numbers.
 
-use crate::error::{Place, Result};
+use crate::error::{Result, RowPlace};
 
 /// The rows of one log file, in order, as they stand in it.
 pub(crate) trait Rows {
@@ -30,7 +30,7 @@ pub(crate) trait Rows {
     }
 
     /// Where the row last read stands.
-    fn place(&self) -> Place;
+    fn place(&self) -> RowPlace;
 
     /// How many rows there are, if that is known before they are read.
     fn count(&self) -> Option<u64> {

@@ -1,6 +1,6 @@
 //! Rows of signals: t, q, dq, ddq and tau in SI units, repaired if wanted.
 
-use crate::error::{LogError, Place, Result};
+use crate::error::{LogError, Result, RowPlace};
 use crate::mapping::{Mapping, Time};
 use crate::rows::Rows;
 use torquewise_motion::Repairs;
@@ -73,7 +73,7 @@ impl SignalRows {
         Ok(Self { rows, mapping, clock, reads_on, raw, number, first: None, last_t: None, report })
     }
 
-    pub(crate) fn place(&self) -> Place {
+    pub(crate) fn place(&self) -> RowPlace {
         self.rows.place()
     }
 

@@ -3,7 +3,7 @@
 use crate::clock::{ClockLane, ClockRepair};
 use crate::pieces::FIRST_ROWS;
 use crate::raw_noise::{NoiseLane, RawNoise};
-use torquewise_motion::signals::{Conditioner, Conditioning, Plan, Raw};
+use torquewise_motion::signals::{Conditioner, Conditioning, Raw, SignalPlan};
 use torquewise_motion::{Motion, MotionError, Repairs};
 
 /// Parts of motion that are done, and noise of the same rows where it is asked for.
@@ -86,7 +86,7 @@ impl<'a> Trajectory<'a> {
 
     /// Plans by the first rows, and filters them.
     fn begin(&mut self, raw: Raw) -> Result<Done, MotionError> {
-        let plan = Plan::new(&raw, self.settings)?;
+        let plan = SignalPlan::new(&raw, self.settings)?;
         let mut noise = self.noise.map(|noise| Box::new(noise.lane(plan.clone())));
         let mut conditioner = Box::new(Conditioner::new(plan));
         let done = pushed(&mut conditioner, noise.as_deref_mut(), raw)?;

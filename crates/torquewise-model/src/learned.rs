@@ -18,7 +18,7 @@ const LEAST_T: f64 = 2.0;
 
 /// An axis at q = 0, in a frame at the base with z up, against gravity.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Axis {
+pub struct JointAxis {
     /// A point on it \[m\].
     pub point: [f64; 3],
     /// Its direction, a unit vector.
@@ -29,9 +29,9 @@ pub struct Axis {
 ///
 /// # Errors
 /// [`ModelError::Chain`] if its geometry is none.
-pub fn axes(chain: &RigidChain) -> Result<Vec<Axis>, ModelError> {
+pub fn axes(chain: &RigidChain) -> Result<Vec<JointAxis>, ModelError> {
     let frames = chain.axes()?.upright();
-    let axis = |(direction, point): ([f64; 3], [f64; 3])| Axis { point, direction };
+    let axis = |(direction, point): ([f64; 3], [f64; 3])| JointAxis { point, direction };
     Ok(frames.into_iter().map(axis).collect())
 }
 
@@ -72,12 +72,12 @@ pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
     let lines = axes(chain)?;
     let found = model.training.geometry_found.as_ref();
     let errors = model.training.held_out_errors().unwrap_or_default();
-    let of = |(joint, axis): (usize, &Axis)| -> Result<JointGeometry, ModelError> {
-        let measured = |of: &dyn Fn(&[Axis]) -> f64| -> Result<Option<Estimated>, ModelError> {
+    let of = |(joint, axis): (usize, &JointAxis)| -> Result<JointGeometry, ModelError> {
+        let measured = |of: &dyn Fn(&[JointAxis]) -> f64| -> Result<Option<Estimated>, ModelError> {
             let std_error = geometry_error(chain, of)?;
             Ok(Some(Estimated { value: of(&lines).abs(), std_error }))
         };
-        let relative = |of: fn(&Axis, &Axis) -> f64| match joint.checked_sub(1) {
+        let relative = |of: fn(&JointAxis, &JointAxis) -> f64| match joint.checked_sub(1) {
             None => Ok(None),
             Some(before) => measured(&|axes| of(&axes[before], &axes[joint])),
         };
@@ -164,13 +164,13 @@ pub fn geometry(model: &Model, selection: &Selection) -> Result<Table, ModelErro
 }
 
 /// Angle between two axes \[°\].
-fn angle(a: &Axis, b: &Axis) -> f64 {
+fn angle(a: &JointAxis, b: &JointAxis) -> f64 {
     let across = norm(cross(a.direction, b.direction));
     across.atan2(dot(a.direction, b.direction)).to_degrees()
 }
 
 /// Distance of two axes as lines \[m\], with a sign where they are not parallel.
-fn distance(a: &Axis, b: &Axis) -> f64 {
+fn distance(a: &JointAxis, b: &JointAxis) -> f64 {
     let between = [0, 1, 2].map(|k| b.point[k] - a.point[k]);
     let normal = cross(a.direction, b.direction);
     if norm(normal) > NEARLY {
@@ -182,7 +182,7 @@ fn distance(a: &Axis, b: &Axis) -> f64 {
 
 /// Where along `axis`, from the point that it is given by, another that is not parallel comes nearest
 /// to it \[m\].
-fn foot(other: &Axis, axis: &Axis) -> f64 {
+fn foot(other: &JointAxis, axis: &JointAxis) -> f64 {
     let between = [0, 1, 2].map(|k| other.point[k] - axis.point[k]);
     let cos = dot(other.direction, axis.direction);
     (dot(between, axis.direction) - cos * dot(between, other.direction)) / (1.0 - cos * cos)
@@ -208,7 +208,7 @@ fn cross([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
 const STEP: f64 = 1e-6;
 
 /// Standard error of a function of the axes; zero where they are exact.
-fn geometry_error(chain: &RigidChain, of: &dyn Fn(&[Axis]) -> f64) -> Result<f64, ModelError> {
+fn geometry_error(chain: &RigidChain, of: &dyn Fn(&[JointAxis]) -> f64) -> Result<f64, ModelError> {
     let before = chain.covariance.len().saturating_sub(chain.fitted.len());
     let mut weights = vec![0.0; chain.covariance.len()];
     for (&parameter, weight) in chain.fitted.iter().zip(weights.iter_mut().skip(before)) {

@@ -4,7 +4,7 @@ use crate::rigid_chain::RigidChain;
 use crate::term::Kind;
 use torquewise_motion::Motion;
 use torquewise_rigid::recursion::MOST_JOINTS;
-use torquewise_rigid::{Kinematics, Moved, State};
+use torquewise_rigid::{Kinematics, MotionState, Moved};
 
 /// Rigid links, moved by the recursion.
 #[derive(Clone, Debug)]
@@ -25,19 +25,19 @@ impl Links {
     }
 
     /// Adds the torque of the links at one state \[N·m\], n.
-    pub(crate) fn add_torque(&self, state: State<'_, f64>, torque: &mut [f64]) {
+    pub(crate) fn add_torque(&self, state: MotionState<'_, f64>, torque: &mut [f64]) {
         let mut own = [0.0; MOST_JOINTS];
         self.kinematics.torque(state, &self.inertial, &mut own[..torque.len()]);
         torque.iter_mut().zip(own).for_each(|(torque, own)| *torque += own);
     }
 
-    pub(crate) fn add_part(&self, kind: Kind, state: State<'_, f64>, torque: &mut [f64]) {
+    pub(crate) fn add_part(&self, kind: Kind, state: MotionState<'_, f64>, torque: &mut [f64]) {
         let n = torque.len();
         let rest = &[0.0; MOST_JOINTS][..n];
         let (kinematics, state) = match kind {
-            Kind::Gravity => (&self.kinematics, State { dq: rest, ddq: rest, ..state }),
-            Kind::Coriolis => (&self.weightless, State { ddq: rest, ..state }),
-            Kind::Inertia => (&self.weightless, State { dq: rest, ..state }),
+            Kind::Gravity => (&self.kinematics, MotionState { dq: rest, ddq: rest, ..state }),
+            Kind::Coriolis => (&self.weightless, MotionState { ddq: rest, ..state }),
+            Kind::Inertia => (&self.weightless, MotionState { dq: rest, ..state }),
             Kind::Friction => return,
         };
         let mut own = [0.0; MOST_JOINTS];

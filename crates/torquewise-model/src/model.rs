@@ -74,7 +74,7 @@ pub struct Candidate {
 /// How signals were filtered.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Filter {
+pub struct TrainingFilter {
     /// Cut-off of the zero-phase low-pass \[Hz\].
     pub cutoff_hz: f64,
     /// Seconds by which the torque lagged the motion.
@@ -99,7 +99,7 @@ pub struct Training {
     pub ddq_peak: Vec<f64>,
     /// How the signals were filtered, if they were.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub filter: Option<Filter>,
+    pub filter: Option<TrainingFilter>,
     /// What was repaired in each log, by its name; logs that are sound are not listed (E12).
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub conditioning: BTreeMap<String, Repairs>,

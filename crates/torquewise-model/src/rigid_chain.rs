@@ -8,7 +8,7 @@ use crate::weighted::Weighted;
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 use torquewise_rigid::recursion::PER_BODY;
-use torquewise_rigid::{Geometry, Kinematics, Moved, State, inertia};
+use torquewise_rigid::{Geometry, Kinematics, MotionState, Moved, inertia};
 
 pub use torquewise_rigid::coupling::{Coupled, Coupling};
 pub use torquewise_rigid::joint::{JointKind, JointKinds};
@@ -183,7 +183,7 @@ impl RigidChain {
         let mut moved = Moved::default();
         let (inertial, mut torque) = (self.inertial(), vec![0.0; n]);
         Kinematics::new(&axes).inverse_dynamics(
-            State { q, dq, ddq },
+            MotionState { q, dq, ddq },
             &inertial,
             &mut moved,
             &mut torque,

@@ -10,7 +10,7 @@ use crate::term::{Factor, Kind};
 use faer::{Mat, prelude::Solve};
 use torquewise_motion::Motion;
 use torquewise_motion::path::Path;
-use torquewise_rigid::State;
+use torquewise_rigid::MotionState;
 
 /// The parts of the torque (1) and (17).
 #[derive(Clone, Debug)]
@@ -91,7 +91,7 @@ impl Torque {
     /// # Errors
     /// [`ModelError::Shape`] if one has another length than the model has joints.
     pub fn at(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, ModelError> {
-        self.whole(State { q, dq, ddq }, &|_, _| None)
+        self.whole(MotionState { q, dq, ddq }, &|_, _| None)
     }
 
     /// The same at the end of a path, whose last sample is q.
@@ -99,10 +99,14 @@ impl Torque {
     /// # Errors
     /// As [`Self::at`].
     pub fn after(&self, path: &Path, dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, ModelError> {
-        self.whole(State { q: path.q(), dq, ddq }, &|joint, travel| path.state(joint, travel))
+        self.whole(MotionState { q: path.q(), dq, ddq }, &|joint, travel| path.state(joint, travel))
     }
 
-    fn whole(&self, state: State<'_, f64>, memory: Remembered<'_>) -> Result<Vec<f64>, ModelError> {
+    fn whole(
+        &self,
+        state: MotionState<'_, f64>,
+        memory: Remembered<'_>,
+    ) -> Result<Vec<f64>, ModelError> {
         let mut tau = vec![0.0; self.n_joints];
         self.visit_terms(state, memory, |joint, _, value| tau[joint] += value)?;
         if let Some(links) = &self.links {
@@ -174,7 +178,7 @@ impl Torque {
             let (dq, ddq) = rates.split_at(n);
             let memory = |joint, travel| motion.memory()?.state(row, joint, travel);
             let add = |joint, kind, value| add(row, joint, kind, value);
-            self.visit_terms(State { q, dq, ddq }, &memory, add)?;
+            self.visit_terms(MotionState { q, dq, ddq }, &memory, add)?;
         }
         Ok(())
     }
@@ -283,13 +287,13 @@ impl Torque {
     ) -> Result<Vec<f64>, ModelError> {
         let mut tau = vec![0.0; self.n_joints];
         let ddq = &vec![0.0; self.n_joints];
-        self.visit_terms(State { q, dq, ddq }, memory, |joint, kind, value| {
+        self.visit_terms(MotionState { q, dq, ddq }, memory, |joint, kind, value| {
             if kind == wanted {
                 tau[joint] += value;
             }
         })?;
         if let Some(links) = &self.links {
-            links.add_part(wanted, State { q, dq, ddq }, &mut tau);
+            links.add_part(wanted, MotionState { q, dq, ddq }, &mut tau);
         }
         Ok(tau)
     }
@@ -330,7 +334,7 @@ impl Torque {
 
     fn visit_terms(
         &self,
-        State { q, dq, ddq }: State<'_, f64>,
+        MotionState { q, dq, ddq }: MotionState<'_, f64>,
         memory: Remembered<'_>,
         mut add: impl FnMut(usize, Kind, f64),
     ) -> Result<(), ModelError> {
@@ -353,7 +357,7 @@ impl Torque {
             }
         }
         if let (true, Some(links)) = (self.is_load_dependent, &self.links) {
-            links.add_part(Kind::Gravity, State { q, dq, ddq }, &mut gravity);
+            links.add_part(Kind::Gravity, MotionState { q, dq, ddq }, &mut gravity);
         }
         self.visit_laws((&gravity, dq), memory, |k, value| {
             let Weighted { term, coefficient, .. } = &self.friction[k];

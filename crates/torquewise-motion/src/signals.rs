@@ -42,7 +42,7 @@ pub use clean::Outliers;
 pub use condition::{Conditioned, condition};
 pub use delay::Shift;
 pub use noise::Quantisation;
-pub use plan::{Conditioning, Cutoff, Plan};
+pub use plan::{Conditioning, Cutoff, SignalPlan};
 pub use raw::{Raw, Signal};
 pub use report::{ConditionReport, CutoffFrom, SignalReport};
 pub use resample::Timing;

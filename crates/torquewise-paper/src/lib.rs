@@ -29,9 +29,9 @@ mod page;
 
 pub use error::PaperError;
 pub use page::page;
-pub use results::{Cell, Claim, Figure, Results, Spread, Study, Table, Timed, Verdict};
+pub use results::{Cell, Claim, ClaimVerdict, Figure, ResultTable, Results, Spread, Study, Timed};
 pub use scenario::Settings;
-pub use trial::{Progress, Watch};
+pub use trial::{TrialProgress, TrialWatch};
 
 use study::{beyond, cases, control, orders, patterns};
 use trial::Trials;
@@ -42,7 +42,7 @@ use trial::Trials;
 ///
 /// # Errors
 /// What kept an experiment from being done.
-pub fn reproduce(settings: &Settings, progress: Watch<'_>) -> Result<Results, PaperError> {
+pub fn reproduce(settings: &Settings, progress: TrialWatch<'_>) -> Result<Results, PaperError> {
     let patterns = patterns::study(settings)?;
     let [levels, lengths] = beyond::points(settings);
     let mut rows = beyond::arm_rows(settings);

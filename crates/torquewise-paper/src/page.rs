@@ -1,8 +1,8 @@
 //! The results as one HTML page.
 
 use crate::error::PaperError;
-use crate::results::{Claim, Results, Study, Verdict};
-use torquewise_report::html::{Column, Item, Label, Page, Section, Table};
+use crate::results::{Claim, ClaimVerdict, Results, Study};
+use torquewise_report::html::{Heading, Item, Label, Page, Section, Table};
 
 /// The page as one HTML text that needs no other file and no network.
 ///
@@ -15,9 +15,9 @@ pub fn page(results: &Results) -> Result<String, PaperError> {
          of Robotic Manipulator Based on Data-Driven Method”, done again on the arm {}, and those \
          that it leaves open. Of its claims {} hold, {} hold in part and {} are contradicted.",
         results.settings.arm,
-        count(Verdict::Holds),
-        count(Verdict::HoldsInPart),
-        count(Verdict::Contradicted),
+        count(ClaimVerdict::Holds),
+        count(ClaimVerdict::HoldsInPart),
+        count(ClaimVerdict::Contradicted),
     );
     let setup = Study { heading: "What holds".into(), ..Study::described("setup", 0) };
     let mut sections = vec![section(&setup)];
@@ -35,7 +35,7 @@ fn claims(results: &Results) -> Item {
     };
     Item::Table(Table {
         caption: "The claims of the paper, judged.".into(),
-        columns: headings.map(Column::words).to_vec(),
+        columns: headings.map(Heading::words).to_vec(),
         rows: results.claims().map(row).collect(),
     })
 }

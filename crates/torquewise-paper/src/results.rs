@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use torquewise_report::html::number::significant;
-use torquewise_report::html::{Chart, Column, Label};
+use torquewise_report::html::{Chart, Heading, Label};
 use torquewise_report::{chart_figure, html};
 
 /// All experiments.
@@ -32,7 +32,7 @@ pub struct Study {
     /// Claims of the paper that it judges.
     pub claims: Vec<Claim>,
     /// What was measured.
-    pub tables: Vec<Table>,
+    pub tables: Vec<ResultTable>,
     /// What rests on computing time.
     #[serde(rename = "seconds")]
     pub timed: Timed,
@@ -46,7 +46,7 @@ impl Study {
     pub(crate) fn described(name: &str, n_joints: usize) -> Self {
         let all: Result<BTreeMap<String, Self>, _> = toml::from_str(include_str!("studies.toml"));
         let mut study = all.ok().and_then(|mut all| all.remove(name)).unwrap_or_default();
-        for Table { columns, joints, .. } in &mut study.tables {
+        for ResultTable { columns, joints, .. } in &mut study.tables {
             let each = |what| (1..=n_joints).map(move |joint| format!("{what}, joint {joint}"));
             columns.extend(joints.iter().flat_map(each));
         }
@@ -60,7 +60,7 @@ impl Study {
 #[expect(missing_docs, reason = "as those of a study")]
 pub struct Timed {
     pub claims: Vec<Claim>,
-    pub tables: Vec<Table>,
+    pub tables: Vec<ResultTable>,
 }
 
 /// A claim of the paper, judged by what was measured.
@@ -74,7 +74,7 @@ pub struct Claim {
     pub measured: String,
     /// Whether it holds.
     #[serde(skip_deserializing)]
-    pub verdict: Verdict,
+    pub verdict: ClaimVerdict,
 }
 
 impl Claim {
@@ -84,9 +84,9 @@ impl Claim {
             self.measured = self.measured.replacen("{}", &value.to_string(), 1);
         }
         self.verdict = match (tests.contains(&true), tests.contains(&false)) {
-            (true, false) => Verdict::Holds,
-            (true, true) => Verdict::HoldsInPart,
-            (false, _) => Verdict::Contradicted,
+            (true, false) => ClaimVerdict::Holds,
+            (true, true) => ClaimVerdict::HoldsInPart,
+            (false, _) => ClaimVerdict::Contradicted,
         };
     }
 }
@@ -94,7 +94,7 @@ impl Claim {
 /// Whether a claim holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Verdict {
+pub enum ClaimVerdict {
     /// As it stands.
     Holds,
     /// Under a condition that the measurement names.
@@ -104,7 +104,7 @@ pub enum Verdict {
     Contradicted,
 }
 
-impl Verdict {
+impl ClaimVerdict {
     /// As one reads it.
     pub fn name(self) -> &'static str {
         match self {
@@ -117,7 +117,7 @@ impl Verdict {
 
 /// Rows under headings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Table {
+pub struct ResultTable {
     /// What it shows.
     pub caption: String,
     /// Its headings.
@@ -165,7 +165,7 @@ macro_rules! cells {
 }
 cells!(Text &str, Text String, Count usize, Number f64, Spread Spread);
 
-impl Table {
+impl ResultTable {
     /// Adds a row of some cells, then others of one kind.
     pub(crate) fn push(&mut self, head: &[Cell], rest: impl IntoIterator<Item = impl Into<Cell>>) {
         self.rows.push(head.iter().cloned().chain(rest.into_iter().map(Into::into)).collect());
@@ -175,7 +175,7 @@ impl Table {
         let columns = self.columns.iter().enumerate().map(|(place, heading)| {
             let numeric =
                 self.rows.iter().all(|row| !matches!(row.get(place), Some(Cell::Text(_))));
-            if numeric { Column::numbers(heading) } else { Column::words(heading) }
+            if numeric { Heading::numbers(heading) } else { Heading::words(heading) }
         });
         let row = |row: &Vec<Cell>| row.iter().map(|cell| Label::from(cell.text())).collect();
         html::Table {

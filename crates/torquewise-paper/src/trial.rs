@@ -42,7 +42,7 @@ impl Row {
 
 /// How far the work is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
+pub struct TrialProgress {
     /// What is being done.
     pub doing: &'static str,
     /// Trials done so far.
@@ -52,7 +52,7 @@ pub struct Progress {
 }
 
 /// Who is told when work begins or is done, from any thread.
-pub type Watch<'a> = &'a (dyn Fn(Progress) + Sync);
+pub type TrialWatch<'a> = &'a (dyn Fn(TrialProgress) + Sync);
 
 #[derive(Clone, Debug)]
 pub(crate) struct Trials(Vec<(TrialPlan, Trial)>);
@@ -61,7 +61,12 @@ impl Trials {
     /// Does each trial once: those to be timed one by one, then the others on all cores.
     ///
     /// Each runs in a pool of one thread, so that its time is that of one thread.
-    pub(crate) fn run(timed: &[Row], others: &[Row], seed: u64, told: Watch<'_>) -> Result<Self> {
+    pub(crate) fn run(
+        timed: &[Row],
+        others: &[Row],
+        seed: u64,
+        told: TrialWatch<'_>,
+    ) -> Result<Self> {
         let (mut plans, mut n_timed) = (Vec::new(), 0);
         for (place, row) in timed.iter().chain(others).enumerate() {
             for plan in &row.trials {
@@ -78,7 +83,7 @@ impl Trials {
             let trial = pool.install(|| attempt(plan, seed))?;
             let doing = if place < n_timed { "timed trials" } else { "trials" };
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            told(Progress { doing, done, total: plans.len() });
+            told(TrialProgress { doing, done, total: plans.len() });
             Ok((plan.clone(), trial))
         };
         let mut trials = (0..n_timed).map(attempt).collect::<Result<Vec<_>>>()?;

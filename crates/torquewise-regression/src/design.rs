@@ -4,7 +4,7 @@ use crate::atom::{Atom, Monomial, Numbering, Wave};
 use crate::error::{SparseError, expect};
 
 /// One candidate: a sum of atoms, empty where the column is zero in an equation.
-pub type Column = Vec<Atom>;
+pub type AtomSum = Vec<Atom>;
 
 /// A library of p columns for one or several equations.
 ///
@@ -32,7 +32,7 @@ impl Design {
     pub fn new(
         n_angles: usize,
         n_variables: usize,
-        equations: &[Vec<Column>],
+        equations: &[Vec<AtomSum>],
     ) -> Result<Self, SparseError> {
         let n_columns = equations.first().map_or(0, Vec::len);
         for columns in equations {
@@ -45,7 +45,7 @@ impl Design {
         Ok(Self::numbered(n_angles, n_variables, equations))
     }
 
-    fn numbered(n_angles: usize, n_variables: usize, equations: &[Vec<Column>]) -> Self {
+    fn numbered(n_angles: usize, n_variables: usize, equations: &[Vec<AtomSum>]) -> Self {
         let (mut waves, mut monomials) = (Numbering::new(), Numbering::new());
         let mut pair = |a: &Atom| (waves.place(&a.wave), monomials.place(&a.monomial));
         let mut atoms: Vec<(usize, usize)> =
@@ -53,7 +53,7 @@ impl Design {
         atoms.sort_unstable();
         atoms.dedup();
         let mut numbered = |a: &Atom| Some((atoms.binary_search(&pair(a)).ok()?, a.weight));
-        let mut column = |column: &Column| column.iter().filter_map(&mut numbered).collect();
+        let mut column = |column: &AtomSum| column.iter().filter_map(&mut numbered).collect();
         let equations =
             equations.iter().map(|columns| columns.iter().map(&mut column).collect()).collect();
         let (waves, monomials) = (waves.values, monomials.values);
@@ -78,7 +78,7 @@ impl Design {
             Atom { weight, wave, monomial }
         };
         let column = |all: &[Vec<(usize, f64)>], j: usize| all[j].iter().map(spell).collect();
-        let equations: Vec<Vec<Column>> = self
+        let equations: Vec<Vec<AtomSum>> = self
             .equations
             .iter()
             .map(|all| columns.iter().map(|&j| column(all, j)).collect())

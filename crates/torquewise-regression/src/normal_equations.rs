@@ -26,7 +26,7 @@ pub struct NormalEquations {
 
 /// The columns that were kept, with their weights.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Selection {
+pub struct KeptColumns {
     /// Weight of every column, p; zero outside `active`.
     pub coefficients: Vec<f64>,
     /// Columns that carry a weight, ascending.
@@ -218,7 +218,7 @@ impl NormalEquations {
     ///
     /// # Errors
     /// [`SparseError::Column`] if an active column is not below p.
-    pub fn refit(&self, active: &[usize]) -> Result<Selection, SparseError> {
+    pub fn refit(&self, active: &[usize]) -> Result<KeptColumns, SparseError> {
         let columns = self.n_columns();
         if let Some(&column) = active.iter().find(|&&j| j >= columns) {
             return Err(SparseError::Column { column, columns });
@@ -228,7 +228,7 @@ impl NormalEquations {
         let mut active = ascending(active.to_vec());
         active.retain(|j| dependent.binary_search(j).is_err());
         let residual_energy = self.residual_energy(&coefficients, 0);
-        Ok(Selection { coefficients, active, dependent, residual_energy })
+        Ok(KeptColumns { coefficients, active, dependent, residual_energy })
     }
 
     /// Least-squares weights of every response on all columns, p×r: one factorisation serves all.

@@ -22,7 +22,7 @@ pub enum Route {
 }
 
 /// A design made ready to be summed by one of the routes, and how many responses it explains.
-pub struct Prepared {
+pub struct PreparedDesign {
     design: Design,
     /// Those of the design, by the route of moments.
     moments: Option<MomentPlan>,
@@ -33,7 +33,7 @@ pub struct Prepared {
 /// lower triangle of YᵀY and Yᵀy of an equation; then the energy of each response.
 type Sums = [Mat<f64>; 3];
 
-impl Prepared {
+impl PreparedDesign {
     /// Makes a design ready for a route.
     pub fn new(design: &Design, n_responses: usize, route: Route) -> Self {
         let moments = (route == Route::Moments).then(|| MomentPlan::new(design));
@@ -136,7 +136,7 @@ pub struct RowSums {
 
 impl RowSums {
     /// The sums of no rows.
-    pub fn new(prepared: &Prepared) -> Self {
+    pub fn new(prepared: &PreparedDesign) -> Self {
         Self { sums: ExactSums::zeros(prepared.n_sums()), rows: 0 }
     }
 
@@ -150,7 +150,7 @@ impl RowSums {
         Ok(())
     }
 
-    fn add(&mut self, prepared: &Prepared, mut sums: Vec<Sums>) -> Result<(), SparseError> {
+    fn add(&mut self, prepared: &PreparedDesign, mut sums: Vec<Sums>) -> Result<(), SparseError> {
         let mut first = 0;
         prepared.numbers(&mut sums).try_for_each(|part| {
             first += part.len();
@@ -159,12 +159,12 @@ impl RowSums {
     }
 
     /// The normal equations of each equation.
-    pub fn all_grams(&self, prepared: &Prepared) -> Vec<NormalEquations> {
+    pub fn all_grams(&self, prepared: &PreparedDesign) -> Vec<NormalEquations> {
         self.grams(prepared, &(0..prepared.design.n_columns()).collect::<Vec<_>>())
     }
 
     /// The same in some of the columns of the design.
-    pub fn grams(&self, prepared: &Prepared, columns: &[usize]) -> Vec<NormalEquations> {
+    pub fn grams(&self, prepared: &PreparedDesign, columns: &[usize]) -> Vec<NormalEquations> {
         let (mut sums, mut first) = (prepared.zeros(), 0);
         for part in prepared.numbers(&mut sums) {
             self.sums.write_to(first, part);
@@ -182,7 +182,7 @@ impl RowSums {
     }
 
     /// Whether they are sums for the design.
-    pub fn is_sound(&self, prepared: &Prepared) -> bool {
+    pub fn is_sound(&self, prepared: &PreparedDesign) -> bool {
         self.sums.count() == prepared.n_sums()
     }
 }
@@ -199,7 +199,7 @@ const CHUNK_BYTES: usize = 128 << 20;
 /// Chunks are cut by the number of the block alone, and their sums are added exactly: which thread
 /// sums which chunk leaves no trace.
 pub struct RowAdder<'a> {
-    prepared: &'a Prepared,
+    prepared: &'a PreparedDesign,
     /// Blocks that are summed at a time.
     most: usize,
     waiting: Vec<Samples>,
@@ -210,7 +210,7 @@ pub struct RowAdder<'a> {
 
 impl<'a> RowAdder<'a> {
     /// Starts from nothing.
-    pub fn new(prepared: &'a Prepared) -> Self {
+    pub fn new(prepared: &'a PreparedDesign) -> Self {
         let total = RowSums::new(prepared);
         // Numbers of a sum, and the square that a triangle of them is kept in.
         let most = (CHUNK_BYTES / (2 * 8 * total.sums.count()).max(1)).max(1);
@@ -219,7 +219,7 @@ impl<'a> RowAdder<'a> {
     }
 
     /// The same for blocks that are added in floating point, one after the other.
-    pub fn in_order(prepared: &'a Prepared) -> Self {
+    pub fn in_order(prepared: &'a PreparedDesign) -> Self {
         Self { most: 1, running: Some(prepared.zeros()), ..Self::new(prepared) }
     }
 

@@ -5,7 +5,7 @@ pub mod stlsq;
 pub mod criterion;
 
 use crate::error::SparseError;
-use crate::normal_equations::{NormalEquations, Selection};
+use crate::normal_equations::{KeptColumns, NormalEquations};
 
 /// A rule to choose columns.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +24,7 @@ impl Selector {
     ///
     /// # Errors
     /// Those of the selector.
-    pub fn select(&self, problem: &NormalEquations) -> Result<Selection, SparseError> {
+    pub fn select(&self, problem: &NormalEquations) -> Result<KeptColumns, SparseError> {
         match self {
             Self::Criterion(criterion) => criterion.select(problem),
             Self::Lasso(lasso) => lasso.select(problem),

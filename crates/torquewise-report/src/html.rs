@@ -35,10 +35,10 @@ pub mod item;
 pub mod page;
 
 pub use bars::Bars;
-pub use chart::{Axis, Band, Chart, Guide, Mark, Series};
+pub use chart::{Axis, Chart, Guide, Mark, Series, Stretches};
 pub use colour::Colour;
 pub use item::{Callout, Item, Tone};
 pub use markup::Label;
 pub use page::{Page, Section};
-pub use table::{Column, Table};
+pub use table::{Heading, Table};
 pub use thin::Growing;

@@ -3,7 +3,7 @@
 use crate::error::ChainError;
 use crate::geometry::Geometry;
 use crate::recursion::{Moved, PER_BODY};
-use crate::rows::{Rows, put};
+use crate::rows::{ChainRows, put};
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{ColRef, Mat, MatRef, Side};
 use torquewise_regression::products::{add_gram_at, product};
@@ -41,7 +41,7 @@ const NOTHING: f64 = 1e-9;
 /// Weighted columns of a chain and those beside it, n.
 pub(crate) fn weighted_columns(
     geometry: &Geometry,
-    rows: &Rows,
+    rows: &ChainRows,
     weights: &[f64],
 ) -> Vec<JointColumns> {
     let (m, n) = (rows.len(), rows.n_joints());
@@ -77,7 +77,7 @@ pub(crate) fn weighted_columns(
 }
 
 /// Multiplies equations, all rows of joint 1 first, by what they count.
-pub(crate) fn weigh(column: &mut [f64], rows: &Rows, weights: &[f64]) {
+pub(crate) fn weigh(column: &mut [f64], rows: &ChainRows, weights: &[f64]) {
     let m = rows.len().max(1);
     let joints = column.chunks_mut(m).zip(rows.shares.chunks(m)).zip(weights);
     joints.for_each(|((column, shares), weight)| weigh_joint(column, shares, *weight));
@@ -118,7 +118,7 @@ impl InertialFit {
     /// joint, n.
     pub(crate) fn fit(
         geometry: &Geometry,
-        rows: &Rows,
+        rows: &ChainRows,
         weights: &[f64],
         ridge: f64,
     ) -> Result<Self, ChainError> {
@@ -176,7 +176,7 @@ impl InertialFit {
     }
 
     /// Mean square residual of each joint \[(N·m)²\], weights taken out.
-    pub(crate) fn variances(&self, rows: &Rows, weights: &[f64]) -> Vec<f64> {
+    pub(crate) fn variances(&self, rows: &ChainRows, weights: &[f64]) -> Vec<f64> {
         let m = rows.len();
         let parts = self.residual.chunks(m).zip(rows.shares.chunks(m)).zip(weights);
         let of = |((part, shares), weight): ((&[f64], &[f64]), &f64)| {

@@ -4,8 +4,8 @@ use crate::error::ChainError;
 use crate::geometry::Geometry;
 use crate::inertial_fit::{InertialFit, weigh};
 use crate::recursion::{Lanes, MOST_JOINTS, Moved, PER_BODY};
-use crate::rows::{Rows, put};
-use crate::search::{Stage, Watch, tell};
+use crate::rows::{ChainRows, put};
+use crate::search::{SearchStage, SearchWatch, tell};
 use crate::usual_arm::UsualArm;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -14,7 +14,7 @@ use simba::simd::SimdValue;
 /// How a geometry is fitted.
 #[derive(Clone, Debug)]
 pub(crate) struct Target<'a> {
-    pub(crate) rows: &'a Rows,
+    pub(crate) rows: &'a ChainRows,
     /// One over the noise of each joint, n.
     pub(crate) weights: &'a [f64],
     /// Ridge of the masses, relative to the mean square of a column.
@@ -44,7 +44,7 @@ const TRIALS: usize = 6;
 ///
 /// - `masses`: inertial parameters of the bodies, 10 each, and whatever comes after them
 pub(crate) fn changes(
-    (rows, weights): (&Rows, &[f64]),
+    (rows, weights): (&ChainRows, &[f64]),
     geometry: &Geometry,
     masses: &[f64],
     free: &[usize],
@@ -91,13 +91,13 @@ impl Target<'_> {
         start: &Geometry,
         free: &[usize],
         rounds: usize,
-        watch: Watch<'_>,
+        watch: SearchWatch<'_>,
     ) -> Result<Fitted, ChainError> {
         let mut best = self.fit(start)?;
         let size = self.rows.torque.len() as f64;
         let mut damping = 1e-2;
         for _ in 0..rounds {
-            tell(watch, Stage::Round)?;
+            tell(watch, SearchStage::Round)?;
             let changes =
                 changes((self.rows, self.weights), &best.geometry, &best.masses.coefficients, free);
             let mut curvature = best.masses.projected(&changes);

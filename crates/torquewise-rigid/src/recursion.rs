@@ -44,7 +44,7 @@ pub struct Kinematics {
 /// q \[rad\], q̇ \[rad/s\] and q̈ \[rad/s²\] of one instant, n each; m in place of rad where a joint
 /// slides, and N in place of N·m.
 #[derive(Clone, Copy, Debug)]
-pub struct State<'a, T> {
+pub struct MotionState<'a, T> {
     /// Joint positions.
     pub q: &'a [T],
     /// Joint velocities.
@@ -143,7 +143,7 @@ impl Kinematics {
 
     /// Moves the bodies: the outward half of the recursion. `moved` is overwritten, so that a loop
     /// over rows allocates once.
-    pub fn move_into<T: Scalar>(&self, state: State<'_, T>, moved: &mut Moved<T>) {
+    pub fn move_into<T: Scalar>(&self, state: MotionState<'_, T>, moved: &mut Moved<T>) {
         self.move_bodies(|joint| [state.q[joint], state.dq[joint], state.ddq[joint]], moved);
     }
 
@@ -179,7 +179,7 @@ impl Kinematics {
     /// Torques \[N·m\] of all joints for the inertial parameters of all bodies, 10 each.
     pub fn inverse_dynamics<T: Scalar>(
         &self,
-        state: State<'_, T>,
+        state: MotionState<'_, T>,
         inertial: &[f64],
         moved: &mut Moved<T>,
         torque: &mut [T],

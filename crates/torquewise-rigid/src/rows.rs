@@ -2,7 +2,7 @@
 
 use crate::error::ChainError;
 use crate::geometry::Geometry;
-use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, N_LANES, State};
+use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, MotionState, N_LANES};
 use faer::{Mat, MatRef};
 use simba::simd::SimdValue;
 
@@ -15,7 +15,7 @@ pub fn told_spread(std: f64, mean: f64) -> f64 {
 
 /// Rows of one arm and what is known beside the chain.
 #[derive(Clone, Debug)]
-pub struct Rows {
+pub struct ChainRows {
     n_joints: usize,
     /// q, q̇, q̈ of each row, 3n numbers a row.
     states: Vec<f64>,
@@ -31,7 +31,7 @@ pub struct Rows {
     weightless: bool,
 }
 
-impl Rows {
+impl ChainRows {
     /// Collects rows.
     ///
     /// - `q`, `dq`, `ddq`, `tau`: m×n; rad, rad/s, rad/s², N·m
@@ -124,7 +124,7 @@ impl Rows {
 
     /// Calls `visit` with four states at a time, the row of the first of them and how many of them
     /// are rows; the last is repeated where rows run out.
-    pub(crate) fn visit_lanes(&self, mut visit: impl FnMut(State<'_, Lanes>, usize, usize)) {
+    pub(crate) fn visit_lanes(&self, mut visit: impl FnMut(MotionState<'_, Lanes>, usize, usize)) {
         let (m, n) = (self.len(), self.n_joints);
         let mut lanes = vec![Lanes::splat(0.0); 3 * n];
         for first in (0..m).step_by(N_LANES) {
@@ -133,7 +133,7 @@ impl Rows {
                 let state = &self.states[3 * n * row..3 * n * (row + 1)];
                 lanes.iter_mut().zip(state).for_each(|(lanes, x)| lanes.replace(lane, *x));
             }
-            let state = State { q: &lanes[..n], dq: &lanes[n..2 * n], ddq: &lanes[2 * n..] };
+            let state = MotionState { q: &lanes[..n], dq: &lanes[n..2 * n], ddq: &lanes[2 * n..] };
             visit(state, first, N_LANES.min(m - first));
         }
     }

@@ -6,7 +6,7 @@ use crate::geometry::{Geometry, PER_BASE, PER_JOINT, RIGHT_ANGLES};
 use crate::joint::JointKinds;
 use crate::levenberg_marquardt::{Fitted, Target};
 use crate::recursion::{Lanes, MOST_JOINTS, Moved, PER_BODY};
-use crate::rows::{Rows, put};
+use crate::rows::{ChainRows, put};
 use crate::usual_arm::UsualArm;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -78,7 +78,7 @@ impl Chain {
         self.inertial.chunks(PER_BODY).skip(joint).map(|body| body[0]).sum()
     }
 
-    pub(crate) fn new(fitted: &Fitted, rows: &Rows, weights: &[f64]) -> Self {
+    pub(crate) fn new(fitted: &Fitted, rows: &ChainRows, weights: &[f64]) -> Self {
         let of_bodies = PER_BODY * fitted.geometry.n_joints();
         let (inertial, drive) = fitted.masses.coefficients.split_at(of_bodies);
         let variances = fitted.masses.variances(rows, weights);
@@ -92,7 +92,7 @@ impl Chain {
     }
 
     /// Torques \[N·m\] of rows: m of joint 1, then m of joint 2 …
-    pub fn torque(&self, rows: &Rows) -> Vec<f64> {
+    pub fn torque(&self, rows: &ChainRows) -> Vec<f64> {
         let (m, n) = (rows.len(), rows.n_joints());
         let kinematics = rows.kinematics(&self.geometry);
         let (mut moved, mut torque) = (Moved::default(), [Lanes::splat(0.0); MOST_JOINTS]);
@@ -135,7 +135,7 @@ const LEAST_RESIDUAL: f64 = 1e-6;
 const FIRST_NOISE: f64 = 0.1;
 
 /// One over the noise guessed of each joint, n.
-fn first_weights(rows: &Rows) -> Vec<f64> {
+fn first_weights(rows: &ChainRows) -> Vec<f64> {
     let weight = |joint| {
         let deviation = rows.deviation_of(joint);
         1.0 / (FIRST_NOISE * if deviation > 0.0 { deviation } else { 1.0 })
@@ -160,7 +160,7 @@ const NOTHING: f64 = 1e-3;
 
 /// How far a search or a refinement is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
+pub enum SearchStage {
     /// A round of refinement begins.
     Round,
     /// Starts were made.
@@ -173,13 +173,13 @@ pub enum Stage {
 }
 
 /// Is told how far a search is, from several threads, and stops it by breaking.
-pub type Watch<'a> = &'a (dyn Fn(Stage) -> ControlFlow<()> + Sync + 'a);
+pub type SearchWatch<'a> = &'a (dyn Fn(SearchStage) -> ControlFlow<()> + Sync + 'a);
 
 /// Nobody watches.
-pub const UNWATCHED: Watch<'static> = &|_| ControlFlow::Continue(());
+pub const UNWATCHED: SearchWatch<'static> = &|_| ControlFlow::Continue(());
 
 /// Fails where the work is not wanted any more.
-pub(crate) fn tell(watch: Watch<'_>, stage: Stage) -> Result<(), ChainError> {
+pub(crate) fn tell(watch: SearchWatch<'_>, stage: SearchStage) -> Result<(), ChainError> {
     match watch(stage) {
         ControlFlow::Continue(()) => Ok(()),
         ControlFlow::Break(()) => Err(ChainError::Stopped),
@@ -204,7 +204,11 @@ pub struct Found {
 /// # Errors
 /// [`ChainError::TooFewRows`], [`ChainError::Singular`] if no start can be fitted, or
 /// [`ChainError::Stopped`].
-pub fn search(rows: &Rows, search: &Search, watch: Watch<'_>) -> Result<Found, ChainError> {
+pub fn search(
+    rows: &ChainRows,
+    search: &Search,
+    watch: SearchWatch<'_>,
+) -> Result<Found, ChainError> {
     let n = rows.n_joints();
     let needed = PER_BODY * n;
     if rows.len() < needed {
@@ -232,7 +236,7 @@ pub fn search(rows: &Rows, search: &Search, watch: Watch<'_>) -> Result<Found, C
             found.iter().map(|own| score(&own.1, &start, NOTHING / FIRST_NOISE)).collect();
         let within = SAME * start.n_joints() as f64;
         times = scores.iter().filter(|own| (*own - scores[0]).abs() < within).count();
-        tell(watch, Stage::Starts { made: starts, agreeing: times })?;
+        tell(watch, SearchStage::Starts { made: starts, agreeing: times })?;
     }
     found.truncate(FINALISTS);
     let finals = rows.thinned(FINAL_ROWS);
@@ -240,7 +244,7 @@ pub fn search(rows: &Rows, search: &Search, watch: Watch<'_>) -> Result<Found, C
         .into_par_iter()
         .filter_map(|(_, chain)| refine(&finals, &chain, &free, search, watch).ok())
         .collect();
-    tell(watch, Stage::Round)?;
+    tell(watch, SearchStage::Round)?;
     let rank = |chain: &Chain| score(chain, &finals, LEAST_RESIDUAL);
     chains.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     if chains.is_empty() { Err(ChainError::Singular) } else { Ok(Found { chains, times, starts }) }
@@ -249,7 +253,7 @@ pub fn search(rows: &Rows, search: &Search, watch: Watch<'_>) -> Result<Found, C
 /// What the best of the starts leaves of few rows, before any is refined: a first look at a
 /// coupling, or at torques in another order. Geometric mean over the joints of the residual's part
 /// of the torque; infinite where no start can be fitted, or the work is stopped.
-pub fn glance(rows: &Rows, search: &Search, watch: Watch<'_>) -> f64 {
+pub fn glance(rows: &ChainRows, search: &Search, watch: SearchWatch<'_>) -> f64 {
     let weights = first_weights(rows);
     let left = (0..search.starts).into_par_iter().filter_map(|place| {
         let fitted = right_angles(rows, &weights, (search, place), watch)?;
@@ -261,7 +265,7 @@ pub fn glance(rows: &Rows, search: &Search, watch: Watch<'_>) -> f64 {
 
 /// Sum over joints of the logarithm of the residual's part of the torque, `least` or more: what
 /// chains of different weights are compared by.
-fn score(chain: &Chain, rows: &Rows, least: f64) -> f64 {
+fn score(chain: &Chain, rows: &ChainRows, least: f64) -> f64 {
     let parts = chain.residual_rms.iter().zip(first_weights(rows));
     parts.map(|(rms, weight)| (rms * weight).max(least).ln()).sum()
 }
@@ -276,11 +280,11 @@ fn score(chain: &Chain, rows: &Rows, least: f64) -> f64 {
 /// [`ChainError::Shape`] if the start is of another arm or has no such parameter,
 /// [`ChainError::Singular`], [`ChainError::Stopped`].
 pub fn refine(
-    rows: &Rows,
+    rows: &ChainRows,
     start: &Chain,
     free: &[usize],
     search: &Search,
-    watch: Watch<'_>,
+    watch: SearchWatch<'_>,
 ) -> Result<Chain, ChainError> {
     let (found, expected) =
         (start.geometry.parameters().len(), all_parameters(rows.n_joints()).len());
@@ -317,10 +321,10 @@ fn weights_of(residual_rms: &[f64], first: &[f64]) -> Vec<f64> {
 /// The start of a place: each axis in turn takes the right angle that explains most, until none
 /// changes.
 fn right_angles(
-    rows: &Rows,
+    rows: &ChainRows,
     weights: &[f64],
     (search, place): (&Search, usize),
-    watch: Watch<'_>,
+    watch: SearchWatch<'_>,
 ) -> Option<Fitted> {
     let n = rows.n_joints();
     let mut random = ChaCha8Rng::seed_from_u64(search.seed);
@@ -349,7 +353,7 @@ fn right_angles(
             if tried_at[joint] == Some(changes) {
                 continue;
             }
-            tell(watch, Stage::Round).ok()?;
+            tell(watch, SearchStage::Round).ok()?;
             for direction in RIGHT_ANGLES {
                 let mut other = best.geometry.clone();
                 if joint == 0 {

@@ -3,13 +3,13 @@
 use crate::error::ChainError;
 use crate::inertial_fit::weighted_columns;
 use crate::levenberg_marquardt::changes;
-use crate::rows::Rows;
+use crate::rows::ChainRows;
 use crate::search::Chain;
 use faer::Mat;
 
 /// The torque of rows, linearised at a chain.
 ///
-/// Equations as in [`Rows`]: all rows of joint 1 first. Each is divided by the noise of its joint
+/// Equations as in [`ChainRows`]: all rows of joint 1 first. Each is divided by the noise of its joint
 /// and counts as the rows say.
 #[derive(Clone, Debug)]
 pub struct Tangent {
@@ -32,7 +32,7 @@ impl Chain {
     /// chain.
     pub fn tangent(
         &self,
-        rows: &Rows,
+        rows: &ChainRows,
         weights: &[f64],
         free: &[usize],
     ) -> Result<Tangent, ChainError> {

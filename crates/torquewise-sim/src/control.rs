@@ -31,6 +31,6 @@ pub mod record;
 pub use controller::{Law, Run, Tracking, compare, track};
 pub use gains::{Gains, mean_inertia};
 pub use knowledge::{Knowledge, Learned, is_of_joints};
-pub use plant::{Drive, Plant, Sensors, each};
+pub use plant::{Actuator, Plant, Sensors, each};
 pub use record::record;
 pub use reference::{Periodic, periodic};

@@ -29,9 +29,9 @@ pub mod planner;
 pub mod ros;
 
 pub use crate::state::State;
-pub use information::Criterion;
-pub use limits::{Bounds, Limits, PerJoint, Wishes, limits};
-pub use planner::{Excitation, Plan, excite};
+pub use information::DesignCriterion;
+pub use limits::{Bounds, JointValues, Limits, Wishes, limits};
+pub use planner::{Excitation, ExcitationPlan, excite};
 pub use recording::{Peaks, Planned};
 pub use ros::{Waypoint, joint_trajectory, waypoints};
 pub use torques::Torques;

@@ -5,7 +5,7 @@ use crate::error::{Result, SimError, check_joints};
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::linalg::solvers::Solve;
 use faer::{ColRef, Mat, Side};
-use torquewise_rigid::{Moved, State};
+use torquewise_rigid::{MotionState, Moved};
 
 /// Equations of motion, method.md (1). Slices hold n numbers: `q` \[rad\], `dq` \[rad/s\], `ddq`
 /// \[rad/s²\], `tau` \[N·m\]; but for [`Arm::forward_dynamics`], one of another length panics.
@@ -16,13 +16,18 @@ impl Arm {
     /// `tests/dynamics/oracles.rs`, `tests/dynamics/identities.rs`.
     pub fn inverse_dynamics(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
         let mut tau = vec![0.0; self.n_joints()];
-        self.load(State { q, dq, ddq }, &mut Moved::default(), &mut tau);
+        self.load(MotionState { q, dq, ddq }, &mut Moved::default(), &mut tau);
         tau
     }
 
     /// [`Arm::inverse_dynamics`] into `tau`, with the bodies left in `moved` as they move.
-    pub(crate) fn load(&self, state: State<'_, f64>, moved: &mut Moved<f64>, tau: &mut [f64]) {
-        let State { q, dq, ddq } = state;
+    pub(crate) fn load(
+        &self,
+        state: MotionState<'_, f64>,
+        moved: &mut Moved<f64>,
+        tau: &mut [f64],
+    ) {
+        let MotionState { q, dq, ddq } = state;
         self.check_lengths(&[("q", q), ("dq", dq), ("ddq", ddq), ("tau", tau)]);
         self.kinematics.inverse_dynamics(state, &self.inertial, moved, tau);
         for ((tau, ddq), joint) in tau.iter_mut().zip(ddq).zip(&self.joints) {
@@ -72,7 +77,7 @@ impl Arm {
         }
         let (ddq, mut bias) = (vec![0.0; n], vec![0.0; n]);
         let mut moved = Moved::default();
-        self.load(State { q, dq, ddq: &ddq }, &mut moved, &mut bias);
+        self.load(MotionState { q, dq, ddq: &ddq }, &mut moved, &mut bias);
         let rest = Mat::from_fn(n, 1, |i, _| tau[i] - bias[i]);
         let factor = self
             .mass_matrix_of(&moved)

@@ -86,7 +86,8 @@ impl SimulatedLog {
         for (k, row) in rows.enumerate() {
             t.push(trajectory.state_at(row, &mut state));
             truth.push(Pattern::of(&state.dq, &state.ddq));
-            let moving = torquewise_rigid::State { q: &state.q, dq: &state.dq, ddq: &state.ddq };
+            let moving =
+                torquewise_rigid::MotionState { q: &state.q, dq: &state.dq, ddq: &state.ddq };
             arm.load(moving, &mut moved, &mut torque);
             for i in 0..n {
                 tau[(k, i)] = torque[i] + friction.next(i, state.dq[i], trajectory.step(), bent);

@@ -10,7 +10,7 @@ use torquewise_model::library::{
 use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term};
 use torquewise_motion::Pattern;
 use torquewise_regression::atom::{Atom, Monomial, Wave};
-use torquewise_regression::design::{Column, Design};
+use torquewise_regression::design::{AtomSum, Design};
 
 /// What is offered, in the order of the columns.
 #[derive(Clone, Debug)]
@@ -232,7 +232,7 @@ fn check_size(candidates: usize, equations: usize) -> Result<(), IdentifyError> 
 /// The columns of torque terms: one equation that serves all joints.
 ///
 /// - `laws`: variables of a row beside q̇ and q̈
-pub(crate) fn columns_of_terms(terms: &[Term], laws: usize) -> Vec<Vec<Column>> {
+pub(crate) fn columns_of_terms(terms: &[Term], laws: usize) -> Vec<Vec<AtomSum>> {
     vec![terms.iter().map(|term| column(&[(1.0, term.clone())], laws)).collect()]
 }
 
@@ -241,14 +241,14 @@ pub(crate) fn columns_of_energies(
     terms: &[EnergyTerm],
     n_joints: usize,
     laws: usize,
-) -> Vec<Vec<Column>> {
+) -> Vec<Vec<AtomSum>> {
     (0..n_joints)
         .map(|joint| terms.iter().map(|term| column(&term.torque(joint), laws)).collect())
         .collect()
 }
 
 /// A sum of terms as a sum of harmonic × monomial.
-fn column(sum: &[(f64, Term)], laws: usize) -> Column {
+fn column(sum: &[(f64, Term)], laws: usize) -> AtomSum {
     let atoms = sum.iter().flat_map(|(weight, term)| {
         let none = std::iter::repeat_n(0, laws);
         let powers = term.dq.iter().chain(&term.ddq).copied().chain(none).collect();

@@ -16,7 +16,7 @@ use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
 use torquewise_regression::SparseError;
-use torquewise_regression::row_sums::{Prepared, RowAdder, RowSums};
+use torquewise_regression::row_sums::{PreparedDesign, RowAdder, RowSums};
 
 /// Which columns are summed, and over which rows together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,7 +36,7 @@ pub struct Basis {
     /// The terms offered.
     pub candidates: Candidates,
     /// Their columns, as sums over rows want them.
-    pub prepared: Prepared,
+    pub prepared: PreparedDesign,
 }
 
 /// Rows that the route to the sums is chosen for. One number for all logs, lest parts of different
@@ -71,7 +71,7 @@ impl SummedLibrary {
     pub fn basis(&self, n_joints: usize) -> Result<Basis, IdentifyError> {
         let laws = self.friction.clone();
         let candidates = Candidates::new(n_joints, self.kind, self.regression, laws)?;
-        let prepared = Prepared::cheaper(&candidates.design, n_joints, USUAL_ROWS);
+        let prepared = PreparedDesign::cheaper(&candidates.design, n_joints, USUAL_ROWS);
         Ok(Basis { candidates, prepared })
     }
 

@@ -14,7 +14,7 @@ use torquewise_model::library::energy_library_size;
 use torquewise_model::model::Choice;
 use torquewise_regression::SparseError;
 use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_regression::row_sums::{Prepared, RowAdder};
+use torquewise_regression::row_sums::{PreparedDesign, RowAdder};
 use torquewise_regression::select::Selector;
 use torquewise_regression::select::criterion::Criterion;
 
@@ -191,7 +191,7 @@ struct CrossValidation<'a> {
 impl<'a> CrossValidation<'a> {
     fn new(survey: &'a Survey, candidates: Candidates) -> Result<Self, IdentifyError> {
         let (m, n) = (survey.sample.n_rows(), survey.joints.len());
-        let prepared = Prepared::cheaper(&candidates.design, n, m / BLOCKS);
+        let prepared = PreparedDesign::cheaper(&candidates.design, n, m / BLOCKS);
         let of_block = |block| {
             let rows = survey.sample.select(&split(m, block).0);
             let rows = clear_of_reversals(&rows, &candidates.friction);

@@ -16,9 +16,9 @@ use torquewise_model::library::{
 use torquewise_model::{Kind, Term};
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
 use torquewise_regression::SparseError;
-use torquewise_regression::design::{Column, Design};
+use torquewise_regression::design::{AtomSum, Design};
 use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_regression::row_sums::{Prepared, RowAdder};
+use torquewise_regression::row_sums::{PreparedDesign, RowAdder};
 
 /// What is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,8 +106,8 @@ pub fn orders(
     }
     let interaction = u8::try_from(plan.interaction.min(n)).unwrap_or(u8::MAX);
     ladders.push(energy_ladder(n, interaction)?);
-    let prepared: Vec<Prepared> =
-        ladders.iter().map(|ladder| Prepared::cheaper(&ladder.design, n, rows)).collect();
+    let prepared: Vec<PreparedDesign> =
+        ladders.iter().map(|ladder| PreparedDesign::cheaper(&ladder.design, n, rows)).collect();
     // Pieces of one size, or one half would get all the remainders.
     let piece = BLOCK_ROWS.div_ceil((PIECES * BLOCK_ROWS).div_ceil(rows.max(1)));
     let empty = |(ladder, prepared): (&Ladder, _)| {
@@ -197,7 +197,7 @@ impl Ladder {
     fn new(
         n: usize,
         (name, pattern): (&'static str, Option<Pattern>),
-        equations: &[Vec<Column>],
+        equations: &[Vec<AtomSum>],
         rungs: impl Iterator<Item = (u8, u8)>,
         fits: impl Fn(usize, u8, u8) -> bool,
     ) -> Result<Self, IdentifyError> {

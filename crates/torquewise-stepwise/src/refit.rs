@@ -16,7 +16,7 @@ use torquewise_model::Weighted;
 use torquewise_motion::Recording;
 use torquewise_regression::SparseError;
 use torquewise_regression::elimination::{Equations, Estimate};
-use torquewise_regression::normal_equations::{NormalEquations, Selection};
+use torquewise_regression::normal_equations::{KeptColumns, NormalEquations};
 use torquewise_regression::select::Selector;
 
 /// A term of a fit, by its column of the library.
@@ -166,7 +166,7 @@ impl<'a> GroupRefit<'a> {
         let all: Vec<usize> = (0..kept.columns.len()).collect();
         let (joints, none) = (&kept.group.joints, vec![0.0; all.len()]);
         let equations = weighted_problem(grams, joints, &kept.weights, &none, &all)?;
-        let Selection { coefficients, dependent, .. } = equations.refit(&all)?;
+        let KeptColumns { coefficients, dependent, .. } = equations.refit(&all)?;
         let is_explained = joints.iter().all(|&joint| {
             let (gram, response) = of_joint(grams, joint);
             unexplained(grams, joint, &coefficients) <= EXPLAINED * gram.energy[response]

@@ -2,7 +2,7 @@
 
 use crate::examples::EXAMPLES;
 use crate::fitted::fitted;
-use crate::request::{FileAt, LogAt, Request};
+use crate::request::{FileAt, LogAt, Question};
 use serde_json::{Value, json};
 use torquewise::evaluate::{evaluate_prepared, prepare};
 use torquewise::exported::{ExportOptions, Target, export, function_name};
@@ -51,17 +51,17 @@ impl Answer {
     }
 }
 
-fn answered(request: Request, held: Held<'_>, observer: Observer<'_>) -> Result<Answer, Error> {
+fn answered(request: Question, held: Held<'_>, observer: Observer<'_>) -> Result<Answer, Error> {
     match request {
-        Request::Open(log) => open(&log, held, observer).map(Answer::of),
-        Request::Fit { log, options, date } => {
+        Question::Open(log) => open(&log, held, observer).map(Answer::of),
+        Question::Fit { log, options, date } => {
             let options = FitOptions::of_keywords(&options)?;
             options.check()?;
             let names: Vec<String> = log.files.iter().map(|file| file.name.clone()).collect();
             let fit = Fit::new(&log.open(held)?).options(options).observer(observer).run()?;
             fitted(&fit, &names, &date, observer).map(Answer::of)
         }
-        Request::Evaluate { model, log } => {
+        Question::Evaluate { model, log } => {
             let model = from_json(&model)?;
             let log = prepare(&model, &log.open(held)?)?;
             let evaluation = evaluate_prepared(&model, &log, observer)?;
@@ -71,8 +71,8 @@ fn answered(request: Request, held: Held<'_>, observer: Observer<'_>) -> Result<
                 "scores": evaluation, "warnings": warnings, "notes": evaluation.notes,
             })))
         }
-        Request::Export { model, to, name, force } => exported(&model, &to, &name, force),
-        Request::Example { name } => {
+        Question::Export { model, to, name, force } => exported(&model, &to, &name, force),
+        Question::Example { name } => {
             let example = EXAMPLES.iter().find(|example| example.name == name);
             let example = example.ok_or_else(|| unknown("example", &name))?;
             let json = json!({ "name": format!("{name}.csv") });

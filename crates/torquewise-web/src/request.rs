@@ -7,7 +7,7 @@ use torquewise::logs::Profile;
 /// One question of the page.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "ask", rename_all = "snake_case")]
-pub enum Request {
+pub enum Question {
     /// What a log holds: columns, a profile for them, and what a fit would find amiss.
     Open(LogAt),
     /// A model for a log, its report and its equations.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use torquewise_logs::conditioned::RawLogs;
 use torquewise_logs::{ConditionedLogs, Frame, LogInput, Logs, Options};
-use torquewise_model::model::Filter as FilterUsed;
+use torquewise_model::model::TrainingFilter;
 use torquewise_motion::Recording;
 use torquewise_motion::signals::{Conditioning, Cutoff};
 
@@ -153,7 +153,7 @@ impl Log {
     ///
     /// # Errors
     /// As [`Self::prepare`].
-    pub fn prepare_as(&self, known: Option<FilterUsed>, rows: Rows) -> Result<Prepared> {
+    pub fn prepare_as(&self, known: Option<TrainingFilter>, rows: Rows) -> Result<Prepared> {
         let filter = match (self.filter, known) {
             (Filter::Auto, Some(known)) if !self.files.has_ddq() => Filter::Hz(known.cutoff_hz),
             (Filter::Auto, _) => Filter::None,

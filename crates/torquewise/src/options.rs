@@ -7,7 +7,7 @@ use serde::Deserialize;
 use torquewise_identify::plan::{
     ChainOptions, FrictionKind, KnownGeometry, LibraryOptions, Refine, Regression,
 };
-use torquewise_identify::settings::Settings;
+use torquewise_identify::settings::SumSettings;
 use torquewise_identify::{LibraryKind, Method, PatternPlan, Plan};
 use torquewise_model::JointKind;
 use torquewise_model::expansion::check_joints;
@@ -185,7 +185,7 @@ impl FitOptions {
     ///
     /// # Errors
     /// [`Error::UnusedOption`]
-    pub fn plan_for_sums(&self, settings: &Settings) -> Result<Plan> {
+    pub fn plan_for_sums(&self, settings: &SumSettings) -> Result<Plan> {
         let fitted = match &settings.library {
             None => Fitted::Chain,
             Some(library) => match library.kind {

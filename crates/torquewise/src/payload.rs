@@ -6,7 +6,7 @@ use crate::log::Log;
 use crate::observe::{Observer, Watched};
 use torquewise_model::Model;
 
-pub use torquewise_identify::payload::{Gains, Payload, Place};
+pub use torquewise_identify::payload::{DriveGains, LoadPlace, Payload};
 
 /// Estimates the load on a link from a log with it, by a model of the arm without it (E15).
 ///
@@ -28,7 +28,12 @@ pub use torquewise_identify::payload::{Gains, Payload, Place};
 /// # Ok(())
 /// # }
 /// ```
-pub fn payload(model: &Model, log: &Log, place: Place, observer: Observer<'_>) -> Result<Payload> {
+pub fn payload(
+    model: &Model,
+    log: &Log,
+    place: LoadPlace,
+    observer: Observer<'_>,
+) -> Result<Payload> {
     let log = prepare(model, log)?;
     let watched = Watched::new(log.rows(), observer, "weighing", log.rows_hint());
     Ok(Payload::find(model, &watched, place)?)
@@ -45,11 +50,11 @@ pub fn payload(model: &Model, log: &Log, place: Place, observer: Observer<'_>) -
 pub fn gains(
     model: &Model,
     log: &Log,
-    place: Place,
+    place: LoadPlace,
     mass: f64,
     observer: Observer<'_>,
-) -> Result<Gains> {
+) -> Result<DriveGains> {
     let log = prepare(model, log)?;
     let watched = Watched::new(log.rows(), observer, "weighing", log.rows_hint());
-    Ok(Gains::find(model, &watched, place, mass)?)
+    Ok(DriveGains::find(model, &watched, place, mass)?)
 }

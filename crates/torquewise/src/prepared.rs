@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use torquewise_identify::excitation::list;
 use torquewise_logs::conditioned::RawLogs;
 use torquewise_logs::{ConditionedLogs, Logs};
-use torquewise_model::model::Filter;
+use torquewise_model::model::TrainingFilter;
 use torquewise_motion::repairs::counted;
 use torquewise_motion::signals::ConditionReport;
 use torquewise_motion::{Motion, ReadError, Recording, Repairs};
@@ -53,9 +53,9 @@ impl Prepared {
     }
 
     /// The filter that a model fitted on them keeps.
-    pub fn filter(&self) -> Option<Filter> {
+    pub fn filter(&self) -> Option<TrainingFilter> {
         let logs = self.conditioned()?;
-        Some(Filter { cutoff_hz: logs.report.cutoff?, delay: logs.settings.delay })
+        Some(TrainingFilter { cutoff_hz: logs.report.cutoff?, delay: logs.settings.delay })
     }
 
     /// A sample of the motion with the torque as it was measured, and the white noise in the torque

@@ -5,7 +5,7 @@ use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::{Drive, Model, ModelError, Torque};
 use torquewise_motion::{Motion, ReadResult, Recording, Signals, Visit};
 use torquewise_sim::arm::ArmParts;
-use torquewise_sim::excite::{PerJoint, State, Torques};
+use torquewise_sim::excite::{JointValues, State, Torques};
 use torquewise_sim::friction::{Friction, Stribeck};
 use torquewise_sim::{Arm, MotionPlan, SimulatedLog};
 
@@ -42,7 +42,7 @@ pub fn arm(model: &Model) -> Result<Arm> {
 ///
 /// # Errors
 /// `Error::Arm` if a limit is of no joint or out of bounds.
-pub fn torques(model: &Model, most: &PerJoint<f64>) -> Result<Option<Torques>> {
+pub fn torques(model: &Model, most: &JointValues<f64>) -> Result<Option<Torques>> {
     let (torque, none) = (Torque::new(model), vec![f64::NAN; model.n_joints()]);
     let of = move |state: &State| {
         torque.at(&state.q, &state.dq, &state.ddq).unwrap_or_else(|_| none.clone())

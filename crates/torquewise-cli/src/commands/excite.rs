@@ -9,7 +9,9 @@ use crate::outcome::Outcome;
 use crate::progress::share_bar;
 use clap::Args;
 use std::path::{Path, PathBuf};
-use torquewise::excite::{PerJoint, Plan, Torques, Wishes, excite, joint_trajectory, limits};
+use torquewise::excite::{
+    ExcitationPlan, JointValues, Torques, Wishes, excite, joint_trajectory, limits,
+};
 use torquewise::logs::LogWriter;
 use torquewise::motion::Recording;
 use torquewise::motion::stats::whole;
@@ -30,16 +32,16 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Seconds at most of the recording of held poses
-    #[arg(help_heading = "Recordings", long, value_name = "S", default_value_t = Plan::default().seconds[0])]
+    #[arg(help_heading = "Recordings", long, value_name = "S", default_value_t = ExcitationPlan::default().seconds[0])]
     standstill: f64,
     /// Seconds at most of the recording at constant speeds
-    #[arg(help_heading = "Recordings", long, value_name = "S", default_value_t = Plan::default().seconds[1])]
+    #[arg(help_heading = "Recordings", long, value_name = "S", default_value_t = ExcitationPlan::default().seconds[1])]
     uniform: f64,
     /// Seconds at most of the recording of sines
-    #[arg(help_heading = "Recordings", long, value_name = "S", default_value_t = Plan::default().seconds[2])]
+    #[arg(help_heading = "Recordings", long, value_name = "S", default_value_t = ExcitationPlan::default().seconds[2])]
     variable: f64,
     /// Seconds a pose is held
-    #[arg(help_heading = "Recordings", long, value_name = "S", default_value_t = Plan::default().dwell)]
+    #[arg(help_heading = "Recordings", long, value_name = "S", default_value_t = ExcitationPlan::default().dwell)]
     dwell: f64,
     /// Pass the poses slowly in both directions instead: dry friction then has a sign
     #[arg(help_heading = "Recordings", long)]
@@ -76,10 +78,10 @@ pub(crate) struct Arguments {
     #[arg(help_heading = "Search", long, value_name = "K", value_parser = clap::value_parser!(u8).range(1..=16))]
     interaction: Option<u8>,
     /// Poses, sweeps and sines to choose from, each time; more take longer
-    #[arg(help_heading = "Search", long, value_name = "N", default_value_t = Plan::default().tries)]
+    #[arg(help_heading = "Search", long, value_name = "N", default_value_t = ExcitationPlan::default().tries)]
     tries: usize,
     /// Rows per second of the .csv files
-    #[arg(help_heading = "Recordings", long, value_name = "HZ", default_value_t = Plan::default().rate)]
+    #[arg(help_heading = "Recordings", long, value_name = "HZ", default_value_t = ExcitationPlan::default().rate)]
     rate: f64,
     /// Points per second of the .yaml files at least; splines between them make the same motion
     #[arg(help_heading = "Recordings", long, value_name = "HZ", default_value_t = 20.0)]
@@ -98,14 +100,14 @@ struct Files {
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let arm = read_arm(&arguments.arm, &arguments.lock)?;
     let wishes = Wishes {
-        range: PerJoint(arguments.range.clone()),
-        velocity: PerJoint(arguments.max_velocity.clone()),
-        acceleration: PerJoint(arguments.max_acceleration.clone()),
+        range: JointValues(arguments.range.clone()),
+        velocity: JointValues(arguments.max_velocity.clone()),
+        acceleration: JointValues(arguments.max_acceleration.clone()),
         speed_scale: arguments.speed_scale,
         margin: arguments.margin,
     };
     let limits = limits(&arm, &wishes)?;
-    let most = PerJoint(arguments.torque_limit.clone());
+    let most = JointValues(arguments.torque_limit.clone());
     let torques = match read_twin(&arguments.arm, None)? {
         Some(model) => twin::torques(&model, &most)?,
         None => Torques::of_arm(&arm, &most)?,
@@ -114,7 +116,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     create_folder(&arguments.output)?;
     let inputs = [PathBuf::from(&arguments.arm)];
     check_files(&inputs, files.all().map(|file| (file.as_path(), &[][..])))?;
-    let plan = Plan {
+    let plan = ExcitationPlan {
         seconds: [arguments.standstill, arguments.uniform, arguments.variable],
         dwell: arguments.dwell,
         slow_sweeps: arguments.slow_sweeps,

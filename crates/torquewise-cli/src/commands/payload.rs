@@ -14,7 +14,7 @@ use torquewise::Log;
 use torquewise::logs::{Profile, is_bag};
 use torquewise::model::shaft_friction::Estimated;
 use torquewise::model::{Model, number};
-use torquewise::payload::{Place, gains, payload};
+use torquewise::payload::{LoadPlace, gains, payload};
 
 /// Estimate the load on a link from seconds of motion, with a model of the bare arm
 #[derive(Args, Debug)]
@@ -67,7 +67,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         Some(_) => return Err(CliError::Usage("--center expects three numbers in m".to_owned())),
     };
     let link = arguments.link.as_deref();
-    let place = Place::named(&model, link, center).ok_or_else(|| {
+    let place = LoadPlace::named(&model, link, center).ok_or_else(|| {
         let (name, joints) = (link.unwrap_or(""), model.joints.join(", "));
         CliError::Usage(format!("no link of the model is called {name}; its joints are {joints}"))
     })?;
@@ -112,7 +112,7 @@ fn run_gains(
     arguments: &Arguments,
     model: &Model,
     log: &Log,
-    (place, mass): (Place, f64),
+    (place, mass): (LoadPlace, f64),
 ) -> Result<Outcome> {
     let found = gains(model, log, place, mass, &watch())?;
     let told = found.told();

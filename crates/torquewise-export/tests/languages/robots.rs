@@ -9,7 +9,7 @@ use torquewise_export::{ExportError, onto_urdf, to_mjcf, to_urdf};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{Drive, FrictionTerm, JointKind, Model, Torque, Weighted};
 use torquewise_rigid::geometry::Placement;
-use torquewise_rigid::{Kinematics, Moved, State};
+use torquewise_rigid::{Kinematics, MotionState, Moved};
 use torquewise_sim::Arm;
 
 /// The arm without what no robot file holds.
@@ -125,7 +125,7 @@ fn an_mjcf_moves_as_the_model() {
         let torque = Torque::new(&model);
         for [q, dq, ddq] in states(n, 200, 1) {
             let mut found = vec![0.0; n];
-            let state = State { q: &q, dq: &dq, ddq: &ddq };
+            let state = MotionState { q: &q, dq: &dq, ddq: &ddq };
             kinematics.inverse_dynamics(state, &inertial, &mut Moved::default(), &mut found);
             for joint in 0..n {
                 found[joint] += number(hinges[joint], "armature") * ddq[joint];

@@ -8,7 +8,7 @@ use torquewise_identify::LibraryKind;
 use torquewise_identify::plan::Regression;
 use torquewise_motion::Motion;
 use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_regression::row_sums::Prepared;
+use torquewise_regression::row_sums::PreparedDesign;
 use torquewise_regression::select::lasso::{Lasso, lasso_path};
 use torquewise_regression::select::stlsq::Stlsq;
 use torquewise_stepwise::candidates::Candidates;
@@ -37,7 +37,7 @@ fn sindy(motion: &Motion, order: u8, folder: &Path) -> (usize, Value) {
     let candidates =
         Candidates::new(N, library, Regression::OneShot, Vec::new()).expect("a library");
     let p = candidates.len();
-    let route = Prepared::cheaper(&candidates.design, N, ROWS).route();
+    let route = PreparedDesign::cheaper(&candidates.design, N, ROWS).route();
     let columns: Vec<usize> = (0..p).collect();
     let mut out = json!({ "route": format!("{route:?}") });
 

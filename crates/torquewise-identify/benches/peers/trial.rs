@@ -9,8 +9,8 @@ use std::time::Instant;
 use torquewise_identify::{Plan, Reconstruction, UNWATCHED, reconstruct, score};
 use torquewise_model::Model;
 use torquewise_motion::{BLOCK_ROWS, Motion};
-use torquewise_regression::normal_equations::{NormalEquations, Selection};
-use torquewise_regression::row_sums::{Prepared, RowAdder};
+use torquewise_regression::normal_equations::{KeptColumns, NormalEquations};
+use torquewise_regression::row_sums::{PreparedDesign, RowAdder};
 use torquewise_regression::samples::Samples;
 use torquewise_regression::select::stlsq::Stlsq;
 use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
@@ -62,7 +62,7 @@ pub(crate) fn grams(
     repeats: usize,
 ) -> Vec<NormalEquations> {
     let n = motion.n_joints();
-    let prepared = Prepared::cheaper(&candidates.design, n, repeats * motion.n_rows());
+    let prepared = PreparedDesign::cheaper(&candidates.design, n, repeats * motion.n_rows());
     let mut adder = RowAdder::new(&prepared);
     for _ in 0..repeats {
         for block in blocks(motion) {
@@ -73,7 +73,7 @@ pub(crate) fn grams(
 }
 
 /// The terms of each response.
-pub(crate) fn select_each(stlsq: &Stlsq, problem: &NormalEquations) -> Vec<Selection> {
+pub(crate) fn select_each(stlsq: &Stlsq, problem: &NormalEquations) -> Vec<KeptColumns> {
     let all: Vec<usize> = (0..problem.n_columns()).collect();
     let own = |response| {
         let own = problem.left_by(&[], response, &all);

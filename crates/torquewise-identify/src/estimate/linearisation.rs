@@ -8,7 +8,7 @@ use torquewise_model::RobotNames;
 use torquewise_motion::path::TRAVELS;
 use torquewise_motion::{Motion, Signals};
 use torquewise_rigid::search::all_parameters;
-use torquewise_rigid::{Chain, Geometry, Rows};
+use torquewise_rigid::{Chain, ChainRows, Geometry};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::noise::NoiseFloor;
 
@@ -253,14 +253,14 @@ impl Linearisation {
     }
 
     /// The rows of a block, those of joints at rest with little weight.
-    fn weighed(&self, block: &Motion, seen: &Motion) -> Result<Rows, IdentifyError> {
+    fn weighed(&self, block: &Motion, seen: &Motion) -> Result<ChainRows, IdentifyError> {
         let drive = &self.structure.drive;
         let is_loaded = drive.iter().any(DriveTerm::is_load_dependent);
         let gravity = is_loaded.then(|| Gravity::of(&self.chain(), drive));
         let drive = columns(drive, block, gravity.as_ref());
         let tau = block.require_tau()?;
         let rests = self.structure.rest.iter().any(|speed| *speed > 0.0);
-        let rows = Rows::new([block.q(), block.dq(), block.ddq(), tau], &drive)?;
+        let rows = ChainRows::new([block.q(), block.dq(), block.ddq(), tau], &drive)?;
         Ok(if rests {
             rows.with_shares(|row, joint| {
                 let moves = seen.dq()[(row, joint)].abs() >= self.structure.rest[joint];
@@ -285,7 +285,7 @@ impl Linearisation {
         Ok(self.tangent_columns(&self.weighed(motion, motion)?.weightless())?.0)
     }
 
-    fn tangent_columns(&self, rows: &Rows) -> Result<(Mat<f64>, Vec<f64>), IdentifyError> {
+    fn tangent_columns(&self, rows: &ChainRows) -> Result<(Mat<f64>, Vec<f64>), IdentifyError> {
         let tangent = self.chain().tangent(rows, &self.weights, &self.structure.free)?;
         Ok((tangent.columns, tangent.weights))
     }

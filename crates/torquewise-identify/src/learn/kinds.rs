@@ -10,7 +10,7 @@ use torquewise_model::model::Choice;
 use torquewise_model::{FrictionTerm, JointKind, JointKinds};
 use torquewise_motion::Motion;
 use torquewise_rigid::search::{all_parameters, glance, refine};
-use torquewise_rigid::{Chain, Rows, Search};
+use torquewise_rigid::{Chain, ChainRows, Search};
 use torquewise_stepwise::error::IdentifyError;
 
 /// Travel \[m\] of a slide at most: a joint that goes farther is taken to turn. Arms with longer ones
@@ -159,7 +159,7 @@ impl ChainLearner<'_> {
     pub(super) fn falling(
         &self,
         spec: &ChainSpec,
-        rows: &Rows,
+        rows: &ChainRows,
         mut chain: Chain,
     ) -> Result<Chain, IdentifyError> {
         for joint in 0..self.motion.n_joints() {

@@ -2,7 +2,7 @@
 
 use super::pass::Pass;
 use super::rows::WithLoad;
-use super::{Payload, Place, STRENGTH, chain_of};
+use super::{LoadPlace, Payload, STRENGTH, chain_of};
 use crate::clustered::{Stretches, scatter, score};
 use crate::excitation::list;
 use faer::{ColRef, Mat};
@@ -17,7 +17,7 @@ use torquewise_stepwise::error::IdentifyError;
 
 /// Torque for a unit of each torque column, such as N·m/A where it is a current.
 #[derive(Clone, Debug, Serialize)]
-pub struct Gains {
+pub struct DriveGains {
     /// K of each joint, n.
     pub gains: Vec<Estimated>,
     /// The mass that they rest on \[kg\].
@@ -125,7 +125,7 @@ impl AtLoad {
     }
 }
 
-impl Gains {
+impl DriveGains {
     /// Finds gains Kⱼ of drives, and the load as far as it is not known, by what a model of the bare
     /// arm, learned from the same columns, leaves of them: iⱼ − îⱼ = Yⱼ π / Kⱼ, with π₀ the known
     /// mass \[E15\]. Errors count the scatter over blocks of time and what is uncertain of the arm.
@@ -139,7 +139,7 @@ impl Gains {
     pub fn find(
         model: &Model,
         recording: &(impl Recording + ?Sized),
-        place: Place,
+        place: LoadPlace,
         mass: f64,
     ) -> Result<Self, IdentifyError> {
         let chain = chain_of(model)?;

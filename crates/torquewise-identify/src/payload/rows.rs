@@ -6,7 +6,7 @@ use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{Model, RigidChain, Torque};
 use torquewise_motion::Recording;
 use torquewise_rigid::recursion::PER_BODY;
-use torquewise_rigid::{Kinematics, Moved, State};
+use torquewise_rigid::{Kinematics, MotionState, Moved};
 use torquewise_stepwise::error::IdentifyError;
 
 /// Rows between two at which the uncertainty of the arm is taken in.
@@ -62,7 +62,7 @@ impl Columns {
     }
 
     pub(super) fn at(&mut self, [q, dq, ddq]: [&[f64]; 3], out: &mut Mat<f64>) {
-        self.kinematics.move_into(State { q, dq, ddq }, &mut self.moved);
+        self.kinematics.move_into(MotionState { q, dq, ddq }, &mut self.moved);
         out.fill(0.0);
         self.moved.regressor(|joint, parameter, value| out[(joint, parameter)] = value);
     }

@@ -4,7 +4,7 @@ use torquewise_identify::LibraryKind;
 use torquewise_identify::plan::Regression;
 use torquewise_regression::design::Design;
 use torquewise_regression::moments::MomentPlan;
-use torquewise_regression::row_sums::{Prepared, Route};
+use torquewise_regression::row_sums::{PreparedDesign, Route};
 use torquewise_stepwise::candidates::Candidates;
 
 const N_RESPONSES: usize = 3;
@@ -20,11 +20,11 @@ fn moments_of_the_sindy_library_are_those_of_e3_and_take_a_twentieth_of_its_mult
     let design = sindy();
 
     let [by_moments, by_rows] = [Route::Moments, Route::Direct]
-        .map(|route| Prepared::new(&design, N_RESPONSES, route).cost());
+        .map(|route| PreparedDesign::new(&design, N_RESPONSES, route).cost());
 
     assert_eq!(design.n_columns(), 3_612);
     for (rows, route) in [(60_000, Route::Moments), (1, Route::Direct)] {
-        assert_eq!(Prepared::cheaper(&design, N_RESPONSES, rows).route(), route);
+        assert_eq!(PreparedDesign::cheaper(&design, N_RESPONSES, rows).route(), route);
     }
     assert!(by_rows > 20.0 * by_moments, "{by_rows} and {by_moments} multiplications per row");
     let plan = MomentPlan::new(&design);

@@ -3,7 +3,7 @@
 use crate::arrays::array::{Array, MAX_COLUMNS};
 use crate::arrays::numbers::Numbers;
 use crate::arrays::{mat, npz};
-use crate::error::{LogError, Place, Result};
+use crate::error::{LogError, Result, RowPlace};
 use crate::format::Format;
 use crate::log_input::LogInput;
 use crate::rows::Rows;
@@ -116,7 +116,7 @@ impl Rows for ArrayRows {
         Ok(true)
     }
 
-    fn place(&self) -> Place {
-        Place { file: (&self.file).into(), row: self.row as u64, line: None }
+    fn place(&self) -> RowPlace {
+        RowPlace { file: (&self.file).into(), row: self.row as u64, line: None }
     }
 }

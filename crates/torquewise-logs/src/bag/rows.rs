@@ -2,7 +2,7 @@
 
 use crate::bag::Messages;
 use crate::bag::survey::{Aligned, Survey, decoded};
-use crate::error::{Place, Result};
+use crate::error::{Result, RowPlace};
 use crate::log_input::LogInput;
 use crate::rows::Rows;
 use std::collections::BTreeMap;
@@ -71,7 +71,7 @@ impl Rows for BagRows {
             };
             self.n_messages += 1;
             let (file, number) = (&self.file, self.n_messages);
-            let place = || Place { file: file.clone(), row: number, line: None };
+            let place = || RowPlace { file: file.clone(), row: number, line: None };
             let state = decoded(&message.bytes, place)?;
             let Some(places) = self.aligned.find(&state, place)? else {
                 self.n_passed_over += 1;
@@ -97,8 +97,8 @@ impl Rows for BagRows {
         Ok(true)
     }
 
-    fn place(&self) -> Place {
-        Place { file: self.file.clone(), row: self.row, line: None }
+    fn place(&self) -> RowPlace {
+        RowPlace { file: self.file.clone(), row: self.row, line: None }
     }
 
     fn irregular(&self) -> [u64; 2] {

@@ -5,7 +5,7 @@ use crate::bag::db3_messages::{self, Db3Messages};
 use crate::bag::joint_state::JointState;
 use crate::bag::mcap_messages::{self, McapMessages};
 use crate::bag::{JOINT_STATE, Messages, Topic};
-use crate::error::{LogError, Place, Result, listed, shown};
+use crate::error::{LogError, Result, RowPlace, listed, shown};
 use crate::format::Format;
 use crate::joints;
 use crate::log_input::LogInput;
@@ -83,7 +83,7 @@ impl Survey {
         let (mut n_messages, mut n_found) = (0, 0_u64);
         while let Some(message) = messages.next()? {
             n_messages += 1;
-            let place = || Place { file: file.into(), row: n_messages, line: None };
+            let place = || RowPlace { file: file.into(), row: n_messages, line: None };
             let state = decoded(&message.bytes, place)?;
             first_names.get_or_insert_with(|| state.names.clone());
             let aligned = aligned.get_or_insert_with(|| Aligned::new(&state.names, false));
@@ -115,7 +115,7 @@ impl Survey {
     }
 }
 
-pub(super) fn decoded(bytes: &[u8], place: impl Fn() -> Place) -> Result<JointState> {
+pub(super) fn decoded(bytes: &[u8], place: impl Fn() -> RowPlace) -> Result<JointState> {
     let malformed = |reason| {
         let problem = format!(": the message is no joint state, {reason}");
         LogError::unusable(place(), &problem, "record or convert the bag again")
@@ -183,7 +183,7 @@ impl Aligned {
     pub(super) fn find(
         &mut self,
         state: &JointState,
-        place: impl Fn() -> Place,
+        place: impl Fn() -> RowPlace,
     ) -> Result<Option<&[usize]>> {
         if self.places.is_empty() || self.names != state.names {
             let find = |joint: &String| state.names.iter().position(|name| name == joint);

@@ -6,7 +6,7 @@ use crate::path::{Path, TRAVELS};
 use crate::signals::clean::Even;
 use crate::signals::cutoff::{HIGHEST, LOWEST};
 use crate::signals::delay::shift_at;
-use crate::signals::plan::{Conditioning, Cutoff, OVERSAMPLING, Plan};
+use crate::signals::plan::{Conditioning, Cutoff, OVERSAMPLING, SignalPlan};
 use crate::signals::raw::{Raw, Signal};
 use crate::signals::smooth::{Smooth, filter, smooth};
 use crate::stats::whole;
@@ -59,7 +59,7 @@ pub struct DelayedTorque {
 
 #[derive(Clone, Debug)]
 struct Piece {
-    plan: Plan,
+    plan: SignalPlan,
     even: Even,
     rows: Vec<usize>,
 }
@@ -79,7 +79,7 @@ impl Bandwidths {
         let every = total.div_ceil(ROWS).max(1);
         let mut cleaned = Vec::new();
         for raw in pieces {
-            let (plan, even) = match Plan::with_even(raw, &settings) {
+            let (plan, even) = match SignalPlan::with_even(raw, &settings) {
                 Ok(planned) => planned,
                 Err(error) if error.is_too_short() => continue,
                 Err(error) => return Err(error),
@@ -126,7 +126,7 @@ impl Bandwidths {
     pub fn band(&self, cutoff: f64, delays: &[f64]) -> Result<Option<Band>> {
         let (mut seen, mut filtered) = (Vec::new(), Vec::new());
         for piece in &self.pieces {
-            let mut plan = Plan { cutoff: Some(cutoff), ..piece.plan.clone() };
+            let mut plan = SignalPlan { cutoff: Some(cutoff), ..piece.plan.clone() };
             plan.settings.delay = 0.0;
             let columns = match filter(&piece.even, &plan) {
                 Ok(columns) => columns,

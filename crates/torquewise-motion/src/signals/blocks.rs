@@ -2,7 +2,7 @@
 
 use crate::error::{MotionError, Result};
 use crate::signals::clean::{Outliers, clean};
-use crate::signals::plan::Plan;
+use crate::signals::plan::SignalPlan;
 use crate::signals::raw::Raw;
 use crate::signals::resample::count_gaps;
 use crate::signals::smooth::{filter, smooth};
@@ -18,7 +18,7 @@ pub(crate) const PART_ROWS: usize = 1 << 15;
 /// [`condition`](crate::signals::condition()) on the whole trajectory, but for rounding.
 #[derive(Clone, Debug)]
 pub struct Conditioner {
-    plan: Plan,
+    plan: SignalPlan,
     /// Rows to each side on which a conditioned row depends.
     overlap: usize,
     part: usize,
@@ -35,7 +35,7 @@ pub struct Conditioner {
 
 impl Conditioner {
     /// A conditioner for one trajectory, by a plan made from its first part.
-    pub fn new(plan: Plan) -> Self {
+    pub fn new(plan: SignalPlan) -> Self {
         let overlap = plan.reach();
         let part = PART_ROWS.max(4 * overlap) + 2 * overlap;
         let next = plan.trim;

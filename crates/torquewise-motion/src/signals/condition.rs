@@ -5,7 +5,7 @@ use crate::error::{MotionError, Result};
 use crate::signals::clean::Even;
 use crate::signals::delay::{Shift, lag};
 use crate::signals::noise::{quantisation, standstill, white_noise};
-use crate::signals::plan::{Conditioning, Cutoff, Plan, keep_every, rows};
+use crate::signals::plan::{Conditioning, Cutoff, SignalPlan, keep_every, rows};
 use crate::signals::raw::{Raw, Signal};
 use crate::signals::report::{ConditionReport, CutoffFrom, SignalReport};
 use crate::signals::resample::timing;
@@ -36,7 +36,7 @@ pub struct Conditioned {
 /// # Errors
 /// [`MotionError`] that says which signal of which joint, and what to do.
 pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned> {
-    let (plan, even) = Plan::with_even(raw, settings)?;
+    let (plan, even) = SignalPlan::with_even(raw, settings)?;
     let filtered = filter(&even, &plan)?;
     let smooth = smooth(&filtered, &even, &plan)?;
     let rows = even.columns.t.len();
@@ -97,7 +97,7 @@ type LagsAndGains = (Vec<Option<Shift>>, Vec<Option<f64>>);
 
 /// Lag of each joint's measured velocity, on rows thinned out as far as the filter allows, and
 /// Σ measured · derived / Σ derived² of their means over a little time, away from the ends.
-fn lags_and_gains(dq: &Mat<f64>, filtered: &Raw, plan: &Plan) -> Result<LagsAndGains> {
+fn lags_and_gains(dq: &Mat<f64>, filtered: &Raw, plan: &SignalPlan) -> Result<LagsAndGains> {
     let every = keep_every(plan.cutoff, plan.rate);
     let rate = plan.rate / every as f64;
     let kept = plan.trim..dq.nrows().saturating_sub(plan.trim);

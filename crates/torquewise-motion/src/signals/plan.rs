@@ -63,7 +63,7 @@ impl Conditioning {
 /// All that is decided about a log before its rows are conditioned, so that any part of it, or
 /// another trajectory of the same arm, can be conditioned alike.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub struct SignalPlan {
     pub(crate) joints: Vec<String>,
     pub(crate) base: Base,
     pub(crate) settings: Conditioning,
@@ -74,7 +74,7 @@ pub struct Plan {
     pub(crate) trim: usize,
 }
 
-impl Plan {
+impl SignalPlan {
     /// Decides on rate, cut-off and trim from a trajectory or its first part.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use crate::signals::butterworth::{filtfilt, low_pass};
 use crate::signals::clean::Even;
 use crate::signals::delay::shift;
 use crate::signals::derivative::even_derivative;
-use crate::signals::plan::Plan;
+use crate::signals::plan::SignalPlan;
 use crate::signals::raw::{Raw, Signal, matrix};
 use crate::{Motion, Signals};
 use std::ops::Range;
@@ -16,7 +16,7 @@ pub(crate) struct Smooth {
     pub(crate) motion: Motion,
 }
 
-pub(crate) fn filter(even: &Even, plan: &Plan) -> Result<Raw> {
+pub(crate) fn filter(even: &Even, plan: &SignalPlan) -> Result<Raw> {
     let columns = &even.columns;
     let Some(cutoff) = plan.cutoff else { return Ok(columns.clone()) };
     let sections = low_pass(cutoff, plan.rate)?;
@@ -28,7 +28,7 @@ pub(crate) fn filter(even: &Even, plan: &Plan) -> Result<Raw> {
 }
 
 /// Derivatives of the filtered signals, and the torque advanced by its delay.
-pub(crate) fn smooth(filtered: &Raw, even: &Even, plan: &Plan) -> Result<Smooth> {
+pub(crate) fn smooth(filtered: &Raw, even: &Even, plan: &SignalPlan) -> Result<Smooth> {
     let q = matrix(filtered.of(Signal::Q));
     let [dq, ddq] = [1, 2].map(|order| even_derivative(q.as_ref(), plan.rate, order));
     let (dq, ddq) = (dq?, ddq?);

@@ -88,16 +88,16 @@ fn plant(settings: &Settings) -> Result<Plant> {
 
 /// The model that recordings of very slow, uniform and variable velocity lead to.
 fn learn(plant: &Plant, settings: &Settings) -> Result<Model> {
-    let [velocity, acceleration] = LIMITS.map(|value| excite::PerJoint(vec![(None, value)]));
+    let [velocity, acceleration] = LIMITS.map(|value| excite::JointValues(vec![(None, value)]));
     let wishes = Wishes { velocity, acceleration, speed_scale: 1.0, ..Wishes::default() };
-    let plan = excite::Plan {
+    let plan = excite::ExcitationPlan {
         seconds: settings.recordings,
         dwell: 1.0,
         slow_sweeps: true,
         rate: RATE,
         seed: settings.seed,
         tries: 8,
-        ..excite::Plan::default()
+        ..excite::ExcitationPlan::default()
     };
     let planned =
         excite::excite(&excite::limits(&plant.arm, &wishes)?, None, &plan, &mut |_, _| {})?;

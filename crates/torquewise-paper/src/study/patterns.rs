@@ -128,7 +128,7 @@ fn motion(scaled: &Clustered, log: &Motion) -> Chart {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::{Cell, Verdict};
+    use crate::results::{Cell, ClaimVerdict};
 
     #[test]
     fn the_scaled_index_finds_every_pattern_and_the_printed_one_loses_standstill() {
@@ -136,7 +136,7 @@ mod tests {
 
         let found = study(&settings).unwrap();
 
-        assert_eq!(found.claims[0].verdict, Verdict::HoldsInPart, "{:?}", found.claims);
+        assert_eq!(found.claims[0].verdict, ClaimVerdict::HoldsInPart, "{:?}", found.claims);
         let rows = &found.tables[0].rows;
         assert_eq!(rows.len(), 3 * 2 * 3);
         for patterns in rows.chunks(3) {

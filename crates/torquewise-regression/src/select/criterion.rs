@@ -2,7 +2,7 @@
 
 use crate::elimination::Equations;
 use crate::error::SparseError;
-use crate::normal_equations::{NormalEquations, Selection, require};
+use crate::normal_equations::{KeptColumns, NormalEquations, require};
 
 /// Judges a term by what it explains against the noise.
 ///
@@ -36,7 +36,7 @@ impl Criterion {
     ///
     /// # Errors
     /// [`SparseError`] if a setting is out of range.
-    pub fn select(&self, problem: &NormalEquations) -> Result<Selection, SparseError> {
+    pub fn select(&self, problem: &NormalEquations) -> Result<KeptColumns, SparseError> {
         require("gamma", self.gamma, self.gamma >= 0.0, "zero or more")?;
         let (inner, scale) = &problem.standardised();
         let usable: Vec<usize> = (0..problem.n_columns()).filter(|&j| scale[j] > 0.0).collect();

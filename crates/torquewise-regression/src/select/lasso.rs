@@ -3,7 +3,7 @@
 
 use crate::cholesky;
 use crate::error::SparseError;
-use crate::normal_equations::{NormalEquations, Selection, nonzero, require};
+use crate::normal_equations::{KeptColumns, NormalEquations, nonzero, require};
 use faer::Mat;
 
 /// Least absolute shrinkage: min ½/m‖y − X c‖² + λ Σ sⱼ|cⱼ|.
@@ -87,7 +87,7 @@ impl Lasso {
     ///
     /// # Errors
     /// [`SparseError::Setting`] if a setting is out of its range.
-    pub fn select(&self, problem: &NormalEquations) -> Result<Selection, SparseError> {
+    pub fn select(&self, problem: &NormalEquations) -> Result<KeptColumns, SparseError> {
         let support = |PathPoint { coefficients, .. }| {
             (0..coefficients.len()).filter(|&j| coefficients[j].abs() > self.threshold).collect()
         };

@@ -1,7 +1,7 @@
 //! Sequentially thresholded least squares, the selector of SINDy.
 
 use crate::error::SparseError;
-use crate::normal_equations::{NormalEquations, Selection, require};
+use crate::normal_equations::{KeptColumns, NormalEquations, require};
 
 /// Fit, drop the small weights, fit again, until none is small; then least squares on the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +29,7 @@ impl Stlsq {
     ///
     /// # Errors
     /// [`SparseError::Setting`] if threshold or ridge are negative or not finite.
-    pub fn select(&self, problem: &NormalEquations) -> Result<Selection, SparseError> {
+    pub fn select(&self, problem: &NormalEquations) -> Result<KeptColumns, SparseError> {
         require("threshold", self.threshold, self.threshold >= 0.0, "zero or more")?;
         require("ridge", self.ridge, self.ridge >= 0.0, "zero or more")?;
         let columns = 0..problem.n_columns();

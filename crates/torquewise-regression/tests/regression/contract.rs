@@ -4,14 +4,14 @@ use crate::planted;
 use faer::Mat;
 use proptest::prelude::*;
 use torquewise_regression::error::SparseError;
-use torquewise_regression::normal_equations::{NormalEquations, Selection};
+use torquewise_regression::normal_equations::{KeptColumns, NormalEquations};
 use torquewise_regression::select::criterion::Criterion;
 use torquewise_regression::select::lasso::Lasso;
 use torquewise_regression::select::stlsq::Stlsq;
 
 struct Selector {
     name: &'static str,
-    select: fn(&NormalEquations) -> Result<Selection, SparseError>,
+    select: fn(&NormalEquations) -> Result<KeptColumns, SparseError>,
     /// Whether the unit of a column plays no part.
     unit_free: bool,
 }
@@ -27,7 +27,7 @@ const SELECTORS: [Selector; 3] = [
 const ROUNDING: f64 = 1e-12;
 
 /// A selection is whole: ascending indices, zeros outside them, nothing infinite.
-fn assert_whole(selection: &Selection, columns: usize, name: &str) {
+fn assert_whole(selection: &KeptColumns, columns: usize, name: &str) {
     assert_eq!(selection.coefficients.len(), columns, "{name}");
     assert!(selection.active.is_sorted(), "{name}");
     for (j, weight) in selection.coefficients.iter().enumerate() {
@@ -172,7 +172,7 @@ fn linear_algebra_is_not_cut_by_the_number_of_threads() {
     assert!(matches!(faer::get_global_parallelism(), faer::Par::Seq));
 }
 
-fn criterion(rows: &planted::Rows) -> Selection {
+fn criterion(rows: &planted::Rows) -> KeptColumns {
     Criterion::default().select(&rows.problem()).expect("γ is in range")
 }
 

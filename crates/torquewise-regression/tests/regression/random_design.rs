@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use torquewise_regression::atom::{Atom, Monomial, Phase, Wave};
-use torquewise_regression::design::{Column, Design};
-use torquewise_regression::row_sums::{Prepared, Route};
+use torquewise_regression::design::{AtomSum, Design};
+use torquewise_regression::row_sums::{PreparedDesign, Route};
 use torquewise_regression::samples::Samples;
 
 /// weight · cos or sin (k·θ) · x^α, k of any sign: weight, k, which of the two, α.
@@ -68,14 +68,14 @@ impl RandomDesign {
 
     pub(crate) fn design(&self) -> Design {
         let column =
-            |letters: &Vec<Letter>| -> Column { letters.iter().filter_map(atom).collect() };
-        let equations: Vec<Vec<Column>> =
+            |letters: &Vec<Letter>| -> AtomSum { letters.iter().filter_map(atom).collect() };
+        let equations: Vec<Vec<AtomSum>> =
             self.equations.iter().map(|columns| columns.iter().map(column).collect()).collect();
         Design::new(self.n_angles, self.n_variables, &equations).expect("letters of one length")
     }
 
-    pub(crate) fn prepared(&self, route: Route) -> Prepared {
-        Prepared::new(&self.design(), self.n_responses(), route)
+    pub(crate) fn prepared(&self, route: Route) -> PreparedDesign {
+        PreparedDesign::new(&self.design(), self.n_responses(), route)
     }
 
     pub(crate) fn n_columns(&self) -> usize {

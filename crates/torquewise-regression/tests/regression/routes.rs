@@ -7,12 +7,12 @@ use rayon::ThreadPoolBuilder;
 use std::slice::from_ref;
 use torquewise_regression::error::SparseError;
 use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_regression::row_sums::{Prepared, Route, RowAdder, RowSums};
+use torquewise_regression::row_sums::{PreparedDesign, Route, RowAdder, RowSums};
 use torquewise_regression::samples::Samples;
 
 const ROUTES: [Route; 2] = [Route::Moments, Route::Direct];
 
-fn row_sums(prepared: &Prepared, blocks: &[Samples]) -> Result<RowSums, SparseError> {
+fn row_sums(prepared: &PreparedDesign, blocks: &[Samples]) -> Result<RowSums, SparseError> {
     let mut adder = RowAdder::new(prepared);
     blocks.iter().try_for_each(|block| adder.push(block.clone()))?;
     adder.finish()
@@ -98,7 +98,7 @@ proptest! {
             let whole = merged.all_grams(&prepared);
 
             let subset = random.design().subset(&columns);
-            let prepared = Prepared::new(&subset, random.n_responses(), route);
+            let prepared = PreparedDesign::new(&subset, random.n_responses(), route);
             let part = row_sums(&prepared, &blocks).unwrap().all_grams(&prepared);
 
             assert_eq!((whole.len(), part.len()), (expected.len(), expected.len()));

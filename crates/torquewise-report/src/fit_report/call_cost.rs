@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::fit_report::Findings;
 use crate::fit_report::method::{members, nrmse_percent};
 use crate::html::number::{count, significant};
-use crate::html::{Column, Item, Label, Section, Table};
+use crate::html::{Heading, Item, Label, Section, Table};
 use torquewise_identify::Diagnosis;
 
 /// Rates of controllers \[Hz\].
@@ -87,11 +87,11 @@ fn kilohertz(rate: f64) -> String {
 
 fn table(choices: &[Choice]) -> Table {
     let has_test = choices.iter().any(|choice| choice.on_test.is_some());
-    let mut columns = vec![Column::words("torque of")];
-    columns.extend(["+ − ·", "sin cos exp tanh", "about [µs]"].map(Column::numbers));
-    columns.extend(RATES.map(|rate| Column::numbers(format!("of {} [%]", kilohertz(rate)))));
-    columns.push(Column::numbers("NRMSE, fitted log [%]"));
-    columns.extend(has_test.then(|| Column::numbers("test log [%]")));
+    let mut columns = vec![Heading::words("torque of")];
+    columns.extend(["+ − ·", "sin cos exp tanh", "about [µs]"].map(Heading::numbers));
+    columns.extend(RATES.map(|rate| Heading::numbers(format!("of {} [%]", kilohertz(rate)))));
+    columns.push(Heading::numbers("NRMSE, fitted log [%]"));
+    columns.extend(has_test.then(|| Heading::numbers("test log [%]")));
     let row = |choice: &Choice| -> Vec<Label> {
         let Choice { name, cost, on_log, on_test } = choice;
         let mut cells = vec![name.as_str().into(), count(cost.operations).into()];

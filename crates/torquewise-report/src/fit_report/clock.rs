@@ -1,6 +1,6 @@
 //! One clock for several trajectories: end to end, with a gap between them.
 
-use crate::html::{Band, Colour};
+use crate::html::{Colour, Stretches};
 use torquewise_motion::Pattern;
 
 pub(crate) const LABEL: &str = "time [s]";
@@ -9,7 +9,7 @@ pub(crate) const LABEL: &str = "time [s]";
 const BREAK: f64 = 20.0;
 
 /// Stretches over time of each pattern that is there; none reaches over a break in the time.
-pub fn pattern_bands(t: &[f64], patterns: &[Pattern]) -> Vec<Band> {
+pub fn pattern_bands(t: &[f64], patterns: &[Pattern]) -> Vec<Stretches> {
     Clock::new(t).bands(patterns)
 }
 
@@ -71,8 +71,8 @@ impl Clock {
         points
     }
 
-    pub(crate) fn bands(&self, patterns: &[Pattern]) -> Vec<Band> {
-        let all = Pattern::ALL.map(|pattern| Band {
+    pub(crate) fn bands(&self, patterns: &[Pattern]) -> Vec<Stretches> {
+        let all = Pattern::ALL.map(|pattern| Stretches {
             label: pattern.name().into(),
             colour: Colour::Pattern(pattern),
             spans: self.spans(patterns, pattern),

@@ -2,7 +2,7 @@
 
 use crate::fit_report::Findings;
 use crate::html::number::significant;
-use crate::html::{Column, Item, Label, Section, Table};
+use crate::html::{Heading, Item, Label, Section, Table};
 use torquewise_model::{JointKinds, units};
 use torquewise_motion::Repairs;
 
@@ -32,10 +32,10 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
         let each = training.conditioning.iter().map(|(log, repairs)| row(log, repairs));
         let left_out = ["spikes replaced", "repeated stamps", "held rows", "other rows left out"];
         let moved = ["late stamps", "gaps bridged", "longest [ms]", "splits"];
-        let numbers = left_out.into_iter().chain(moved).map(Column::numbers);
+        let numbers = left_out.into_iter().chain(moved).map(Heading::numbers);
         items.push(Item::Table(Table {
             caption: "What was repaired in the logs; the others needed no repair.".into(),
-            columns: std::iter::once(Column::words("log")).chain(numbers).collect(),
+            columns: std::iter::once(Heading::words("log")).chain(numbers).collect(),
             rows: each.chain([row("all", &total)]).collect(),
         }));
     }
@@ -91,10 +91,10 @@ fn per_joint(
         let numbers = numbers(joint).into_iter().map(|x| significant(x, DIGITS).into());
         std::iter::once(name.as_str().into()).chain(numbers).collect()
     };
-    let columns = headings.iter().map(|text| Column::numbers(units::heading(kinds, text)));
+    let columns = headings.iter().map(|text| Heading::numbers(units::heading(kinds, text)));
     Table {
         caption,
-        columns: std::iter::once(Column::words("joint")).chain(columns).collect(),
+        columns: std::iter::once(Heading::words("joint")).chain(columns).collect(),
         rows: joints.iter().enumerate().map(row).collect(),
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::fit_report::Findings;
 use crate::fit_report::clock::Clock;
-use crate::html::skeleton::{Frame, Skeleton};
+use crate::html::skeleton::{BodyFrame, Skeleton};
 use crate::html::{Item, Section, Table};
 use torquewise_model::learned::geometry;
 use torquewise_model::rigid_chain::RigidChain;
@@ -43,7 +43,7 @@ fn skeleton(findings: &Findings<'_>, chain: &RigidChain) -> Option<Skeleton> {
         rounded(multiples.map(|(j, k)| f64::from(k) * motion.q()[(row, j)]).sum())
     };
     let rows = clock.middle(SECONDS, MOST_ROWS);
-    let frames = placed.placements().into_iter().map(|placement| Frame {
+    let frames = placed.placements().into_iter().map(|placement| BodyFrame {
         origin: placement.origin.into(),
         rotation: std::array::from_fn(|k| placement.rotation[(k / 3, k % 3)]),
     });

@@ -5,7 +5,7 @@ use crate::fit_report::Findings;
 use crate::fit_report::clock::{self, Clock};
 use crate::fit_report::torques::LINK;
 use crate::html::number::{count, significant};
-use crate::html::{Chart, Colour, Column, Item, Label, Mark, Section, Series, Table};
+use crate::html::{Chart, Colour, Heading, Item, Label, Mark, Section, Series, Table};
 use torquewise_model::{Model, Torque};
 use torquewise_motion::{Motion, Pattern};
 
@@ -37,8 +37,8 @@ fn patterns(findings: &Findings<'_>) -> Table {
         [&[pattern.name().into()], &numbers[..], &[used.into()]].concat()
     };
     let caption = "A pattern is used if it has enough rows and what should be zero in them is.";
-    let [share, clusters] = ["rows [%]", "clusters"].map(Column::numbers);
-    let columns = vec![Column::words("pattern"), share, clusters, Column::words("used")];
+    let [share, clusters] = ["rows [%]", "clusters"].map(Heading::numbers);
+    let columns = vec![Heading::words("pattern"), share, clusters, Heading::words("used")];
     let rows = Pattern::ALL.into_iter().map(row).collect();
     Table { caption: caption.into(), columns, rows }
 }
@@ -62,10 +62,10 @@ fn steps(findings: &Findings<'_>) -> Result<Table> {
         rows.push(cells);
     }
     let joints = |what: &'static str| {
-        findings.joints().iter().map(move |joint| Column::numbers(format!("{what}, {joint}")))
+        findings.joints().iter().map(move |joint| Heading::numbers(format!("{what}, {joint}")))
     };
     let mut columns =
-        vec![Column::words("step"), Column::numbers("rows"), Column::numbers("candidates")];
+        vec![Heading::words("step"), Heading::numbers("rows"), Heading::numbers("candidates")];
     columns.extend(joints("terms").chain(joints("NRMSE [%]")));
     let caption = "Terms found up to and with each step, and the error after it over an even sample \
                    of the rows.";

@@ -1,6 +1,6 @@
 //! Title, list of logs and foot of a report.
 
-use crate::html::{Column, Item, Table};
+use crate::html::{Heading, Item, Table};
 
 /// Where a fit comes from, as its report names it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -49,7 +49,7 @@ impl Origin<'_> {
             fitted.chain(self.tests.iter().map(|log| (log, "tested"))).map(row).collect();
         let summary = format!("Logs: {} fitted, {} tested", self.logs.len(), self.tests.len());
         let table = Table {
-            columns: ["log", "use", "last written"].map(Column::words).into(),
+            columns: ["log", "use", "last written"].map(Heading::words).into(),
             rows,
             ..Table::default()
         };

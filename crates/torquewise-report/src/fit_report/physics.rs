@@ -1,7 +1,7 @@
 //! Physical checks in words.
 
 use crate::html::number::{count, significant};
-use crate::html::{Callout, Column, Item, Section, Table, Tone};
+use crate::html::{Callout, Heading, Item, Section, Table, Tone};
 use torquewise_model::Checks;
 
 pub(crate) fn section(checks: &Checks) -> Section {
@@ -21,8 +21,8 @@ pub(crate) fn section(checks: &Checks) -> Section {
         row("asymmetry of M", checks.asymmetry, zero),
         row("defect of Ṁ − 2C from skew symmetry", checks.skew_defect, zero),
     ];
-    let [check, expected] = ["check", "a physical arm has"].map(Column::words);
-    let columns = vec![check, Column::numbers("found"), expected];
+    let [check, expected] = ["check", "a physical arm has"].map(Heading::words);
+    let columns = vec![check, Heading::numbers("found"), expected];
     let caption = format!("The worst of {} states.", count(checks.states));
     let table = Table { caption, columns, rows };
     let callout = Callout { tone, heading: String::new(), lines: vec![verdict.into()] };

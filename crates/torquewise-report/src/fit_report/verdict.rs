@@ -2,7 +2,7 @@
 
 use crate::fit_report::Findings;
 use crate::html::number::{count, significant};
-use crate::html::{Callout, Column, Item, Label, Section, Table, Tone};
+use crate::html::{Callout, Heading, Item, Label, Section, Table, Tone};
 use torquewise_identify::Warning;
 use torquewise_identify::verdict::{Grade, Verdict};
 use torquewise_model::Form;
@@ -138,7 +138,7 @@ fn error_table(findings: &Findings<'_>) -> Item {
         Some("RMSE [N·m]"),
         Some("R²"),
     ];
-    let columns = columns.into_iter().flatten().map(Column::numbers);
+    let columns = columns.into_iter().flatten().map(Heading::numbers);
     let of = if findings.test.is_some() { "test" } else { "fitted" };
     Item::Table(Table {
         caption: format!(
@@ -146,7 +146,7 @@ fn error_table(findings: &Findings<'_>) -> Item {
              torque of the joint (NRMSE): a lightly loaded joint has a large one. RMSE and R² are \
              those of the {of} log."
         ),
-        columns: std::iter::once(Column::words("joint")).chain(columns).collect(),
+        columns: std::iter::once(Heading::words("joint")).chain(columns).collect(),
         rows: (0..findings.n_joints()).map(row).collect(),
     })
 }

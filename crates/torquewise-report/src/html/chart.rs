@@ -19,7 +19,7 @@ pub struct Chart {
     /// What is drawn, the first at the back.
     pub series: Vec<Series>,
     /// Stretches of x coloured behind the curves.
-    pub bands: Vec<Band>,
+    pub bands: Vec<Stretches>,
     /// Straight dashed lines.
     pub guides: Vec<Guide>,
     /// Charts with the same word here share the cursor and the zoom of x.
@@ -135,7 +135,7 @@ impl Series {
 
 /// Stretches of x with one meaning.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Band {
+pub struct Stretches {
     /// Its name in the legend.
     pub label: String,
     /// Its colour, of which a tint is drawn.

@@ -8,7 +8,7 @@ pub struct Skeleton {
     /// Joint names, base to tip, n.
     pub joints: Vec<String>,
     /// The frame of each joint in the one before, at zero; it turns about its z or slides along it, n.
-    pub frames: Vec<Frame>,
+    pub frames: Vec<BodyFrame>,
     /// Whether each joint slides, n.
     pub slides: Vec<bool>,
     /// Direction of gravity in the base.
@@ -21,7 +21,7 @@ pub struct Skeleton {
 
 /// A frame in the frame before it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Frame {
+pub struct BodyFrame {
     /// Its origin \[m\].
     pub origin: [f64; 3],
     /// Turns its components into those of the frame before, row by row.

@@ -1,7 +1,7 @@
 //! A chart as JSON for the script of a page: thinned columns of short numbers.
 
 use crate::error::Result;
-use crate::html::chart::{Axis, Band, Chart, Guide, Mark, Position};
+use crate::html::chart::{Axis, Chart, Guide, Mark, Position, Stretches};
 use crate::html::markup::script_json;
 use crate::html::number::{Plotted, rounded};
 use crate::html::thin::{Sorted, rows_of, sorted};
@@ -62,7 +62,7 @@ pub(crate) fn spec_json(chart: &Chart) -> Result<String> {
         }
         columns.push(rounded(&x));
     }
-    let band = |band: &Band| {
+    let band = |band: &Stretches| {
         let spans: Vec<_> = band.spans.iter().map(|span| rounded(span)).collect();
         json!({ "colour": band.colour.variable(), "spans": spans })
     };

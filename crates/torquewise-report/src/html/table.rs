@@ -10,21 +10,21 @@ pub struct Table {
     /// What it shows; may be empty.
     pub caption: String,
     /// Headings.
-    pub columns: Vec<Column>,
+    pub columns: Vec<Heading>,
     /// Cells; a row may be shorter than the headings, what is beyond them is left out.
     pub rows: Vec<Vec<Label>>,
 }
 
 /// Heading of a column.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Column {
+pub struct Heading {
     /// What its cells are, with the unit in brackets.
     pub heading: String,
     /// Whether they are numbers, to be aligned at the decimal point.
     pub numeric: bool,
 }
 
-impl Column {
+impl Heading {
     /// A column of words.
     pub fn words(heading: impl Into<String>) -> Self {
         Self { heading: heading.into(), numeric: false }
@@ -45,11 +45,11 @@ impl Table {
         let mut rows = rows.into_iter();
         let column = |heading: String| {
             let is_word = WORDS.contains(&heading.as_str());
-            if is_word { Column::words(heading) } else { Column::numbers(heading) }
+            if is_word { Heading::words(heading) } else { Heading::numbers(heading) }
         };
-        let columns: Vec<Column> =
+        let columns: Vec<Heading> =
             rows.next().unwrap_or_default().into_iter().map(column).collect();
-        let cell = |(column, text): (&Column, String)| -> Label {
+        let cell = |(column, text): (&Heading, String)| -> Label {
             if column.numeric { text.replace('-', "−").into() } else { text.into() }
         };
         let cells = |row: Vec<String>| columns.iter().zip(row).map(cell).collect();
@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn cells_are_escaped_aligned_and_as_many_as_the_headings() {
         let table = Table {
-            columns: vec![Column::words("joint"), Column::numbers("NRMSE [%]")],
+            columns: vec![Heading::words("joint"), Heading::numbers("NRMSE [%]")],
             rows: vec![
                 vec!["<b>".into(), "1.5".into(), "too much".into()],
                 vec!["wrist".into(), "12".into()],

@@ -1,6 +1,6 @@
 //! What a figure of charts shows.
 
-use crate::html::{Axis, Band, Chart, Colour, Guide, Mark, Series};
+use crate::html::{Axis, Chart, Colour, Guide, Mark, Series, Stretches};
 use crate::still::chart_figure;
 
 const MARKS: [Mark; 7] = [
@@ -24,7 +24,7 @@ fn chart(mark: Mark) -> Chart {
         x: Axis::named("time [s]"),
         y: Axis::log("error [%]"),
         series: vec![series.clone(), Series { label: "second".into(), ..series }],
-        bands: vec![Band {
+        bands: vec![Stretches {
             label: "still".into(),
             colour: Colour::Faded,
             spans: vec![[1.0, 2.0], [f64::NAN, 2.0]],
@@ -102,7 +102,7 @@ fn nothing_is_drawn_beyond_the_axes() {
     let spread: Vec<[f64; 2]> = points.iter().map(|[_, y]| [y - 100.0, y + 100.0]).collect();
     let axis = Axis { range: Some([-10.0, 10.0]), ..Axis::default() };
     let (colour, label) = (Colour::Faded, String::new());
-    let bands = vec![Band { label, colour, spans: vec![[-99.0, 99.0]] }];
+    let bands = vec![Stretches { label, colour, spans: vec![[-99.0, 99.0]] }];
     for mark in MARKS {
         let series = Series::new("a", mark, colour, points.clone());
         let series = Series { spread: spread.clone(), ..series };
@@ -130,7 +130,7 @@ fn what_has_no_place_on_an_axis_is_not_drawn() {
     let points = vec![[1.0, 1.0], [2.0, 0.0], [3.0, 10.0], [0.0, 5.0], [4.0, -3.0]];
     let rings = with(Series::new("a", Mark::Rings, Colour::Series(0), points));
     let spans = vec![[1.0, 2.0], [f64::NAN, 2.0], [8.0, f64::INFINITY], [-2.0, -1.0]];
-    let band = Band { label: String::new(), colour: Colour::Faded, spans };
+    let band = Stretches { label: String::new(), colour: Colour::Faded, spans };
     let line = with(Series::line("a", vec![[0.0, 0.0], [10.0, 1.0]]));
 
     let positive = drawn(Chart { x: Axis::log("x"), y: Axis::log("y"), ..rings });

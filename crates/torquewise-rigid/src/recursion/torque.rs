@@ -2,7 +2,7 @@
 
 use super::splat;
 use super::{
-    Body, Inertia, Kinematics, Lanes, MOST_JOINTS, N_LANES, PER_BODY, Scalar, State, Wrench,
+    Body, Inertia, Kinematics, Lanes, MOST_JOINTS, MotionState, N_LANES, PER_BODY, Scalar, Wrench,
 };
 use faer::MatRef;
 use simba::simd::SimdValue;
@@ -14,7 +14,7 @@ impl Kinematics {
     ///
     /// # Panics
     /// If the chain has more than [`MOST_JOINTS`] joints, or the arguments are of another one.
-    pub fn torque<T: Scalar>(&self, state: State<'_, T>, inertial: &[f64], torque: &mut [T]) {
+    pub fn torque<T: Scalar>(&self, state: MotionState<'_, T>, inertial: &[f64], torque: &mut [T]) {
         // Short chains should not pay for clearing what only long ones need.
         if !self.kinds.all_turn() {
             return self.torque_within::<MOST_JOINTS, true, T>(state, inertial, torque);
@@ -28,7 +28,7 @@ impl Kinematics {
 
     fn torque_within<const MOST: usize, const SLIDES: bool, T: Scalar>(
         &self,
-        state: State<'_, T>,
+        state: MotionState<'_, T>,
         inertial: &[f64],
         torque: &mut [T],
     ) {
@@ -81,7 +81,7 @@ impl Kinematics {
                 }
             }
             let [q, dq, ddq] = state.each_ref().map(|lanes| &lanes[..n]);
-            self.torque(State { q, dq, ddq }, inertial, &mut torque[..n]);
+            self.torque(MotionState { q, dq, ddq }, inertial, &mut torque[..n]);
             for lane in 0..N_LANES.min(m - first) {
                 (0..n).for_each(|joint| put(first + lane, joint, torque[joint].extract(lane)));
             }

@@ -4,7 +4,7 @@ use crate::twins::{drawn, rows, sines};
 use faer::{Mat, MatRef};
 use miette::Diagnostic;
 use torquewise_rigid::search::{UNWATCHED, all_parameters};
-use torquewise_rigid::{ChainError, Rows, Search, refine, search};
+use torquewise_rigid::{ChainError, ChainRows, Search, refine, search};
 use torquewise_sim::Arm;
 
 fn plan() -> Search {
@@ -12,9 +12,9 @@ fn plan() -> Search {
 }
 
 /// Rows of which every signal is `of(row, joint)`.
-fn made(m: usize, n: usize, of: impl Fn(usize, usize) -> f64) -> Rows {
+fn made(m: usize, n: usize, of: impl Fn(usize, usize) -> f64) -> ChainRows {
     let x = Mat::from_fn(m, n, of);
-    Rows::new([x.as_ref(); 4], &vec![Mat::zeros(m, 0); n]).unwrap()
+    ChainRows::new([x.as_ref(); 4], &vec![Mat::zeros(m, 0); n]).unwrap()
 }
 
 #[test]
@@ -36,7 +36,7 @@ fn signals_of_different_shapes_are_refused() {
         let mut signals: [MatRef<'_, f64>; 4] = [right.as_ref(); 4];
         signals[place] = wrong.as_ref();
 
-        let error = Rows::new(signals, &none).unwrap_err();
+        let error = ChainRows::new(signals, &none).unwrap_err();
 
         assert_eq!(error.to_string(), format!("{name} has 8 entries where 10 were expected"));
     }
@@ -48,14 +48,14 @@ fn columns_beside_the_chain_of_other_shapes_no_joint_and_too_many_are_refused() 
     let short = vec![Mat::zeros(4, 1), Mat::zeros(5, 1)];
     let uneven = vec![Mat::zeros(5, 1), Mat::zeros(5, 3)];
     for extras in [vec![], vec![Mat::zeros(5, 1)], short, uneven] {
-        let error = Rows::new([x.as_ref(); 4], &extras).unwrap_err();
+        let error = ChainRows::new([x.as_ref(); 4], &extras).unwrap_err();
 
         assert!(matches!(error, ChainError::Shape { what: "extras", .. }), "{error}");
     }
     for n in [0, 17] {
         let x = Mat::<f64>::zeros(5, n);
 
-        let error = Rows::new([x.as_ref(); 4], &vec![Mat::zeros(5, 0); n]).unwrap_err();
+        let error = ChainRows::new([x.as_ref(); 4], &vec![Mat::zeros(5, 0); n]).unwrap_err();
 
         assert!(matches!(error, ChainError::TooManyJoints { joints, .. } if joints == n));
     }

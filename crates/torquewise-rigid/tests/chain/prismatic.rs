@@ -7,7 +7,7 @@ use torquewise_rigid::base_parameters::base_parameters;
 use torquewise_rigid::geometry::{GRAVITY, PER_BASE, PER_JOINT, Placement};
 use torquewise_rigid::inertia::seen_from;
 use torquewise_rigid::recursion::PER_BODY;
-use torquewise_rigid::{Geometry, JointKinds, Kinematics, Moved, State};
+use torquewise_rigid::{Geometry, JointKinds, Kinematics, MotionState, Moved};
 
 pub(crate) fn numbers(random: &mut ChaCha8Rng, count: usize) -> Vec<f64> {
     (0..count).map(|_| random.random_range(-1.5..1.5)).collect()
@@ -31,7 +31,7 @@ pub(crate) fn torque_of(
     [q, dq, ddq]: &[Vec<f64>; 3],
 ) -> Vec<f64> {
     let mut torque = vec![0.0; q.len()];
-    let state = State { q, dq, ddq };
+    let state = MotionState { q, dq, ddq };
     let mut moved = Moved::default();
     Kinematics::new(geometry).inverse_dynamics(state, inertial, &mut moved, &mut torque);
     torque
@@ -86,7 +86,7 @@ fn torque_follows_from_the_energies_by_lagrange() {
 
         let torque = torque_of(&geometry, &inertial, &state);
         let mut at_once = vec![0.0; n];
-        kinematics.torque(State { q, dq, ddq }, &inertial, &mut at_once);
+        kinematics.torque(MotionState { q, dq, ddq }, &inertial, &mut at_once);
 
         let (ahead, behind, own) = (momentum(h), momentum(-h), mass(q));
         for joint in 0..n {
@@ -148,7 +148,7 @@ fn the_geometry_of_given_frames_moves_as_they_do() {
         let moved: Vec<f64> = (own.chunks(PER_BODY).zip(&frames))
             .flat_map(|(body, frame)| seen_from(body, frame))
             .collect();
-        given.torque(State { q, dq, ddq }, &moved, &mut expected);
+        given.torque(MotionState { q, dq, ddq }, &moved, &mut expected);
 
         let torque = torque_of(&geometry, &own, &state);
 

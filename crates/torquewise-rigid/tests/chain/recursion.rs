@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use simba::simd::SimdValue;
 use torquewise_rigid::coupling::{Coupled, Coupling};
 use torquewise_rigid::recursion::{Lanes, MOST_JOINTS, PER_BODY};
-use torquewise_rigid::{Geometry, Kinematics, Moved, State};
+use torquewise_rigid::{Geometry, Kinematics, MotionState, Moved};
 
 /// Joints of which one turns with two coordinates before it, another with one.
 fn coupling() -> Coupling {
@@ -34,7 +34,7 @@ fn regressor_times_parameters_is_the_torque() {
     for (geometry, inertial, state) in turning.into_iter().chain(sliding) {
         let [q, dq, ddq] = &state;
         let mut moved = Moved::default();
-        Kinematics::new(&geometry).move_into(State { q, dq, ddq }, &mut moved);
+        Kinematics::new(&geometry).move_into(MotionState { q, dq, ddq }, &mut moved);
 
         let mut by_regressor = vec![0.0; q.len()];
         moved.regressor(|joint, parameter, value: f64| {
@@ -61,7 +61,7 @@ fn a_coupled_chain_is_the_chain_at_other_angles_and_loads_all_that_turn_it() {
 
     let [q, dq, ddq] = &state;
     let mut at_once = [0.0; 3];
-    Kinematics::new(&geometry).torque(State { q, dq, ddq }, &inertial, &mut at_once);
+    Kinematics::new(&geometry).torque(MotionState { q, dq, ddq }, &inertial, &mut at_once);
 
     for (joint, torque) in torque_of(&geometry, &inertial, &state).into_iter().enumerate() {
         assert_relative_eq!(torque, loads[joint], max_relative = 1e-12, epsilon = 1e-11);
@@ -79,7 +79,7 @@ fn derivatives_by_the_geometry_are_those_of_central_differences() {
         let [q, dq, ddq] = &state;
         let (mut moved, mut change) = (Moved::default(), vec![0.0; n]);
         let kinematics = Kinematics::new(&geometry);
-        kinematics.inverse_dynamics(State { q, dq, ddq }, &inertial, &mut moved, &mut change);
+        kinematics.inverse_dynamics(MotionState { q, dq, ddq }, &inertial, &mut moved, &mut change);
 
         for (parameter, derivative) in geometry.derivatives().iter().enumerate() {
             moved.geometry_derivative(derivative, &mut change);
@@ -110,7 +110,7 @@ fn derivatives_hold_where_an_axis_is_parallel_to_the_one_before() {
     let [q, dq, ddq] = &state;
     let (mut moved, mut change) = (Moved::default(), vec![0.0; 2]);
     let kinematics = Kinematics::new(&geometry);
-    kinematics.inverse_dynamics(State { q, dq, ddq }, &inertial, &mut moved, &mut change);
+    kinematics.inverse_dynamics(MotionState { q, dq, ddq }, &inertial, &mut moved, &mut change);
     let derivatives = geometry.derivatives();
     moved.geometry_derivative(&derivatives[2], &mut change);
 
@@ -135,7 +135,7 @@ fn four_states_at_once_are_four_states() {
     let [q, dq, ddq] = &lanes;
     let (mut moved, mut torque) = (Moved::default(), [Lanes::splat(0.0); 5]);
     let kinematics = Kinematics::new(&geometry);
-    kinematics.inverse_dynamics(State { q, dq, ddq }, &inertial, &mut moved, &mut torque);
+    kinematics.inverse_dynamics(MotionState { q, dq, ddq }, &inertial, &mut moved, &mut torque);
 
     for (k, state) in states.iter().enumerate() {
         let expected = torque_of(&geometry, &inertial, state);

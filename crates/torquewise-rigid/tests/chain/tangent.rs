@@ -3,7 +3,7 @@
 use crate::twins::{arm, drawn, sines};
 use faer::Mat;
 use torquewise_rigid::search::all_parameters;
-use torquewise_rigid::{Chain, Geometry, Rows};
+use torquewise_rigid::{Chain, ChainRows, Geometry};
 
 const JOINTS: usize = 3;
 const WEIGHTS: [f64; JOINTS] = [0.5, 2.0, 4.0];
@@ -14,13 +14,13 @@ fn share(row: usize, joint: usize) -> f64 {
 }
 
 /// Rows of another arm than the chain, with two columns beside it.
-fn rows() -> Rows {
+fn rows() -> ChainRows {
     let motion = sines(&arm(&drawn(JOINTS, 8)), 2.0, 5);
     let (m, tau) = (motion.n_rows(), motion.require_tau().unwrap());
     let drive: Vec<Mat<f64>> = (0..JOINTS)
         .map(|joint| Mat::from_fn(m, 2, |row, k| (0.01 * (row * (k + joint + 1)) as f64).cos()))
         .collect();
-    let rows = Rows::new([motion.q(), motion.dq(), motion.ddq(), tau], &drive).unwrap();
+    let rows = ChainRows::new([motion.q(), motion.dq(), motion.ddq(), tau], &drive).unwrap();
     rows.with_shares(share)
 }
 
@@ -29,7 +29,7 @@ fn other() -> Chain {
 }
 
 /// Weighted torque of a chain, all rows of joint 1 first.
-fn weighted(chain: &Chain, rows: &Rows) -> Vec<f64> {
+fn weighted(chain: &Chain, rows: &ChainRows) -> Vec<f64> {
     let m = rows.len();
     let torque = chain.torque(rows).into_iter().enumerate();
     torque.map(|(k, tau)| WEIGHTS[k / m] * share(k % m, k / m) * tau).collect()

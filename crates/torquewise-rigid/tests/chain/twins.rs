@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use torquewise_motion::Motion;
 use torquewise_rigid::geometry::{PER_BASE, PER_JOINT};
 use torquewise_rigid::inertia::plain_link;
-use torquewise_rigid::{Chain, Geometry, Rows};
+use torquewise_rigid::{Chain, ChainRows, Geometry};
 use torquewise_sim::{Arm, ArmParts, MotionKind, MotionPlan, simulate};
 
 /// A chain of bodies that can be, with axes at all angles, in a base that is tilted.
@@ -46,14 +46,14 @@ pub(crate) fn sines(arm: &Arm, seconds: f64, seed: u64) -> Motion {
 }
 
 /// Rows of a motion with nothing beside the chain.
-pub(crate) fn rows(motion: &Motion) -> Rows {
+pub(crate) fn rows(motion: &Motion) -> ChainRows {
     let tau = motion.require_tau().unwrap();
     let none = vec![Mat::zeros(motion.n_rows(), 0); motion.n_joints()];
-    Rows::new([motion.q(), motion.dq(), motion.ddq(), tau], &none).unwrap()
+    ChainRows::new([motion.q(), motion.dq(), motion.ddq(), tau], &none).unwrap()
 }
 
 /// RMSE of a chain on rows over the standard deviation of the torque, of each joint.
-pub(crate) fn errors(chain: &Chain, rows: &Rows) -> Vec<f64> {
+pub(crate) fn errors(chain: &Chain, rows: &ChainRows) -> Vec<f64> {
     let (m, found) = (rows.len(), chain.torque(rows));
     (0..rows.n_joints())
         .map(|joint| {

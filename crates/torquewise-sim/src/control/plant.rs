@@ -15,7 +15,7 @@ pub struct Plant {
     /// Of the joints.
     pub friction: Friction,
     /// What turns a commanded torque into a torque.
-    pub drive: Drive,
+    pub drive: Actuator,
     /// What turns a position into a measured one.
     pub sensors: Sensors,
     /// Error of one step of integration, in rad and rad/s per (1 + size of the number).
@@ -24,7 +24,7 @@ pub struct Plant {
 
 /// What turns a commanded torque into a torque.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Drive {
+pub struct Actuator {
     /// Largest torque of each joint \[N·m\], n; infinite for none.
     pub limit: Vec<f64>,
     /// Time from the command to the torque \[s\], at most 0.1.
@@ -55,7 +55,7 @@ impl Default for Sensors {
     }
 }
 
-impl Drive {
+impl Actuator {
     /// Drives of n joints.
     ///
     /// - `limits`: largest torques \[N·m\], n or one for all; empty for none
@@ -87,7 +87,7 @@ impl Plant {
     /// An arm without friction, limits, delay or errors of measurement.
     pub fn ideal(arm: Arm) -> Self {
         let n = arm.n_joints();
-        let drive = Drive::new(n, &[], 0.0);
+        let drive = Actuator::new(n, &[], 0.0);
         let (friction, sensors) = (Friction::none(n), Sensors::IDEAL);
         Self { arm, friction, drive, sensors, tolerance: 1e-10 }
     }

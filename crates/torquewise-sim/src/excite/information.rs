@@ -56,7 +56,7 @@ impl Information {
 
 /// How well the coefficients of a library can be told from each other.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Criterion {
+pub struct DesignCriterion {
     /// Columns judged: energies, offsets, friction.
     pub columns: usize,
     /// Condition number of the columns, each of size one over the limits; infinite if some depend on
@@ -67,7 +67,7 @@ pub struct Criterion {
     pub information: f64,
 }
 
-impl Criterion {
+impl DesignCriterion {
     /// Of rows weighted by the root of the seconds they stand for.
     pub(crate) fn of(rows: MatRef<'_, f64>, seconds: f64) -> Self {
         let p = rows.ncols();
@@ -137,7 +137,7 @@ mod tests {
         // Columns of lengths 1 and 10 at 60 degrees: eigenvalues (101 ± √(99² + 10²))/2 of YᵀY.
         let rows = faer::mat![[1.0, 5.0], [0.0, 5.0 * 3.0_f64.sqrt()]];
 
-        let found = Criterion::of(rows.as_ref(), 2.0);
+        let found = DesignCriterion::of(rows.as_ref(), 2.0);
 
         let root = 9_901.0_f64.sqrt();
         let expected = ((101.0 + root) / (101.0 - root)).sqrt();
@@ -149,7 +149,7 @@ mod tests {
         let empty = faer::mat![[1.0, 0.0], [3.0, 0.0]];
 
         for rows in [twice, empty] {
-            let found = Criterion::of(rows.as_ref(), 1.0);
+            let found = DesignCriterion::of(rows.as_ref(), 1.0);
             assert!(found.condition.is_infinite() && found.information <= 0.0, "{found:?}");
         }
     }

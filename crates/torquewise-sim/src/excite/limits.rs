@@ -38,17 +38,17 @@ pub struct Limits {
 
 /// A value for all joints, one for each, or some for joints by name.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct PerJoint<T>(pub Vec<(Option<String>, T)>);
+pub struct JointValues<T>(pub Vec<(Option<String>, T)>);
 
 /// What the user says about limits; where he says nothing, those of the arm hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wishes {
     /// Positions \[rad\] to keep to, within the limits of the arm.
-    pub range: PerJoint<[f64; 2]>,
+    pub range: JointValues<[f64; 2]>,
     /// Limit of the speed \[rad/s\], in place of the arm's.
-    pub velocity: PerJoint<f64>,
+    pub velocity: JointValues<f64>,
     /// Acceleration \[rad/s²\] to keep to.
-    pub acceleration: PerJoint<f64>,
+    pub acceleration: JointValues<f64>,
     /// Speeds of the plan as a share of the limits.
     pub speed_scale: f64,
     /// Distance from each limit of the position, as a share of the way between them.
@@ -58,9 +58,9 @@ pub struct Wishes {
 impl Default for Wishes {
     fn default() -> Self {
         Self {
-            range: PerJoint::default(),
-            velocity: PerJoint::default(),
-            acceleration: PerJoint::default(),
+            range: JointValues::default(),
+            velocity: JointValues::default(),
+            acceleration: JointValues::default(),
             speed_scale: 0.5,
             margin: 0.05,
         }
@@ -76,7 +76,7 @@ pub const SECONDS_TO_SPEED: f64 = 0.5;
 /// Limits from here to there are those of an arm; others are a mistake, or would overflow.
 const SENSIBLE: [f64; 2] = [1e-4, 1e4];
 
-impl<T: Copy> PerJoint<T> {
+impl<T: Copy> JointValues<T> {
     pub(crate) fn resolve(&self, what: &'static str, joints: &[String]) -> Result<Vec<Option<T>>> {
         let named = self.0.iter().filter(|(name, _)| name.is_some()).count();
         let (n, found) = (joints.len(), self.0.len());

@@ -2,7 +2,7 @@
 
 use crate::error::{Result, SimError, check_between};
 use crate::excite::design::{Effort, Task};
-use crate::excite::information::Criterion;
+use crate::excite::information::DesignCriterion;
 use crate::excite::library::{Library, Stage};
 use crate::excite::limits::{Bounds, Limits};
 use crate::excite::recording::{Peaks, Planned};
@@ -15,7 +15,7 @@ use torquewise_motion::stats::whole;
 
 /// What is to be planned.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub struct ExcitationPlan {
     /// Time \[s\] at most of the recordings at standstill, uniform and variable velocity.
     pub seconds: [f64; 3],
     /// Time \[s\] a pose is held, or passed in each direction.
@@ -35,7 +35,7 @@ pub struct Plan {
     pub seed: u64,
 }
 
-impl Default for Plan {
+impl Default for ExcitationPlan {
     fn default() -> Self {
         Self {
             seconds: [60.0, 120.0, 60.0],
@@ -59,9 +59,9 @@ pub struct Excitation {
     pub peaks: [Vec<Peaks>; 3],
     /// What is told once each recording is there: by poses about V and offsets; by sweeps too,
     /// about the part of M that depends on q and friction besides; by all rows about everything.
-    pub criteria: [Criterion; 3],
+    pub criteria: [DesignCriterion; 3],
     /// The same of recordings drawn at random within the same limits and times.
-    pub random: [Criterion; 3],
+    pub random: [DesignCriterion; 3],
     /// How many joint angles a term of the library may hold.
     pub interaction: usize,
     /// Speeds of the plan as a share of those planned without limits of the torque.
@@ -106,7 +106,7 @@ const DENSITY: u8 = 4;
 pub fn excite(
     limits: &[Limits],
     torques: Option<&Torques>,
-    plan: &Plan,
+    plan: &ExcitationPlan,
     progress: Tell<'_>,
 ) -> Result<Excitation> {
     let home = home(limits, plan)?;
@@ -160,7 +160,7 @@ pub fn excite(
 pub type Tell<'a> = &'a mut dyn FnMut(f64, &'static str);
 
 struct Setting<'a> {
-    plan: &'a Plan,
+    plan: &'a ExcitationPlan,
     joints: &'a [String],
     bounds: &'a [Bounds],
     home: &'a [f64],
@@ -206,17 +206,17 @@ impl Setting<'_> {
     }
 
     fn stages(&self) -> [Stage; 3] {
-        let Plan { dwell, slow_sweeps: creep, .. } = *self.plan;
+        let ExcitationPlan { dwell, slow_sweeps: creep, .. } = *self.plan;
         [Stage::Standstill { dwell, creep }, Stage::Uniform, Stage::Variable]
     }
 
-    fn criteria(&self, recordings: &[Planned; 3]) -> Result<[Criterion; 3]> {
+    fn criteria(&self, recordings: &[Planned; 3]) -> Result<[DesignCriterion; 3]> {
         let library = &self.library;
         let until = |stage: usize| {
             let parts = || recordings[..=stage].iter().flat_map(|recording| &recording.parts);
             let seconds = parts().flat_map(|part| part.states(1).seconds).sum();
             let rows = library.share(self.stages()[stage]).rows_of(parts(), DENSITY)?;
-            Ok::<_, SimError>(Criterion::of(stacked(&rows).as_ref(), seconds))
+            Ok::<_, SimError>(DesignCriterion::of(stacked(&rows).as_ref(), seconds))
         };
         let seconds: f64 = recordings.iter().map(|recording| recording.seconds).sum();
         let least = GRID.max(3 * library.n_columns() / self.bounds.len());
@@ -225,7 +225,7 @@ impl Setting<'_> {
             let points = whole((least as f64 * recording.seconds / seconds).ceil());
             rows.push(library.rows(&recording.grid(points.max(1)))?);
         }
-        Ok([until(0)?, until(1)?, Criterion::of(stacked(&rows).as_ref(), seconds)])
+        Ok([until(0)?, until(1)?, DesignCriterion::of(stacked(&rows).as_ref(), seconds)])
     }
 
     fn not_alone(&self, uniform: &Planned) -> Vec<String> {
@@ -254,7 +254,7 @@ fn stacked(blocks: &[Mat<f64>]) -> Mat<f64> {
 }
 
 /// The pose at both ends: as asked, else zero, else the middle of the range.
-fn home(limits: &[Limits], plan: &Plan) -> Result<Vec<f64>> {
+fn home(limits: &[Limits], plan: &ExcitationPlan) -> Result<Vec<f64>> {
     let n = limits.len();
     if let Some(home) = plan.home.as_ref().filter(|home| home.len() != n) {
         return Err(SimError::Count { what: "home", found: home.len(), joints: n });
@@ -271,7 +271,7 @@ fn home(limits: &[Limits], plan: &Plan) -> Result<Vec<f64>> {
     limits.iter().enumerate().map(of_joint).collect()
 }
 
-impl Plan {
+impl ExcitationPlan {
     /// Refuses numbers of which no plan can be made, or only one beyond all memory and patience.
     fn check(&self) -> Result<()> {
         let numbers = [

@@ -2,7 +2,7 @@
 
 use crate::Arm;
 use crate::error::{Result, SimError};
-use crate::excite::limits::{Bounds, PerJoint, check_rate};
+use crate::excite::limits::{Bounds, JointValues, check_rate};
 use crate::excite::part::{Part, Sweep};
 use crate::excite::recording::Planned;
 use crate::excite::segment::{Segment, glide};
@@ -40,7 +40,7 @@ impl Torques {
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn of_arm(arm: &Arm, most: &PerJoint<f64>) -> Result<Option<Self>> {
+    pub fn of_arm(arm: &Arm, most: &JointValues<f64>) -> Result<Option<Self>> {
         let own = arm.clone();
         let of = move |state: &State| own.inverse_dynamics(&state.q, &state.dq, &state.ddq);
         Self::new(arm.joints(), most, of)
@@ -52,7 +52,7 @@ impl Torques {
     /// [`SimError`], naming the joint and the number at fault.
     pub fn new(
         joints: &[String],
-        most: &PerJoint<f64>,
+        most: &JointValues<f64>,
         of: impl Fn(&State) -> Vec<f64> + Send + Sync + 'static,
     ) -> Result<Option<Self>> {
         let given = most.resolve("a torque limit", joints)?;

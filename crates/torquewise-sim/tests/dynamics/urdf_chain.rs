@@ -5,7 +5,7 @@ use approx::assert_relative_eq;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use torquewise_rigid::inertia::plain_link;
-use torquewise_rigid::{Kinematics, Moved, State};
+use torquewise_rigid::{Kinematics, MotionState, Moved};
 use torquewise_sim::urdf::edit::{Dynamics, edited};
 use torquewise_sim::{Arm, Body, SimError, UrdfChain};
 
@@ -75,7 +75,7 @@ fn check(text: &str, joints: &[String], locked: &[String], mass: f64) -> String 
     for _ in 0..100 {
         let [q, dq, ddq] = [(); 3]
             .map(|()| -> Vec<f64> { (0..n).map(|_| random.random_range(-3.0..3.0)).collect() });
-        let state = State { q: &q, dq: &dq, ddq: &ddq };
+        let state = MotionState { q: &q, dq: &dq, ddq: &ddq };
         let mut torque = vec![0.0; n];
         kinematics.inverse_dynamics(state, &inertial, &mut Moved::default(), &mut torque);
         let expected = arm.inverse_dynamics(&q, &dq, &ddq);

@@ -6,16 +6,16 @@ use std::collections::BTreeSet;
 use std::sync::LazyLock;
 use torquewise_motion::Recording;
 use torquewise_sim::excite::{
-    Excitation, Limits, PerJoint, Plan, State, Torques, Wishes, excite, joint_trajectory, limits,
-    waypoints,
+    Excitation, ExcitationPlan, JointValues, Limits, State, Torques, Wishes, excite,
+    joint_trajectory, limits, waypoints,
 };
 use torquewise_sim::{Arm, SimError};
 
 /// Three joints of different ranges, speeds and accelerations.
 fn three_joints() -> Vec<Limits> {
-    let each = |values: &[f64]| PerJoint(values.iter().map(|value| (None, *value)).collect());
+    let each = |values: &[f64]| JointValues(values.iter().map(|value| (None, *value)).collect());
     let wishes = Wishes {
-        range: PerJoint(vec![(None, [-2.5, 2.0]), (None, [0.3, 1.9]), (None, [-0.8, 2.4])]),
+        range: JointValues(vec![(None, [-2.5, 2.0]), (None, [0.3, 1.9]), (None, [-0.8, 2.4])]),
         velocity: each(&[1.5, 2.0, 3.0]),
         acceleration: each(&[2.0, 1.0, 4.0]),
         ..Wishes::default()
@@ -23,17 +23,17 @@ fn three_joints() -> Vec<Limits> {
     limits(&Arm::builtin("puma560-3").unwrap(), &wishes).unwrap()
 }
 
-fn quick() -> Plan {
-    Plan { seconds: [30.0, 100.0, 40.0], tries: 6, seed: 4, ..Plan::default() }
+fn quick() -> ExcitationPlan {
+    ExcitationPlan { seconds: [30.0, 100.0, 40.0], tries: 6, seed: 4, ..ExcitationPlan::default() }
 }
 
-fn planned(plan: &Plan) -> Excitation {
+fn planned(plan: &ExcitationPlan) -> Excitation {
     excite(&three_joints(), None, plan, &mut |_, _| {}).unwrap()
 }
 
 static POSES: LazyLock<Excitation> = LazyLock::new(|| planned(&quick()));
 static CREEPS: LazyLock<Excitation> =
-    LazyLock::new(|| planned(&Plan { slow_sweeps: true, seed: 5, ..quick() }));
+    LazyLock::new(|| planned(&ExcitationPlan { slow_sweeps: true, seed: 5, ..quick() }));
 
 /// Time and state of each row, as a reader sees them.
 fn rows(recording: &impl Recording) -> Vec<(f64, State)> {
@@ -162,9 +162,9 @@ fn a_plan_tells_more_than_a_random_one() {
 /// A plan of two links in a vertical plane, with limits of the torque \[N·m\].
 fn limited(most: [f64; 2]) -> Result<Excitation, SimError> {
     let arm = Arm::builtin("planar-2").unwrap();
-    let most = PerJoint(most.map(|most| (None, most)).to_vec());
+    let most = JointValues(most.map(|most| (None, most)).to_vec());
     let torques = Torques::of_arm(&arm, &most)?;
-    let plan = Plan { home: Some(vec![-1.5, 0.0]), ..quick() };
+    let plan = ExcitationPlan { home: Some(vec![-1.5, 0.0]), ..quick() };
     excite(&limits(&arm, &Wishes::default())?, torques.as_ref(), &plan, &mut |_, _| {})
 }
 
@@ -197,8 +197,8 @@ fn torques_that_do_not_hold_the_arm_are_refused_with_the_joint() {
 
 #[test]
 fn a_seed_gives_the_same_bits_and_another_seed_another_plan() {
-    let plan = Plan { tries: 3, seconds: [10.0, 40.0, 20.0], ..quick() };
-    let text = |plan: &Plan| {
+    let plan = ExcitationPlan { tries: 3, seconds: [10.0, 40.0, 20.0], ..quick() };
+    let text = |plan: &ExcitationPlan| {
         let found = planned(plan);
         found.recordings.map(|recording| joint_trajectory(&recording, 20.0).unwrap())
     };
@@ -207,7 +207,7 @@ fn a_seed_gives_the_same_bits_and_another_seed_another_plan() {
     let alone = one_thread.install(|| text(&plan));
 
     assert_eq!(text(&plan), alone);
-    assert_ne!(text(&Plan { seed: 5, ..plan }), alone);
+    assert_ne!(text(&ExcitationPlan { seed: 5, ..plan }), alone);
 }
 
 /// The polynomial of order 5 through position, velocity and acceleration at both ends.
@@ -246,23 +246,24 @@ fn splines_through_the_waypoints_make_the_motion_again() {
 
 #[test]
 fn settings_that_make_no_plan_are_refused() {
-    let refused = |plan: Plan| excite(&three_joints(), None, &plan, &mut |_, _| {}).unwrap_err();
+    let refused =
+        |plan: ExcitationPlan| excite(&three_joints(), None, &plan, &mut |_, _| {}).unwrap_err();
     let cases = [
-        (Plan { seconds: [0.0, 60.0, 60.0], ..quick() }, "standstill"),
-        (Plan { seconds: [30.0, f64::NAN, 60.0], ..quick() }, "uniform"),
-        (Plan { seconds: [30.0, 60.0, 1e9], ..quick() }, "variable"),
-        (Plan { rate: f64::INFINITY, ..quick() }, "rate"),
-        (Plan { rate: 1e4, seconds: [30.0, 60.0, 300.0], ..quick() }, "number of rows"),
-        (Plan { dwell: -1.0, ..quick() }, "dwell"),
-        (Plan { tries: 0, ..quick() }, "tries"),
-        (Plan { interaction: Some(0), ..quick() }, "interaction"),
-        (Plan { home: Some(vec![0.0; 3]), ..quick() }, "joint2"),
-        (Plan { home: Some(vec![0.0, 1.0, -1e300]), ..quick() }, "is -1e300 rad, it may"),
-        (Plan { home: Some(vec![0.0; 2]), ..quick() }, "3 joints"),
-        (Plan { home: Some(vec![f64::NAN; 3]), ..quick() }, "joint1"),
-        (Plan { seconds: [1.2, 60.0, 60.0], ..quick() }, "no room for a single pose"),
-        (Plan { seconds: [30.0, 2.0, 60.0], ..quick() }, "no room for a single sweep"),
-        (Plan { seconds: [30.0, 60.0, 1.5], ..quick() }, "single period of sines"),
+        (ExcitationPlan { seconds: [0.0, 60.0, 60.0], ..quick() }, "standstill"),
+        (ExcitationPlan { seconds: [30.0, f64::NAN, 60.0], ..quick() }, "uniform"),
+        (ExcitationPlan { seconds: [30.0, 60.0, 1e9], ..quick() }, "variable"),
+        (ExcitationPlan { rate: f64::INFINITY, ..quick() }, "rate"),
+        (ExcitationPlan { rate: 1e4, seconds: [30.0, 60.0, 300.0], ..quick() }, "number of rows"),
+        (ExcitationPlan { dwell: -1.0, ..quick() }, "dwell"),
+        (ExcitationPlan { tries: 0, ..quick() }, "tries"),
+        (ExcitationPlan { interaction: Some(0), ..quick() }, "interaction"),
+        (ExcitationPlan { home: Some(vec![0.0; 3]), ..quick() }, "joint2"),
+        (ExcitationPlan { home: Some(vec![0.0, 1.0, -1e300]), ..quick() }, "is -1e300 rad, it may"),
+        (ExcitationPlan { home: Some(vec![0.0; 2]), ..quick() }, "3 joints"),
+        (ExcitationPlan { home: Some(vec![f64::NAN; 3]), ..quick() }, "joint1"),
+        (ExcitationPlan { seconds: [1.2, 60.0, 60.0], ..quick() }, "no room for a single pose"),
+        (ExcitationPlan { seconds: [30.0, 2.0, 60.0], ..quick() }, "no room for a single sweep"),
+        (ExcitationPlan { seconds: [30.0, 60.0, 1.5], ..quick() }, "single period of sines"),
     ];
 
     for (plan, word) in cases {

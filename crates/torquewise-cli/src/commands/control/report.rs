@@ -7,7 +7,7 @@ use torquewise::control::{Run, Tracking};
 use torquewise::report::chart_figure;
 use torquewise::report::html::number::significant;
 use torquewise::report::html::{
-    Chart, Colour, Column, Guide, Item, Label, Mark, Page, Section, Series, Table,
+    Chart, Colour, Guide, Heading, Item, Label, Mark, Page, Section, Series, Table,
 };
 
 /// One row per joint: position beside error.
@@ -49,10 +49,10 @@ pub(super) fn page(arm: &str, compared: &Compared) -> Result<String> {
 }
 
 fn table(compared: &Compared) -> Item {
-    let mut columns = vec![Column::words("controller")];
+    let mut columns = vec![Heading::words("controller")];
     for what in ["RMS", "peak"] {
         let joints = compared.wanted.joints().iter();
-        columns.extend(joints.map(|joint| Column::numbers(format!("{joint} {what} [mrad]"))));
+        columns.extend(joints.map(|joint| Heading::numbers(format!("{joint} {what} [mrad]"))));
     }
     let row = |run: &Run| -> Vec<Label> {
         let rms = run.tracking.rms_error(compared.settle);

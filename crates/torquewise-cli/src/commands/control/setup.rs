@@ -4,7 +4,7 @@ use crate::arguments::{Word, choice};
 use crate::error::Result;
 use clap::Args;
 use std::path::PathBuf;
-use torquewise::control::{Drive, Periodic, Plant, Sensors, each, periodic};
+use torquewise::control::{Actuator, Periodic, Plant, Sensors, each, periodic};
 use torquewise::dynamics::{Arm, Friction, MotionKind, MotionPlan, simulate};
 use torquewise::motion::Motion;
 
@@ -94,7 +94,7 @@ impl PlantArguments {
     pub(crate) fn plant(&self, arm: Arm, friction: Friction) -> Result<Plant> {
         let n = arm.n_joints();
         let arm = if self.rotor.is_empty() { arm } else { arm.with_rotors(&each(&self.rotor, n))? };
-        let drive = Drive::new(n, &self.torque_limit, self.delay);
+        let drive = Actuator::new(n, &self.torque_limit, self.delay);
         let Self { noise, velocity_cutoff: cutoff, noise_seed: seed, .. } = *self;
         let sensors = Sensors { noise, cutoff, seed, ..Sensors::of_counts(self.encoder) };
         let plant = Plant { friction, drive, sensors, ..Plant::ideal(arm) };

@@ -4,7 +4,7 @@ use crate::error::Result;
 use torquewise::excite::{Excitation, Limits, Planned, State};
 use torquewise::motion::Pattern;
 use torquewise::report::chart_figure;
-use torquewise::report::html::{Axis, Band, Chart, Colour, Guide, Series};
+use torquewise::report::html::{Axis, Chart, Colour, Guide, Series, Stretches};
 
 /// Points of a curve: more than can be seen.
 const POINTS: f64 = 4000.0;
@@ -23,8 +23,9 @@ pub(crate) fn figure(arm: &str, limits: &[Limits], planned: &Excitation) -> Resu
             let points = states.iter().map(|(t, state)| [*t, of(state)]).collect();
             let x = Axis::named(if is_last { "time [s]" } else { "" });
             let axes = [x, Axis { range, ..Axis::named(unit) }];
-            let name = |own: &Band| if joint == 0 { own.label.clone() } else { String::new() };
-            let bands = bands.iter().map(|own| Band { label: name(own), ..own.clone() }).collect();
+            let name = |own: &Stretches| if joint == 0 { own.label.clone() } else { String::new() };
+            let bands =
+                bands.iter().map(|own| Stretches { label: name(own), ..own.clone() }).collect();
             let guides = ends.map(|end| Guide::at_y(end, "")).to_vec();
             Chart { bands, guides, ..Chart::new(title, axes, vec![Series::line("", points)]) }
         };
@@ -38,7 +39,7 @@ pub(crate) fn figure(arm: &str, limits: &[Limits], planned: &Excitation) -> Resu
 }
 
 /// States over all recordings, and where each recording is.
-fn states(recordings: &[Planned; 3]) -> (Vec<(f64, State)>, Vec<Band>) {
+fn states(recordings: &[Planned; 3]) -> (Vec<(f64, State)>, Vec<Stretches>) {
     let seconds: f64 = recordings.iter().map(|recording| recording.seconds).sum();
     let (mut states, mut bands, mut start) = (Vec::new(), Vec::new(), 0.0);
     for (recording, pattern) in recordings.iter().zip(Pattern::ALL) {
@@ -48,7 +49,7 @@ fn states(recordings: &[Planned; 3]) -> (Vec<(f64, State)>, Vec<Band>) {
             states.push((start + t, recording.state_at(t)));
             t += seconds / POINTS;
         }
-        bands.push(Band {
+        bands.push(Stretches {
             label: format!("{}.csv", recording.name),
             colour: Colour::Pattern(pattern),
             spans: vec![[start, end]],

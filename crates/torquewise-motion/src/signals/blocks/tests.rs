@@ -36,7 +36,7 @@ fn blocks_give_what_the_whole_gives() {
             Conditioning { cutoff: Cutoff::Hz(cutoff), delay: 0.013, ..Default::default() };
         let whole = condition(&raw, &settings).unwrap().motion.into_signals();
 
-        let mut conditioner = Conditioner::new(Plan::new(&raw, &settings).unwrap());
+        let mut conditioner = Conditioner::new(SignalPlan::new(&raw, &settings).unwrap());
         let mut parts = Vec::new();
         for begin in (0..90_000).step_by(7001) {
             parts.extend(conditioner.push(rows(&raw, begin, begin + 7001)).unwrap());
@@ -77,7 +77,7 @@ fn gaps_are_counted_wherever_blocks_are_cut() {
     let [before, middle, after] =
         [(0, 1_000), (1_002, 2_000), (2_005, 3_000)].map(|(begin, end)| rows(&raw, begin, end));
     let settings = Conditioning { cutoff: Cutoff::Hz(5.0), ..Default::default() };
-    let mut conditioner = Conditioner::new(Plan::new(&before, &settings).unwrap());
+    let mut conditioner = Conditioner::new(SignalPlan::new(&before, &settings).unwrap());
 
     for block in [&before, &middle, &after] {
         conditioner.push(block.clone()).unwrap();
@@ -92,7 +92,7 @@ fn gaps_are_counted_wherever_blocks_are_cut() {
 fn blocks_that_do_not_follow_are_refused() {
     let raw = log(1000, 0.0);
     let settings = Conditioning { cutoff: Cutoff::Hz(5.0), ..Default::default() };
-    let mut conditioner = Conditioner::new(Plan::new(&raw, &settings).unwrap());
+    let mut conditioner = Conditioner::new(SignalPlan::new(&raw, &settings).unwrap());
     conditioner.push(rows(&raw, 0, 500)).unwrap();
 
     let repeated = conditioner.push(rows(&raw, 499, 600));

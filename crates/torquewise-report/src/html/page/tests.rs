@@ -3,7 +3,7 @@
 use super::*;
 use crate::html::equation::Equation;
 use crate::html::skeleton::Skeleton;
-use crate::html::{Axis, Bars, Callout, Chart, Colour, Column, Label, Series, Table, Tone};
+use crate::html::{Axis, Bars, Callout, Chart, Colour, Heading, Label, Series, Table, Tone};
 
 const HOSTILE: &str = "</script><img src=x onerror=\"alert(1)\">'";
 
@@ -28,7 +28,7 @@ fn page(words: &str) -> Page {
     };
     let table = Table {
         caption: word(),
-        columns: vec![Column::words(words), Column::numbers(words)],
+        columns: vec![Heading::words(words), Heading::numbers(words)],
         rows: vec![vec![words.into(), words.into()]],
     };
     let items = vec![

@@ -2,7 +2,7 @@
 
 use crate::Arm;
 use crate::error::SimError;
-use crate::excite::limits::{PerJoint, Wishes, limits};
+use crate::excite::limits::{JointValues, Wishes, limits};
 use approx::assert_relative_eq;
 use std::f64::consts::PI;
 
@@ -27,12 +27,12 @@ fn arm() -> Arm {
     Arm::from_urdf(&text, &[]).unwrap()
 }
 
-fn all<T>(value: T) -> PerJoint<T> {
-    PerJoint(vec![(None, value)])
+fn all<T>(value: T) -> JointValues<T> {
+    JointValues(vec![(None, value)])
 }
 
-fn named<T>(values: Vec<(&str, T)>) -> PerJoint<T> {
-    PerJoint(values.into_iter().map(|(name, value)| (Some(name.to_owned()), value)).collect())
+fn named<T>(values: Vec<(&str, T)>) -> JointValues<T> {
+    JointValues(values.into_iter().map(|(name, value)| (Some(name.to_owned()), value)).collect())
 }
 
 #[test]
@@ -52,8 +52,8 @@ fn a_plan_keeps_off_the_limits_of_the_file() {
 fn wishes_come_before_the_file_but_do_not_widen_a_range() {
     let wishes = Wishes {
         range: named(vec![("turn", [0.0, 9.0]), ("roll", [-9.0, 9.0])]),
-        velocity: PerJoint(vec![(None, 3.0)]),
-        acceleration: PerJoint(vec![(None, 5.0), (None, 6.0)]),
+        velocity: JointValues(vec![(None, 3.0)]),
+        acceleration: JointValues(vec![(None, 5.0), (None, 6.0)]),
         ..Wishes::default()
     };
 
@@ -86,7 +86,7 @@ fn wishes_that_make_no_sense_are_refused_with_the_joint() {
         (Wishes { velocity: all(0.0), ..usual() }, "turn"),
         (Wishes { velocity: all(f64::INFINITY), ..usual() }, "velocity"),
         (Wishes { acceleration: all(-1.0), ..usual() }, "acceleration"),
-        (Wishes { velocity: PerJoint(vec![(None, 1.0); 3]), ..usual() }, "given 3 times"),
+        (Wishes { velocity: JointValues(vec![(None, 1.0); 3]), ..usual() }, "given 3 times"),
         (Wishes { speed_scale: 1.5, ..usual() }, "speed scale"),
         (Wishes { speed_scale: f64::NAN, ..usual() }, "speed scale"),
         (Wishes { margin: 0.5, ..usual() }, "margin"),
@@ -97,7 +97,7 @@ fn wishes_that_make_no_sense_are_refused_with_the_joint() {
         let error = limits(&arm(), &wishes).unwrap_err();
         assert!(error.told().contains(word), "{word}: {error}");
     }
-    let mixed = PerJoint(vec![(None, 1.0), (Some("roll".to_owned()), 1.0)]);
+    let mixed = JointValues(vec![(None, 1.0), (Some("roll".to_owned()), 1.0)]);
     let error = limits(&arm(), &Wishes { velocity: mixed, ..usual() }).unwrap_err();
     assert!(matches!(error, SimError::Mixed { .. }));
 }
