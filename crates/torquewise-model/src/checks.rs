@@ -3,8 +3,10 @@
 use crate::error::ModelError;
 use crate::friction::{FrictionLaw, FrictionTerm};
 use crate::model::{Model, Weighted};
+use crate::number;
 use crate::torque::Torque;
 use faer::{Mat, Side};
+use std::fmt;
 
 /// What the checks found, the worst over the states looked at.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +22,8 @@ pub struct Checks {
     /// Largest |q̇ᵀ(Ṁq̇ − 2c)| / (‖q̇‖‖Ṁq̇‖ + 2‖q̇‖‖c‖), which is zero where Ṁ − 2C is skew: the
     /// power of the Coriolis torque is the change of kinetic energy that M accounts for.
     pub skew_defect: f64,
+    /// Friction that drives its shaft, whatever the state; none for a real arm.
+    pub driving: Option<DrivingFriction>,
 }
 
 /// Friction that drives its shaft at some speed, where any real one takes power.
@@ -37,10 +41,25 @@ impl Checks {
     /// Relative asymmetry and defect from which on they are more than rounding.
     pub const TOLERANCE: f64 = 1e-6;
 
-    /// Whether M is symmetric and positive definite and Ṁ − 2C skew at all states looked at.
+    /// Whether M is symmetric and positive definite and Ṁ − 2C skew at all states looked at, and
+    /// friction takes power.
     pub fn passed(&self) -> bool {
-        let [asymmetry, defect] = [self.asymmetry, self.skew_defect];
-        self.smallest_eigenvalue > 0.0 && asymmetry.max(defect) < Self::TOLERANCE
+        let defect = self.asymmetry.max(self.skew_defect);
+        self.smallest_eigenvalue > 0.0 && defect < Self::TOLERANCE && self.driving.is_none()
+    }
+}
+
+/// `friction of the shaft of joint 2 drives it with 0.3 W at −0.1 rad/s`.
+impl fmt::Display for DrivingFriction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { shaft, speed, power } = self;
+        let joints = shaft.iter().enumerate().filter(|(_, share)| **share != 0.0);
+        let joints: Vec<String> = joints.map(|(joint, _)| format!("{}", joint + 1)).collect();
+        let (joints, power) = (joints.join(" and "), number(-power));
+        write!(
+            f,
+            "friction of the shaft of joint {joints} drives it with {power} W at {speed:.3} rad/s"
+        )
     }
 }
 
@@ -61,8 +80,15 @@ pub fn check(model: &Model, states: &[(Vec<f64>, Vec<f64>)]) -> Result<Checks, M
         asymmetry = asymmetry.max((&mass - mass.transpose()).norm_l2() / scale);
         defect = defect.max(skew_defect(&torque, q, dq)?);
     }
-    let (states, (smallest_eigenvalue, weakest_q)) = (states.len(), weakest);
-    Ok(Checks { states, smallest_eigenvalue, weakest_q, asymmetry, skew_defect: defect })
+    let (smallest_eigenvalue, weakest_q) = weakest;
+    Ok(Checks {
+        states: states.len(),
+        smallest_eigenvalue,
+        weakest_q,
+        asymmetry,
+        skew_defect: defect,
+        driving: driving_friction(model),
+    })
 }
 
 /// The weakest of no states.

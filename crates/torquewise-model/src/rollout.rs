@@ -32,12 +32,15 @@ const HELD: f64 = 1e-7;
 pub struct Drift {
     /// Time since the measured state \[s\].
     pub horizon_s: f64,
-    /// RMS of the distance of each joint \[rad\], n; infinite where a simulation ran away.
+    /// RMS of the distance of each joint \[rad\], n, over the windows whose simulation did not run
+    /// away; infinite where all did.
     pub rms_drift_rad: Vec<f64>,
-    /// The same of an arm that keeps the velocity that it had.
+    /// The same of an arm that keeps the velocity that it had, over the same windows.
     pub hold_rms_rad: Vec<f64>,
     /// Windows.
     pub windows: usize,
+    /// Those of them whose simulation ran away.
+    pub ran_away: usize,
     /// Share of windows whose measured end lies in the band of 90 % of the arms that the model may as
     /// well be, n; where such arms were given.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -329,7 +332,7 @@ pub fn drifts(
     let others: Vec<Simulator<'_>> = others.iter().map(Simulator::new).collect();
     let n = model.n_joints();
     let mut inside = vec![vec![0_usize; n]; horizons.len()];
-    let mut squares = vec![[vec![0.0; n], vec![0.0; n]]; horizons.len()];
+    let mut squares = vec![(0, [vec![0.0; n], vec![0.0; n]]); horizons.len()];
     let mut count = 0;
     windows(model, recording, longest, &mut |windows| {
         let ends = |window: &Window<'_>| {
@@ -352,13 +355,16 @@ pub fn drifts(
                     *inside += usize::from(is_in_band(among, *truth));
                 }
             }
-            for ((horizon, end), sums) in horizons.iter().zip(ends).zip(&mut squares) {
+            for ((horizon, end), (away, sums)) in horizons.iter().zip(ends).zip(&mut squares) {
                 let (truth, held) = (window.measured(*horizon), window.held(*horizon));
+                // What ran away is no number.
+                if end.iter().any(|end| !(end.abs() < f64::INFINITY)) {
+                    *away += 1;
+                    continue;
+                }
                 for (sums, ends) in sums.iter_mut().zip([end, held]) {
                     for ((sum, end), truth) in sums.iter_mut().zip(ends).zip(&truth) {
-                        // What ran away is no number.
-                        let apart = end - truth;
-                        *sum += if apart.is_finite() { apart.powi(2) } else { f64::INFINITY };
+                        *sum += (end - truth).powi(2);
                     }
                 }
             }
@@ -366,17 +372,20 @@ pub fn drifts(
         count += windows.len();
         Ok(())
     })?;
-    let rms = |squares: Vec<f64>| -> Vec<f64> {
-        squares.iter().map(|square| (square / count as f64).sqrt()).collect()
+    let rms = |squares: Vec<f64>, away: usize| -> Vec<f64> {
+        let kept = (count - away) as f64;
+        let of = |square: f64| if kept > 0.0 { (square / kept).sqrt() } else { f64::INFINITY };
+        squares.into_iter().map(of).collect()
     };
     let share = |inside: Vec<usize>| -> Vec<f64> {
         inside.iter().map(|inside| *inside as f64 / count as f64).collect()
     };
-    let drift = |((&horizon_s, [drift, held]), inside): ((&f64, [Vec<f64>; 2]), _)| Drift {
+    let drift = |((&horizon_s, (away, [drift, held])), inside): ((&f64, (_, [_; 2])), _)| Drift {
         horizon_s,
-        rms_drift_rad: rms(drift),
-        hold_rms_rad: rms(held),
+        rms_drift_rad: rms(drift, away),
+        hold_rms_rad: rms(held, away),
         windows: count,
+        ran_away: away,
         covered: (!others.is_empty()).then(|| share(inside)),
     };
     let all = horizons.iter().zip(squares).zip(inside);

@@ -48,10 +48,18 @@ impl Evaluation {
         if !rollouts.is_empty() && !worse.is_empty() {
             self.notes.push(format!(
                 "simulated, the drift of {} is larger than that of an arm that keeps its velocity: the \
-                 torque may do for feed-forward, a simulator needs better",
+                 torque may do for feed-forward, a simulator needs better, as a chain refined by \
+                 rollouts may be",
                 worse.join(", ")
             ));
         }
+        let away = rollouts.iter().filter(|drift| drift.ran_away > 0);
+        self.notes.extend(away.map(|Drift { ran_away, windows, horizon_s, .. }| {
+            format!(
+                "simulated, {ran_away} of {windows} windows ran away within {horizon_s} s: what is \
+                 said of drift is of the others"
+            )
+        }));
         Self { rollouts, ..self }
     }
 }

@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 use serde_json::json;
 use std::f64::consts::PI;
 use std::fmt;
-use torquewise_model::checks::{DrivingFriction, driving_friction, weakest_state};
+use torquewise_model::checks::weakest_state;
 use torquewise_model::number;
 use torquewise_model::{Checks, Model, ModelError, check};
 
@@ -28,7 +28,6 @@ pub struct PhysicsCheck {
     /// What was measured in the training range.
     pub trained: Checks,
     whole: Checks,
-    driving: Option<DrivingFriction>,
 }
 
 /// Where M(q) is weakest within the training range of a model.
@@ -76,8 +75,7 @@ impl PhysicsCheck {
     /// As [`MassMatrix::of`].
     pub fn of(model: &Model, states: usize) -> Result<Self, ModelError> {
         let at = |range| check(model, &random_states(model, range, states));
-        let (trained, whole) = (at(Range::Trained)?, at(Range::WholeTurn)?);
-        Ok(Self { trained, whole, driving: driving_friction(model) })
+        Ok(Self { trained: at(Range::Trained)?, whole: at(Range::WholeTurn)? })
     }
 
     /// The worst of both ranges, of M(q) − M(q)ᵀ and of dM/dt − 2C.
@@ -102,14 +100,21 @@ impl PhysicsCheck {
                 failures.push(format!("{what} by {defect:.1e}"));
             }
         }
-        failures.extend(self.driving.as_ref().map(driving));
-        (!failures.is_empty()).then(|| {
-            format!(
-                "the model is not the physics of a rigid arm: {}; fit the energy library for a \
-                 symmetric M(q), and record more motion if that is not positive",
+        let mut told = Vec::new();
+        if !failures.is_empty() {
+            told.push(format!(
+                "no rigid arm moves as this model does: {}; fit the energy library for a symmetric \
+                 M(q), and record more motion if that is not positive",
                 failures.join(", ")
-            )
-        })
+            ));
+        }
+        if let Some(driving) = &self.trained.driving {
+            told.push(format!(
+                "{driving}, where a real one takes power: fit with linear friction, or record more \
+                 slow motion of that joint"
+            ));
+        }
+        (!told.is_empty()).then(|| told.join("; "))
     }
 }
 
@@ -133,9 +138,10 @@ impl fmt::Display for PhysicsCheck {
             )?;
         }
         let [asymmetry, skew] = self.defects();
-        let friction = self.driving.as_ref().map_or_else(
+        let driving = self.trained.driving.as_ref();
+        let friction = driving.map_or_else(
             || "at every speed up to the trained peak, constant offset left aside".to_owned(),
-            driving,
+            ToString::to_string,
         );
         writeln!(
             f,
@@ -146,14 +152,14 @@ impl fmt::Display for PhysicsCheck {
             asymmetry,
             verdict(is_none(skew)),
             skew,
-            verdict(self.driving.is_none()),
+            verdict(driving.is_none()),
         )
     }
 }
 
 impl Serialize for PhysicsCheck {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Self { trained, whole, driving } = self;
+        let Self { trained, whole } = self;
         let range = |checks: &Checks| {
             json!({
                 "states": checks.states,
@@ -170,7 +176,7 @@ impl Serialize for PhysicsCheck {
             "positive_definite": smallest_eigenvalue > 0.0,
             "symmetric": is_none(asymmetry),
             "skew": is_none(skew_defect),
-            "friction_passive": driving.is_none(),
+            "friction_passive": trained.driving.is_none(),
             "smallest_eigenvalue": smallest_eigenvalue,
             "asymmetry": asymmetry,
             "skew_defect": skew_defect,
@@ -193,18 +199,6 @@ fn is_none(defect: f64) -> bool {
 fn angles(q: &[f64]) -> String {
     let angles: Vec<String> = q.iter().map(|q| format!("{q:.2}")).collect();
     format!("({})", angles.join(", "))
-}
-
-/// `friction of dq2 gives 0.3 W at −0.1 rad/s`.
-fn driving(friction: &DrivingFriction) -> String {
-    let DrivingFriction { shaft, speed, power } = friction;
-    let joints = shaft.iter().enumerate().filter(|(_, share)| **share != 0.0);
-    let joints: Vec<String> = joints.map(|(joint, _)| format!("{}", joint + 1)).collect();
-    format!(
-        "friction of the shaft of joint {} drives it with {} W at {speed:.3} rad/s",
-        joints.join(" and "),
-        number(-power)
-    )
 }
 
 /// (q, dq), evenly drawn from a range of angles, and from the speeds the model was fitted on; a

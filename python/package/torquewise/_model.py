@@ -148,7 +148,7 @@ class Model(_core.Model):
         self,
         log: Any = None,
         *,
-        horizons: Sequence[float] = (0.2, 0.5, 1.0),
+        horizons: float | Sequence[float] = (0.2, 0.5, 1.0),
         samples: int | None = None,
         seed: int = 0,
         progress: Progress = None,
@@ -161,13 +161,14 @@ class Model(_core.Model):
         the measured arm ends in their band.
         """
         log = read_log(log, **options)
+        times = sorted(np.atleast_1d(np.asarray(horizons, dtype=float)).tolist())
         with shown(progress) as told:
             drawn = None if samples is None else (samples, seed)
-            found = json.loads(self._rollout(log, sorted(map(float, horizons)), drawn, told))
+            found = json.loads(self._rollout(log, times, drawn, told))
 
         if not found:
             raise _core.LogError(
-                f"no stretch of the log is as long as {min(horizons)} s: give shorter horizons"
+                f"no stretch of the log is as long as {times[0]} s: give shorter horizons"
             )
 
         def of(key: str) -> NDArray[np.float64]:
@@ -181,6 +182,7 @@ class Model(_core.Model):
             drift=of("rms_drift_rad"),
             hold=of("hold_rms_rad"),
             windows=np.array([own["windows"] for own in found]),
+            ran_away=np.array([own["ran_away"] for own in found]),
             covered=None if samples is None else of("covered"),
         )
 

@@ -32,10 +32,10 @@ const LARGE: f64 = 10.0;
 const USUAL_FRICTION: f64 = 0.05;
 /// Speeds \[rad/s\] and torques \[N·m\] below this are none.
 const LEAST_SIZE: f64 = 1e-9;
-/// Speeds at which friction must take energy: even up to the peak, closer where it reverses, and
-/// far beyond.
-const EVEN_SPEEDS: u32 = 64;
-const SLOW_SPEEDS: [f64; 10] = [1e-4, 2e-4, 4e-4, 6e-4, 8e-4, 1e-3, 1.5e-3, 2e-3, 3e-3, 4e-3];
+/// Speeds at which friction must take energy, as parts of the peak: four decades below it, in steps in
+/// which no law changes by much, and far beyond.
+const DECADES: i32 = 4;
+const PER_DECADE: i32 = 20;
 const FAST_SPEEDS: [f64; 2] = [1.2, 10.0];
 /// What it takes there at least, as a part of what is usual: between two speeds it may be a little
 /// less.
@@ -151,8 +151,8 @@ fn passive(
             laws.iter().filter(|(_, term)| term.shaft == shaft && term.load == load).collect();
         let Some((_, any)) = own.first() else { continue };
         let (peak, usual) = (speed_of(any, (sizes, kinds)), usual_friction(any, sizes));
-        let even = (1..=EVEN_SPEEDS).map(|k| f64::from(k) / f64::from(EVEN_SPEEDS));
-        let parts: Vec<f64> = even.chain(SLOW_SPEEDS).chain(FAST_SPEEDS).collect();
+        let part = |k: i32| 10.0_f64.powf(f64::from(k) / f64::from(PER_DECADE));
+        let parts: Vec<f64> = (-DECADES * PER_DECADE..=0).map(part).chain(FAST_SPEEDS).collect();
         for speed in parts.iter().flat_map(|part| [part * peak, -part * peak]) {
             let terms: Vec<(usize, f64)> = (own.iter())
                 .map(|(k, term)| (*k, speed.signum() * term.at_speed(speed)))

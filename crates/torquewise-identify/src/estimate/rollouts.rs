@@ -240,8 +240,11 @@ fn weights(drifts: &[Drift]) -> Vec<Vec<f64>> {
     drifts.iter().map(of).collect()
 }
 
-/// Half the sum of squares of drifts in units of what is usual.
+/// Half the sum of squares of drifts in units of what is usual; infinite where one ran away.
 fn half_squares(drifts: &[Drift], weights: &[Vec<f64>]) -> f64 {
+    if drifts.iter().any(|drift| drift.ran_away > 0) {
+        return f64::INFINITY;
+    }
     let pairs = drifts.iter().zip(weights).flat_map(|(drift, weights)| {
         let windows = drift.windows as f64;
         drift.rms_drift_rad.iter().zip(weights).map(move |(rms, w)| windows * (rms * w).powi(2))

@@ -1,5 +1,6 @@
 //! Physical checks in words.
 
+use super::verdict::sentence;
 use crate::html::number::{count, significant};
 use crate::html::{Callout, Heading, Item, Section, Table, Tone};
 use torquewise_model::Checks;
@@ -20,11 +21,18 @@ pub(crate) fn section(checks: &Checks) -> Section {
         row("smallest eigenvalue of M [kg·m²]", checks.smallest_eigenvalue, "more than zero"),
         row("asymmetry of M", checks.asymmetry, zero),
         row("defect of Ṁ − 2C from skew symmetry", checks.skew_defect, zero),
+        row(
+            "power by which friction drives a shaft [W]",
+            checks.driving.as_ref().map_or(0.0, |driving| -driving.power),
+            "none",
+        ),
     ];
     let [check, expected] = ["check", "a physical arm has"].map(Heading::words);
     let columns = vec![check, Heading::numbers("found"), expected];
     let caption = format!("The worst of {} states.", count(checks.states));
     let table = Table { caption, columns, rows };
-    let callout = Callout { tone, heading: String::new(), lines: vec![verdict.into()] };
+    let driving = checks.driving.iter().map(|driving| sentence(&driving.to_string()).into());
+    let lines = std::iter::once(verdict.into()).chain(driving).collect();
+    let callout = Callout { tone, heading: String::new(), lines };
     Section { heading: "Physics".into(), items: vec![Item::Callout(callout), Item::Table(table)] }
 }

@@ -88,7 +88,7 @@ fn worst_joint(findings: &Findings<'_>) -> Option<String> {
 }
 
 /// A message as a sentence of its own. A joint's name at its beginning stays as it is.
-fn sentence(message: &str) -> String {
+pub(crate) fn sentence(message: &str) -> String {
     let end = if message.ends_with(['.', '?', '!']) { "" } else { "." };
     format!("{message}{end}")
 }
