@@ -7,8 +7,10 @@ use crate::log::Log;
 use crate::states::Answer;
 use crate::work::work;
 use numpy::PyArray1;
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyType};
+use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::Arc;
 use torquewise::evaluate::{evaluate_prepared, prepare, rollouts};
@@ -346,7 +348,17 @@ impl Model {
                 ExportOptions { name, precision, reversal, onto, binary, force, samples, work };
             export(&model, to, &options)
         })?;
+        for flaw in found.flaws {
+            let flaw = CString::new(format!("{flaw}: do not let it move an arm"))?;
+            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &flaw, 3)?;
+        }
         Ok((found.files, found.left_out))
+    }
+
+    /// `good`, `usable` or `unusable`, as its fit said; None where no fit did.
+    #[getter]
+    fn verdict(&self) -> Option<String> {
+        self.model.training.verdict.as_ref().map(|own| own.grade.to_string())
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
@@ -356,10 +368,11 @@ impl Model {
 
     fn __repr__(&self) -> String {
         format!(
-            "Model({} joints: {}; {} coefficients)",
+            "Model({} joints: {}; {} coefficients{})",
             self.n(),
             self.model.joints.join(", "),
-            self.model.n_coefficients()
+            self.model.n_coefficients(),
+            self.verdict().map(|grade| format!("; {grade}")).unwrap_or_default()
         )
     }
 }

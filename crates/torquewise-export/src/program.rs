@@ -7,7 +7,8 @@ use crate::lower::lowered;
 use crate::momentum::{Factors, coriolis_matrix, momentum};
 use crate::parts::{Parts, elements, friction, next_states, sums};
 use crate::ways::{frictionless, gravity_of};
-use torquewise_model::{Form, JointKinds, Model, to_json};
+use torquewise_model::verdict::{Grade, Verdict};
+use torquewise_model::{Form, JointKinds, Model, Training, number, to_json};
 
 /// What a function of an exported file computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,6 +112,8 @@ pub struct Program {
     /// p and Cᵀq̇ − G − F, friction at its states, 2n.
     pub(crate) momentum: Vec<Id>,
     pub(crate) fingerprint: u64,
+    /// What the model was fitted on.
+    training: Training,
 }
 
 /// The state of Dahl elements (E13): how it goes on, and what follows from it.
@@ -208,6 +211,7 @@ impl Program {
             memory,
             momentum,
             fingerprint: fingerprint(&text),
+            training: model.training.clone(),
         })
     }
 
@@ -219,7 +223,14 @@ impl Program {
     /// The program that made it, and which model it was made of:
     /// `torquewise 0.1.0, model 4f1d0c66a8f2b7e9`.
     pub fn version(&self) -> String {
-        format!("torquewise {}, model {:016x}", env!("CARGO_PKG_VERSION"), self.fingerprint)
+        let own =
+            format!("torquewise {}, model {:016x}", env!("CARGO_PKG_VERSION"), self.fingerprint);
+        match &self.training.verdict {
+            Some(Verdict { grade: Grade::Unusable, .. }) => {
+                format!("{own}, unusable by the verdict of its fit")
+            }
+            _ => own,
+        }
     }
 
     /// What a call of a function costs.
@@ -237,21 +248,40 @@ impl Program {
     }
 
     /// What a user has to know of this model, in ASCII.
-    pub(crate) fn remarks(&self) -> Vec<&'static str> {
+    pub(crate) fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
         if !self.symmetric {
-            remarks
-                .push("Each joint was fitted on its own: entry (i, j) of M is the torque of joint");
-            remarks.push("i per unit acceleration of joint j at rest, and M is not symmetric.");
+            remarks.push(
+                "Each joint was fitted on its own: entry (i, j) of M is the torque of joint"
+                    .to_owned(),
+            );
+            remarks.push(
+                "i per unit acceleration of joint j at rest, and M is not symmetric.".to_owned(),
+            );
         }
         if self.steps == 0 {
-            remarks.push("The model was not found step by step: step1 is gravity.");
+            remarks.push("The model was not found step by step: step1 is gravity.".to_owned());
         }
         let is_zero = |root: &Id| self.graph.value(*root) == Some(0.0);
         if self.roots(Quantity::Friction).iter().all(is_zero) {
-            remarks.push("The model has no friction.");
+            remarks.push("The model has no friction.".to_owned());
         }
-        remarks.push("Derived from measurements: bound what it commands before it drives an arm.");
+        let Training { filter, q_range, dq_peak, .. } = &self.training;
+        if let Some(filter) = filter {
+            let [hz, ms] = [filter.cutoff_hz, 1e3 * filter.delay].map(number);
+            let late = format!("its torque came {ms} ms after it, which is taken out here");
+            remarks.push(format!("Fitted to motion below {hz} Hz; {late}."));
+        }
+        if !q_range.is_empty() {
+            remarks.push("Fitted within these ranges, beyond them it extrapolates:".to_owned());
+        }
+        remarks.extend((1..).zip(q_range.iter().zip(dq_peak)).map(|(joint, (q, peak))| {
+            let [low, high, peak] = [q[0], q[1], *peak].map(number);
+            format!("  q{joint} from {low} to {high}, |dq{joint}| up to {peak}")
+        }));
+        remarks.push(
+            "Derived from measurements: bound what it commands before it drives an arm.".to_owned(),
+        );
         remarks
     }
 

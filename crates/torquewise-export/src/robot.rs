@@ -175,8 +175,8 @@ fn unresolved(joint: &JointGeometry) -> Option<String> {
     (!joint.resolved).then(|| {
         let (value, error) = (number(value), number(std_error));
         format!(
-            "not resolved by the log: where this axis lies, {value} ± {error} m {how} the one before; \
-             the torque of the model is right, a length may not be"
+            "not resolved by the log: where this axis lies, {value} ± {error} m {how} the one before: a \
+             length may be wrong where the torque is not"
         )
     })
 }

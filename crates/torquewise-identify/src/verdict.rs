@@ -4,9 +4,10 @@ use crate::excitation::{Finding, list};
 use crate::reconstruction::Reconstruction;
 use crate::unseen::geometric_mean;
 use crate::warning::{Warning, never_move};
-use std::fmt;
 use torquewise_model::Training;
 use torquewise_model::model::GeometryFound;
+
+pub use torquewise_model::verdict::{Grade, Verdict};
 
 /// Held-out error over the spread of the torque up to which a model is good, geometric mean of the
 /// joints.
@@ -16,85 +17,61 @@ const USELESS: f64 = 0.9;
 /// A model that misses this part of the spread in the mean of the joints is of no use.
 const HALF: f64 = 0.5;
 
-/// May a model be used?
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Grade {
-    /// As it is.
-    Good,
-    /// With the reasons in mind.
-    Usable,
-    /// Not without a better log.
-    Unusable,
-}
-
-/// A grade, and what it rests on.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Verdict {
-    /// The grade.
-    pub grade: Grade,
-    /// Why, the gravest first; one sentence part each.
-    pub because: Vec<String>,
-}
-
-impl Verdict {
-    /// From rows that were held out, by time and by region, and what the motion leaves open. Where
-    /// there are too few rows to hold any out, a model is at best usable.
-    ///
-    /// - `test`: errors on a log of another motion over the spread of its torque, n or none: the
-    ///   grade is that of the larger errors. One that is not finite, as that of a torque that never
-    ///   changes, tells nothing.
-    pub fn of(found: &Reconstruction, test: &[f64]) -> Self {
-        let all = errors(found, test);
-        let has_held_out = !all[0].1.is_empty();
-        let judged = all.iter().filter(|(_, errors)| !errors.is_empty());
-        let missed = |is: &dyn Fn(f64) -> bool, how: &str| -> Vec<String> {
-            let of = |(rows, errors): &(&str, Vec<(&String, f64)>)| {
-                let named = errors.iter().filter(|(_, error)| is(*error));
-                let named: Vec<String> = named.map(|(name, _)| (*name).clone()).collect();
-                (!named.is_empty()).then(|| format!("{rows} torque of {} is {how}", list(&named)))
-            };
-            judged.clone().filter_map(of).collect()
+/// The verdict from rows that were held out, by time and by region, and what the motion leaves open. Where
+/// there are too few rows to hold any out, a model is at best usable.
+///
+/// - `test`: errors on a log of another motion over the spread of its torque, n or none: the
+///   grade is that of the larger errors. One that is not finite, as that of a torque that never
+///   changes, tells nothing.
+pub fn judge(found: &Reconstruction, test: &[f64]) -> Verdict {
+    let all = errors(found, test);
+    let has_held_out = !all[0].1.is_empty();
+    let judged = all.iter().filter(|(_, errors)| !errors.is_empty());
+    let missed = |is: &dyn Fn(f64) -> bool, how: &str| -> Vec<String> {
+        let of = |(rows, errors): &(&str, Vec<(&String, f64)>)| {
+            let named = errors.iter().filter(|(_, error)| is(*error));
+            let named: Vec<String> = named.map(|(name, _)| (*name).clone()).collect();
+            (!named.is_empty()).then(|| format!("{rows} torque of {} is {how}", list(&named)))
         };
-        let mut because = grave(&found.warnings);
-        let is_useless = |error: f64| error.is_nan() || error >= USELESS;
-        because.extend(missed(&is_useless, "predicted hardly better than by its mean"));
-        let how = format!("missed by more than {:.0} % of its spread", 100.0 * Training::POOR);
-        let poor = missed(&|error| (Training::POOR..USELESS).contains(&error), &how);
-        let doubts = doubts(found);
-        let errors_of = |errors: &[(&String, f64)]| -> Vec<f64> {
-            errors.iter().map(|(_, error)| *error).collect()
-        };
-        let means = judged.clone().map(|(_, errors)| geometric_mean(&errors_of(errors)));
-        let mean = means.fold(0.0, f64::max);
-        if mean >= HALF && because.is_empty() {
-            let missed = 100.0 * mean;
-            because
-                .push(format!("{missed:.0} % of the torque is missed in the mean of the joints"));
-        }
-        let has_no_doubt = has_held_out && poor.is_empty() && doubts.is_empty();
-        let grade = match because.is_empty() {
-            false => Grade::Unusable,
-            true if has_no_doubt && mean <= GOOD => Grade::Good,
-            true => Grade::Usable,
-        };
-        because.extend(doubts);
-        because.extend(one_way(&found.warnings));
-        because.extend(poor);
-        if !has_held_out {
-            because.push("too few rows to hold any out".to_owned());
-        }
-        because.extend(judged.map(|(rows, errors)| {
-            let [least, most] =
-                [f64::min, f64::max].map(|of| errors_of(errors).into_iter().reduce(of));
-            let [least, most] = [least, most].map(|error| 100.0 * error.unwrap_or_default());
-            format!("{rows} error {least:.2} to {most:.2} % of the spread of the torque")
-        }));
-        if grade == Grade::Usable && has_no_doubt {
-            let [mean, good] = [mean, GOOD].map(|error| 100.0 * error);
-            because.push(format!("{mean:.1} % in the mean of the joints, over {good:.0} %"));
-        }
-        Self { grade, because }
+        judged.clone().filter_map(of).collect()
+    };
+    let mut because = grave(&found.warnings);
+    let is_useless = |error: f64| error.is_nan() || error >= USELESS;
+    because.extend(missed(&is_useless, "predicted hardly better than by its mean"));
+    let how = format!("missed by more than {:.0} % of its spread", 100.0 * Training::POOR);
+    let poor = missed(&|error| (Training::POOR..USELESS).contains(&error), &how);
+    let doubts = doubts(found);
+    let errors_of = |errors: &[(&String, f64)]| -> Vec<f64> {
+        errors.iter().map(|(_, error)| *error).collect()
+    };
+    let means = judged.clone().map(|(_, errors)| geometric_mean(&errors_of(errors)));
+    let mean = means.fold(0.0, f64::max);
+    if mean >= HALF && because.is_empty() {
+        let missed = 100.0 * mean;
+        because.push(format!("{missed:.0} % of the torque is missed in the mean of the joints"));
     }
+    let has_no_doubt = has_held_out && poor.is_empty() && doubts.is_empty();
+    let grade = match because.is_empty() {
+        false => Grade::Unusable,
+        true if has_no_doubt && mean <= GOOD => Grade::Good,
+        true => Grade::Usable,
+    };
+    because.extend(doubts);
+    because.extend(one_way(&found.warnings));
+    because.extend(poor);
+    if !has_held_out {
+        because.push("too few rows to hold any out".to_owned());
+    }
+    because.extend(judged.map(|(rows, errors)| {
+        let [least, most] = [f64::min, f64::max].map(|of| errors_of(errors).into_iter().reduce(of));
+        let [least, most] = [least, most].map(|error| 100.0 * error.unwrap_or_default());
+        format!("{rows} error {least:.2} to {most:.2} % of the spread of the torque")
+    }));
+    if grade == Grade::Usable && has_no_doubt {
+        let [mean, good] = [mean, GOOD].map(|error| 100.0 * error);
+        because.push(format!("{mean:.1} % in the mean of the joints, over {good:.0} %"));
+    }
+    Verdict { grade, because }
 }
 
 /// Errors of the joints whose torque changes, on the rows that judge: those held out, all where a refit
@@ -190,21 +167,4 @@ fn one_way(warnings: &[Warning]) -> Option<String> {
     };
     let joints: Vec<String> = warnings.iter().filter_map(of).collect();
     (!joints.is_empty()).then(|| format!("{}: seen in one direction only", list(&joints)))
-}
-
-impl fmt::Display for Grade {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Good => "good",
-            Self::Usable => "usable",
-            Self::Unusable => "unusable",
-        })
-    }
-}
-
-impl fmt::Display for Verdict {
-    /// One line, without a line break.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.grade, self.because.join("; "))
-    }
 }

@@ -28,6 +28,7 @@ pub mod file;
 pub mod selection;
 pub mod print;
 pub mod learned;
+pub mod verdict;
 
 pub use checks::{Checks, check};
 pub use energy::{EnergyTerm, Place};

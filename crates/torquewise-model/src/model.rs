@@ -5,6 +5,7 @@ use crate::error::ModelError;
 use crate::friction::FrictionTerm;
 use crate::rigid_chain::{JointKinds, RigidChain};
 use crate::term::{Sum, Term};
+use crate::verdict::Verdict;
 pub use crate::weighted::Weighted;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -117,6 +118,9 @@ pub struct Training {
     /// How often the geometry of a chain was found, where it was searched.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub geometry_found: Option<GeometryFound>,
+    /// Whether the model may be used, and why, by the log that it was fitted to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<Verdict>,
 }
 
 /// How a search of the geometry found it: an arm that a single start led to may be another.

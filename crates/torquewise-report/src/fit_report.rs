@@ -4,7 +4,7 @@ use crate::error::{ReportError, Result};
 use crate::fit_report::call_cost::CallCost;
 use crate::fit_report::origin::Origin;
 use crate::html::{Page, Section};
-use torquewise_identify::verdict::Verdict;
+use torquewise_identify::verdict::{Verdict, judge};
 use torquewise_identify::{Diagnosis, Reconstruction};
 use torquewise_model::Checks;
 
@@ -89,7 +89,7 @@ impl<'a> Findings<'a> {
     pub(crate) fn verdict(&self) -> Verdict {
         let test = self.test.iter().flat_map(|test| &test.scores.joints);
         let errors: Vec<f64> = test.map(|score| 0.01 * score.nrmse_percent).collect();
-        Verdict::of(self.found, &errors)
+        judge(self.found, &errors)
     }
 
     /// Whether patterns of motion had regressions of their own.

@@ -13,6 +13,7 @@ use torquewise_export::{
     to_python, to_rust, to_urdf,
 };
 use torquewise_identify::samples;
+use torquewise_model::verdict::Grade;
 use torquewise_model::{Model, to_json};
 
 /// What is written.
@@ -106,8 +107,8 @@ pub struct Exported {
     pub version: String,
     /// What a robot file has no room for.
     pub left_out: Vec<String>,
-    /// What is wrong with the mass matrix, where that was forced.
-    pub flaw: Option<String>,
+    /// Why it should not move an arm: a mass matrix that was forced, a model without use.
+    pub flaws: Vec<String>,
 }
 
 /// Writes a model for another program.
@@ -179,7 +180,15 @@ fn export_one(model: &Model, to: Target, options: &ExportOptions<'_>) -> Result<
         }
     }
     let program = to.is_code().then_some(program);
-    Ok(Exported { files, program, version, left_out, flaw })
+    let verdict = model.training.verdict.iter().filter(|own| own.grade == Grade::Unusable);
+    let of_fit = verdict.map(|own| format!("the verdict of its fit is {own}"));
+    Ok(Exported {
+        files,
+        program,
+        version,
+        left_out,
+        flaws: flaw.into_iter().chain(of_fit).collect(),
+    })
 }
 
 impl<'a> ExportOptions<'a> {

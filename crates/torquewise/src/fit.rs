@@ -14,7 +14,7 @@ use std::sync::{Mutex, PoisonError};
 use torquewise_identify::bandwidth::{Tuned, tune};
 use torquewise_identify::disagreement::disagreements;
 use torquewise_identify::reconstruct::reconstruct_from;
-use torquewise_identify::verdict::{Grade, Verdict};
+use torquewise_identify::verdict::{Grade, Verdict, judge};
 use torquewise_identify::{IdentifyError, Method, Plan, Reconstruction, Warning, reconstruct};
 use torquewise_motion::Recording;
 use torquewise_stepwise::Progress;
@@ -66,6 +66,11 @@ impl<'a> Fit<'a> {
     /// if the observer broke, and those of reading and fitting, each with what to do.
     pub fn run(self) -> Result<FitResult> {
         self.options.check()?;
+        self.run_as_open().map(FitResult::judged)
+    }
+
+    /// What is fitted where the library is open, without a verdict.
+    fn run_as_open(&self) -> Result<FitResult> {
         let mut fit = self.run_as(&self.options)?;
         if fit.model.chain.is_some() {
             return Ok(fit);
@@ -76,7 +81,7 @@ impl<'a> Fit<'a> {
             Err(Error::Interrupted) => return Err(Error::Interrupted),
             seen => seen.map(|(seen, ..)| seen).unwrap_or_default(),
         };
-        let is_useful = |fit: &FitResult| Verdict::of(&fit.found, &[]).grade != Grade::Unusable;
+        let is_useful = |fit: &FitResult| fit.verdict().grade != Grade::Unusable;
         let suffices = is_useful(&fit);
         if seen.kinds.all_turn() && seen.may_slide.is_empty() && suffices {
             return Ok(fit);
@@ -151,15 +156,21 @@ impl Deref for FitResult {
 }
 
 impl FitResult {
+    /// The same with its verdict in the model.
+    pub(crate) fn judged(mut self) -> Self {
+        self.found.model.training.verdict = Some(self.verdict());
+        self
+    }
+
     /// Whether the model may be used, and why.
     pub fn verdict(&self) -> Verdict {
-        Verdict::of(&self.found, &[])
+        judge(&self.found, &[])
     }
 
     /// The same, where a log of another motion was predicted too.
     pub fn verdict_with(&self, test: &Evaluation) -> Verdict {
         let errors = test.joints.iter().map(|joint| 0.01 * joint.nrmse_percent);
-        Verdict::of(&self.found, &errors.collect::<Vec<_>>())
+        judge(&self.found, &errors.collect::<Vec<_>>())
     }
 
     /// What is good to know and changes nothing: remarks of the fit, and what was repaired.

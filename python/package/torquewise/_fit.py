@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import json
+import warnings
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
@@ -235,7 +236,10 @@ def fit(log: Any = None, *, progress: Progress = None, **options: Unpack[FitOpti
     of_log, of_fit = split(options)
     log = read_log(log, **of_log)
     with shown(progress) as told:
-        return Fit(_core.fit(log, of_fit, told))
+        found = Fit(_core.fit(log, of_fit, told))
+    if found.verdict == "unusable":
+        warnings.warn(f"the model is unusable: {'; '.join(found.because)}", stacklevel=2)
+    return found
 
 
 @dataclass

@@ -111,8 +111,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         None => (robot(arguments, &model, &exported), "model"),
         Some(program) => (outcome(arguments, &model, program, vectors.as_deref()), "code"),
     };
-    let flaw = exported.flaw.into_iter();
-    let warnings = flaw.map(|flaw| format!("{flaw}: do not let this {what} move an arm there"));
+    let flaws = exported.flaws.into_iter();
+    let warnings = flaws.map(|flaw| format!("{flaw}: do not let this {what} move an arm"));
     Ok(Outcome { warnings: warnings.collect(), ..outcome })
 }
 
