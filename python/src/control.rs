@@ -6,8 +6,10 @@ use crate::model::Model;
 use crate::simulation::{ArmSource, arm_of};
 use crate::work::work;
 use numpy::PyArray1;
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::ffi::CString;
 use std::sync::Arc;
 use torquewise::control::{
     Actuator, Law, Learned, Periodic, Plant, Run, Sensors, Tracking, compare, each, is_of_joints,
@@ -81,10 +83,14 @@ pub(crate) fn control<'py>(
     let known = Arc::clone(&model.get().model);
     let job = move || -> Result<_, torquewise::Error> {
         let known = Learned::new(&known)?;
-        Ok(compare(&plant, &known, (&laws, perfect), bandwidth, &wanted)?.1)
+        Ok(compare(&plant, &known, (&laws, perfect), bandwidth, &wanted)?)
     };
     let found = work(py, None, move |_| Ok(job()))?.map_err(value_error)?;
-    found.iter().map(|own| Ok((own.name.clone(), tracking_dict(py, own, settle)?))).collect()
+    for (name, t) in found.ran_away {
+        let told = CString::new(format!("{name}: the arm runs away at {t:.3} s"))?;
+        PyErr::warn(py, &py.get_type::<PyUserWarning>(), &told, 3)?;
+    }
+    found.runs.iter().map(|own| Ok((own.name.clone(), tracking_dict(py, own, settle)?))).collect()
 }
 
 fn desired(

@@ -10,9 +10,6 @@ use serde::Serialize;
 use torquewise_rigid::base_parameters::base_parameters;
 use torquewise_rigid::recursion::PER_BODY;
 
-/// Rows of cells under headings.
-pub type Table = Vec<Vec<String>>;
-
 /// A parameter with a larger part of it uncertain is not determined.
 const LEAST_T: f64 = 2.0;
 
@@ -120,7 +117,7 @@ pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
 ///
 /// # Errors
 /// As [`axes`].
-pub fn geometry(model: &Model, selection: &Selection) -> Result<Table, ModelError> {
+pub fn geometry(model: &Model, selection: &Selection) -> Result<Vec<Vec<String>>, ModelError> {
     let headings = [
         "joint",
         "axis at q = 0 (x y z)",
@@ -222,20 +219,41 @@ fn geometry_error(chain: &RigidChain, of: &dyn Fn(&[JointAxis]) -> f64) -> Resul
     Ok(chain.variance_of(&weights).sqrt())
 }
 
+/// A number that torque determines of an arm.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ArmParameter {
+    /// Joint whose link, rotor or spring it is of; several where they turn one shaft.
+    pub joint: String,
+    /// What it is, with its unit.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Standard error; zero where it is not known.
+    pub std_error: f64,
+    /// Whether it can be told from zero.
+    pub resolved: bool,
+}
+
 /// What torque determines of the links (Gautier and Khalil): first moments across the axis
 /// \[kg·m\] and moments about the origin of the joint \[kg·m²\], the rest counted into the link
-/// before, and of a slide its mass; a dash where they cannot be told from zero.
+/// before, and of a slide its mass; of each joint as many.
 ///
 /// # Errors
 /// As [`axes`].
-pub fn links(
+pub fn link_parameters(
     chain: &RigidChain,
     joints: &[String],
-    selection: &Selection,
-) -> Result<Table, ModelError> {
-    const OF_TURNS: [(usize, &str); 7] =
-        [(1, "m·x"), (2, "m·y"), (4, "Ixx-Iyy"), (6, "Izz"), (7, "Ixy"), (8, "Ixz"), (9, "Iyz")];
-    const OF_SLIDES: [(usize, &str); 2] = [(0, "m"), (3, "m·z")];
+) -> Result<Vec<Vec<ArmParameter>>, ModelError> {
+    const OF_TURNS: [(usize, &str); 7] = [
+        (1, "m·x [kg·m]"),
+        (2, "m·y [kg·m]"),
+        (4, "Ixx-Iyy [kg·m²]"),
+        (6, "Izz [kg·m²]"),
+        (7, "Ixy [kg·m²]"),
+        (8, "Ixz [kg·m²]"),
+        (9, "Iyz [kg·m²]"),
+    ];
+    const OF_SLIDES: [(usize, &str); 2] = [(0, "m [kg]"), (3, "m·z [kg·m]")];
     let slides = if chain.kinds.all_turn() { &[][..] } else { &OF_SLIDES[..] };
     let cells: Vec<(usize, &str)> = slides.iter().chain(&OF_TURNS).copied().collect();
     let axes = chain.axes()?;
@@ -248,47 +266,84 @@ pub fn links(
             base_parameters(&axes, &unit)
         })
         .collect();
-    let names = cells.iter().map(|(_, name)| (*name).to_owned());
-    let mut table: Table = vec![std::iter::once("link".to_owned()).chain(names).collect()];
-    for (joint, name) in joints.iter().enumerate().filter(|(joint, _)| selection.has_joint(*joint))
-    {
-        let cell = |&(k, _): &(usize, &str)| {
+    let of = |(joint, name): (usize, &String)| {
+        let cell = |&(k, what): &(usize, &str)| {
             let at = PER_BODY * joint + k;
             let mut weights: Vec<f64> = columns.iter().map(|column| column[at]).collect();
             weights.resize(chain.covariance.len(), 0.0);
-            shown(base[at], chain.variance_of(&weights).sqrt(), selection)
+            ArmParameter::new(name, what, (base[at], chain.variance_of(&weights).sqrt()))
         };
-        table.push(std::iter::once(name.clone()).chain(cells.iter().map(cell)).collect());
+        cells.iter().map(cell).collect()
+    };
+    Ok(joints.iter().enumerate().map(of).collect())
+}
+
+impl ArmParameter {
+    fn new(joint: &str, name: &str, (value, std_error): (f64, f64)) -> Self {
+        let resolved = std_error > 0.0 && value.abs() >= LEAST_T * std_error;
+        Self { joint: joint.to_owned(), name: name.to_owned(), value, std_error, resolved }
     }
+
+    /// Its value with its error; a dash where it cannot be told from zero.
+    fn shown(&self, selection: &Selection) -> String {
+        if self.resolved || selection.all {
+            with_error(self.value, self.std_error)
+        } else {
+            DASH.to_owned()
+        }
+    }
+}
+
+/// [`link_parameters`] as a table, a line for each link.
+///
+/// # Errors
+/// As [`axes`].
+pub fn links(
+    chain: &RigidChain,
+    joints: &[String],
+    selection: &Selection,
+) -> Result<Vec<Vec<String>>, ModelError> {
+    let found = link_parameters(chain, joints)?;
+    let names = found.first().into_iter().flatten().map(|own| own.name.clone());
+    let mut table = vec![std::iter::once("link".to_owned()).chain(names).collect()];
+    let chosen = joints.iter().zip(&found).enumerate();
+    let chosen = chosen.filter(|(joint, _)| selection.has_joint(*joint));
+    table.extend(chosen.map(|(_, (name, own))| {
+        let cells = own.iter().map(|own| own.shown(selection));
+        std::iter::once(name.clone()).chain(cells).collect()
+    }));
     Ok(table)
 }
 
-/// A value with its error; a dash where it does not differ from zero significantly.
-fn shown(value: f64, error: f64, selection: &Selection) -> String {
-    let is_resolved = error > 0.0 && value.abs() >= LEAST_T * error;
-    if is_resolved || selection.all { with_error(value, error) } else { DASH.to_owned() }
-}
-
-/// Rotors and springs; headings alone where there are none.
-pub fn drives(chain: &RigidChain, joints: &[String], selection: &Selection) -> Table {
-    let mut table = vec![vec!["on".to_owned(), "what".to_owned(), "value".to_owned()]];
-    for (k, drive) in chain.drives.iter().enumerate() {
+/// Rotors and springs.
+pub fn drive_parameters(chain: &RigidChain, joints: &[String]) -> Vec<ArmParameter> {
+    let of = |(k, drive): (usize, &Drive)| {
         let error = std_error(chain, PER_BODY * chain.links.len() + k);
-        let (on, what, value) = match drive {
+        match drive {
             Drive::Rotor { shaft, inertia } => {
                 let turned = joints.iter().zip(shaft).filter(|(_, share)| **share != 0.0);
                 let on: Vec<&str> = turned.map(|(name, _)| name.as_str()).collect();
                 let slides =
                     shaft.iter().enumerate().any(|(k, s)| *s != 0.0 && chain.kinds.slides(k));
                 let what = if slides { "rotor as a mass [kg]" } else { "rotor inertia [kg·m²]" };
-                (on.join(", "), what.to_owned(), *inertia)
+                ArmParameter::new(&on.join(", "), what, (*inertia, error))
             }
             Drive::Energy { term, coefficient } => {
-                (term.place.name(), term.function.name(), *coefficient)
+                let (on, what) = (term.place.name(), term.function.name());
+                ArmParameter::new(&on, &what, (*coefficient, error))
             }
-        };
-        table.push(vec![on, what, shown(value, error, selection)]);
-    }
+        }
+    };
+    chain.drives.iter().enumerate().map(of).collect()
+}
+
+/// [`drive_parameters`] as a table; headings alone where there are none.
+pub fn drives(chain: &RigidChain, joints: &[String], selection: &Selection) -> Vec<Vec<String>> {
+    let mut table = vec![vec!["on".to_owned(), "what".to_owned(), "value".to_owned()]];
+    let all = drive_parameters(chain, joints);
+    table.extend(
+        all.iter().map(|own| vec![own.joint.clone(), own.name.clone(), own.shown(selection)]),
+    );
     table
 }
 

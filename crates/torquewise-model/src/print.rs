@@ -117,7 +117,7 @@ pub fn text(model: &Model, selection: &Selection) -> String {
         lines.push(String::new());
         let (terms, are) = if left_out == 1 { ("term", "is") } else { ("terms", "are") };
         let why = if selection.top.is_some() { "" } else { ", below 2 standard errors" };
-        lines.push(format!("{left_out} {terms} {are} not shown{why}; ask for all to see them"));
+        lines.push(format!("{left_out} {terms} {are} not shown{why}; ask for `all` to see them"));
     }
     lines.join("\n") + "\n"
 }

@@ -348,17 +348,16 @@ pub fn drifts(
         let ends = windows.par_iter().map(ends).collect::<Result<Vec<_>, ModelError>>()?;
         for (window, (ends, others)) in windows.iter().zip(ends) {
             for (k, (horizon, inside)) in horizons.iter().zip(&mut inside).enumerate() {
-                for (joint, (truth, inside)) in
-                    window.measured(*horizon).iter().zip(inside).enumerate()
-                {
+                let truth = window.measured(*horizon);
+                for (joint, inside) in inside.iter_mut().enumerate() {
                     let among = others.iter().map(|ends| ends[k][joint]).collect();
-                    *inside += usize::from(is_in_band(among, *truth));
+                    *inside += usize::from(is_in_band(among, truth[joint]));
                 }
             }
             for ((horizon, end), (away, sums)) in horizons.iter().zip(ends).zip(&mut squares) {
                 let (truth, held) = (window.measured(*horizon), window.held(*horizon));
                 // What ran away is no number.
-                if end.iter().any(|end| !(end.abs() < f64::INFINITY)) {
+                if !end.iter().all(|end| end.is_finite()) {
                     *away += 1;
                     continue;
                 }

@@ -28,7 +28,7 @@ pub mod gains;
 pub mod controller;
 pub mod record;
 
-pub use controller::{Law, Run, Tracking, compare, track};
+pub use controller::{Law, Run, Runs, Tracking, compare, track};
 pub use gains::{Gains, mean_inertia};
 pub use knowledge::{Knowledge, Learned, is_of_joints};
 pub use plant::{Actuator, Plant, Sensors, each};

@@ -141,12 +141,21 @@ fn outcome(arguments: &Arguments, model: &Model, found: &Found, rows: usize) -> 
     }
     let blind = blind(model, thresholds);
     let warning = (!blind.is_empty()).then(|| {
+        let more = if arguments.free.is_empty() {
+            "record free motion like that of the log and give it by --free"
+        } else {
+            "give more free motion like that of the log"
+        };
         format!(
             "contacts at {} go unseen: the threshold is over twice the spread of the torque that was \
-             trained on; record free motion like that of the log and give it by \
-             --free, or train a better model",
+             trained on; {more}, or train a better model",
             blind.join(", ")
         )
+    });
+    let needed = 3600.0 / thresholds.false_alarms_per_hour;
+    let note = (thresholds.seconds < needed).then(|| {
+        let seen = thresholds.seconds;
+        format!("thresholds are extrapolated from {seen:.0} s: {needed:.0} s would show an alarm")
     });
     let file = arguments.output.display().to_string();
     text.extend([format!("\nexternal torque: {file} ({rows} rows)\n")]);
@@ -161,7 +170,8 @@ fn outcome(arguments: &Arguments, model: &Model, found: &Found, rows: usize) -> 
         "rows": rows,
         "file": file,
     });
-    Outcome { text, json, warnings: warning.into_iter().collect(), ..Outcome::default() }
+    let (warnings, notes) = (warning.into_iter().collect(), note.into_iter().collect());
+    Outcome { text, json, warnings, notes, ..Outcome::default() }
 }
 
 /// Joints of which only a contact tells that is larger than usual torque.

@@ -13,7 +13,7 @@ use crate::files::{
 use crate::outcome::Outcome;
 use clap::Args;
 use std::path::{Path, PathBuf};
-use torquewise::control::{Gains, Law, Learned, Plant, Run, compare, is_of_joints};
+use torquewise::control::{Gains, Law, Learned, Plant, Run, Runs, compare, is_of_joints};
 use torquewise::logs::{Column, TableWriter, Values};
 use torquewise::model::Model;
 use torquewise::motion::Motion;
@@ -30,10 +30,11 @@ use torquewise::twin;
 pub(crate) struct Arguments {
     /// Model file
     model: PathBuf,
-    /// The true arm: built-in (see `torquewise simulate --list`), .urdf file, or .toml file with a DH table
+    /// The true arm: built-in (see `torquewise simulate --list`), .urdf file, .toml file with a DH table,
+    /// or a model file, which has its own friction
     #[arg(long, value_name = "ARM")]
     arm: String,
-    /// Controllers to compare
+    /// Controllers to compare, with commas
     #[arg(help_heading = "Controllers", long, value_parser = choice(&LAWS), value_name = "LAW")]
     #[arg(value_delimiter = ',', default_values = ["pid", "controller1", "controller2"])]
     controllers: Vec<Law>,
@@ -75,6 +76,9 @@ struct Compared {
     /// When errors begin to count \[s\].
     settle: f64,
     runs: Vec<Run>,
+    ran_away: Vec<(String, f64)>,
+    /// Whether the arm is the model itself.
+    is_own: bool,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
@@ -92,12 +96,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         return Err(CliError::ModelOfAnotherArm { model, arm });
     }
     let file = arguments.plant.friction.as_deref();
-    let friction = match read_twin(&arguments.arm, file)? {
-        Some(model) => twin::friction(&model)?,
+    let twin = read_twin(&arguments.arm, file)?;
+    let is_own = twin.as_ref() == Some(&model);
+    let friction = match &twin {
+        Some(twin) => twin::friction(twin)?,
         None => read_friction(file, &arm)?,
     };
     let plant = arguments.plant.plant(arm, friction)?;
-    let compared = compare_all(arguments, &model, &plant)?;
+    let compared = compare_all(arguments, (&model, is_own), &plant)?;
 
     if let Some(file) = output {
         write_table(file, &compared)?;
@@ -111,7 +117,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     Ok(summary::outcome(arguments, &compared))
 }
 
-fn compare_all(arguments: &Arguments, model: &Model, plant: &Plant) -> Result<Compared> {
+fn compare_all(
+    arguments: &Arguments,
+    (model, is_own): (&Model, bool),
+    plant: &Plant,
+) -> Result<Compared> {
     let wanted = arguments.motion.wanted(&plant.arm)?;
     let seconds = wanted.t().last().copied().unwrap_or_default();
     let settle = arguments.settle.unwrap_or(seconds / 2.0);
@@ -120,8 +130,10 @@ fn compare_all(arguments: &Arguments, model: &Model, plant: &Plant) -> Result<Co
         return Err(CliError::Usage(message));
     }
     let laws = (&arguments.controllers[..], arguments.perfect);
-    let (gains, runs) = compare(plant, &Learned::new(model)?, laws, arguments.bandwidth, &wanted)?;
-    Ok(Compared { wanted, gains, settle, runs })
+    let known = Learned::new(model)?;
+    let compared = compare(plant, &known, laws, arguments.bandwidth, &wanted)?;
+    let Runs { gains, runs, ran_away } = compared;
+    Ok(Compared { wanted, gains, settle, runs, ran_away, is_own })
 }
 
 /// t, then `q1_ref`, …, then `pid_q1`, …, `pid_error1`, …, `pid_tau1`, … of each controller.

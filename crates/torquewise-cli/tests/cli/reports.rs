@@ -106,7 +106,7 @@ fn every_term_shows_how_often_resampled_logs_keep_it() {
     let shares = each(&shown["energies"], "inclusion");
     assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)), "{shares:?}");
     let shown = text.lines().filter(|line| line.ends_with(" %)")).count();
-    let left_out = text.lines().find(|line| line.ends_with("ask for all to see them"));
+    let left_out = text.lines().find(|line| line.ends_with("ask for `all` to see them"));
     assert!(shown >= 5 && left_out.is_some(), "{text}");
 }
 

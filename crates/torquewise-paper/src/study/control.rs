@@ -182,7 +182,11 @@ fn steps(plant: &Plant, model: &Model, wanted: &Motion, study: &mut Study) -> Re
 fn track(plant: &Plant, model: &Model, wanted: &Motion, settle: f64, study: &mut Study) -> Result {
     let known = Learned::new(model)?;
     let learned = [Law::Pid, Law::Controller1, Law::Controller2, Law::ComputedTorque];
-    let (_, found) = compare(plant, &known, (&learned, true), BANDWIDTH, wanted)?;
+    let Runs { runs: found, ran_away, .. } =
+        compare(plant, &known, (&learned, true), BANDWIDTH, wanted)?;
+    if let Some(&(_, t)) = ran_away.first() {
+        return Err(SimError::Diverged { t }.into());
+    }
     let pid = found[0].tracking.rms_error(settle);
     let mut worst = Vec::new();
     for (name, found) in NAMES.iter().zip(&found) {

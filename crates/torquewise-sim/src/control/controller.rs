@@ -212,6 +212,17 @@ pub struct Run {
     pub tracking: Tracking,
 }
 
+/// What came of each law.
+#[derive(Clone, Debug)]
+pub struct Runs {
+    /// Of all.
+    pub gains: Gains,
+    /// Those that held the arm.
+    pub runs: Vec<Run>,
+    /// Names of the others, and when the arm ran away \[s\].
+    pub ran_away: Vec<(String, f64)>,
+}
+
 /// Lets each law, once, drive the plant along the same desired motion with the same gains, each on a
 /// thread of its own.
 ///
@@ -219,14 +230,15 @@ pub struct Run {
 /// - `bandwidth`: of the gains \[rad/s\], which are made for `known`
 ///
 /// # Errors
-/// Those of [`mean_inertia`], and of [`track`] of the first law that has one.
+/// Those of [`mean_inertia`], and of [`track`] of the first law that has one; an arm that runs away is
+/// only one where it does under each law.
 pub fn compare(
     plant: &Plant,
     known: &dyn Knowledge,
     (laws, perfect): (&[Law], bool),
     bandwidth: f64,
     wanted: &Motion,
-) -> Result<(Gains, Vec<Run>)> {
+) -> Result<Runs> {
     let gains = Gains::critically_damped(bandwidth, &mean_inertia(known, wanted)?);
     plant.check()?;
     let mut ways: Vec<(Law, &str, &dyn Knowledge)> = Vec::new();
@@ -240,16 +252,27 @@ pub fn compare(
     }
     let run = |(law, suffix, known): (Law, &str, &dyn Knowledge)| {
         let name = format!("{}{suffix}", law.name());
-        Ok(Run { name, law, tracking: track(plant, law, known, &gains, wanted)? })
+        let tracking = track(plant, law, known, &gains, wanted);
+        (name.clone(), tracking.map(|tracking| Run { name, law, tracking }))
     };
-    let runs = std::thread::scope(|scope| {
+    let done: Vec<(String, Result<Run>)> = std::thread::scope(|scope| {
         let running: Vec<_> = ways.into_iter().map(|way| scope.spawn(move || run(way))).collect();
         let done = running
             .into_iter()
             .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-        done.collect::<Result<Vec<Run>>>()
-    })?;
-    Ok((gains, runs))
+        done.collect()
+    });
+    let (mut runs, mut ran_away) = (Vec::new(), Vec::new());
+    for (name, done) in done {
+        match done {
+            Err(SimError::Diverged { t }) => ran_away.push((name, t)),
+            done => runs.push(done?),
+        }
+    }
+    match ran_away.first() {
+        Some(&(_, t)) if runs.is_empty() => Err(SimError::Diverged { t }),
+        _ => Ok(Runs { gains, runs, ran_away }),
+    }
 }
 
 impl Tracking {

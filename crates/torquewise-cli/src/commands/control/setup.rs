@@ -61,7 +61,8 @@ impl MotionArguments {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Plant")]
 pub(crate) struct PlantArguments {
-    /// Friction of the joints, .toml: [JOINT] with coulomb, stiction, speed, viscous, [backward]
+    /// Friction of the joints, .toml: [JOINT] with coulomb, stiction, speed, viscous, [backward];
+    /// none without, that of a .urdf does not count
     #[arg(long, value_name = "FILE")]
     pub(crate) friction: Option<PathBuf>,
     /// Joints of a .urdf to hold at 0, their mass kept

@@ -24,7 +24,9 @@ pub(super) fn outcome(arguments: &Arguments, compared: &Compared) -> Outcome {
         }
     }
     let (json, warnings) = (json(arguments, compared), warnings(compared));
-    Outcome { text, json, warnings, ..Outcome::default() }
+    let own = "the arm is the model itself: what is seen is the control, not an error of the model";
+    let notes = compared.is_own.then(|| own.to_owned()).into_iter().collect();
+    Outcome { text, json, warnings, notes, ..Outcome::default() }
 }
 
 fn table(compared: &Compared) -> Table {
@@ -42,6 +44,9 @@ fn table(compared: &Compared) -> Table {
             cells.extend(run.tracking.rms_hand(compared.settle).into_iter().map(number));
         }
         table.row(&run.name, cells);
+    }
+    for (name, t) in &compared.ran_away {
+        table.row(name, [format!("runs away at {t:.3} s")]);
     }
     table
 }
@@ -63,6 +68,9 @@ fn json(arguments: &Arguments, compared: &Compared) -> Value {
         "report": arguments.report,
     });
     let settle = compared.settle;
+    for (name, t) in &compared.ran_away {
+        object[name] = json!({ "ran_away_s": t });
+    }
     for Run { name, tracking, law } in &compared.runs {
         object[name] = json!({
             "rms_error_rad": tracking.rms_error(settle),
@@ -80,7 +88,10 @@ fn json(arguments: &Arguments, compared: &Compared) -> Value {
 const SATURATED: f64 = 0.01;
 
 fn warnings(compared: &Compared) -> Vec<String> {
-    let mut warnings = Vec::new();
+    let away = compared.ran_away.iter().map(|(name, t)| {
+        format!("{name}: the arm runs away at {t:.3} s: lower the bandwidth, or raise the rate")
+    });
+    let mut warnings: Vec<String> = away.collect();
     for run in &compared.runs {
         for (joint, &share) in compared.wanted.joints().iter().zip(&run.tracking.saturated) {
             if share > SATURATED {
