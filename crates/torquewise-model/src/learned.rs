@@ -240,7 +240,7 @@ pub struct ArmParameter {
 ///
 /// # Errors
 /// As [`axes`].
-pub fn link_parameters(
+fn link_parameters(
     chain: &RigidChain,
     joints: &[String],
 ) -> Result<Vec<Vec<ArmParameter>>, ModelError> {
@@ -315,8 +315,18 @@ pub fn links(
     Ok(table)
 }
 
+/// What torque determines of the links, rotors and springs of a model; nothing of one without a chain.
+///
+/// # Errors
+/// As [`axes`].
+pub fn parameters(model: &Model) -> Result<Vec<ArmParameter>, ModelError> {
+    let Some(chain) = &model.chain else { return Ok(Vec::new()) };
+    let links = link_parameters(chain, &model.joints)?.into_iter().flatten();
+    Ok(links.chain(drive_parameters(chain, &model.joints)).collect())
+}
+
 /// Rotors and springs.
-pub fn drive_parameters(chain: &RigidChain, joints: &[String]) -> Vec<ArmParameter> {
+fn drive_parameters(chain: &RigidChain, joints: &[String]) -> Vec<ArmParameter> {
     let of = |(k, drive): (usize, &Drive)| {
         let error = std_error(chain, PER_BODY * chain.links.len() + k);
         match drive {

@@ -55,13 +55,9 @@ pub fn description(model: &Model, selection: &Selection) -> Result<Value, ModelE
     // Laws of a shaft, before its joints share it.
     let laws = model.friction.iter().filter(|law| turns(&law.term.shaft));
     let laws = laws.map(|law| term_json(law, &law.term.name(), ("shaft", json!(law.term.shaft))));
-    let parameters = model.chain.as_ref().map(|chain| {
-        let links = learned::link_parameters(chain, &model.joints)?.into_iter().flatten();
-        Ok(links.chain(learned::drive_parameters(chain, &model.joints)).collect::<Vec<_>>())
-    });
     Ok(json!({
         "geometry": learned::joint_geometry(model)?,
-        "parameters": parameters.transpose()?.unwrap_or_default(),
+        "parameters": learned::parameters(model)?,
         "joints": joints.collect::<Vec<_>>(),
         "energies": energies,
         "friction_parameters": shafts.collect::<Vec<_>>(),

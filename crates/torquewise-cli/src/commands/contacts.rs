@@ -140,18 +140,6 @@ fn outcome(arguments: &Arguments, model: &Model, found: &Found, rows: usize) -> 
         }
     }
     let blind = blind(model, thresholds);
-    let warning = (!blind.is_empty()).then(|| {
-        let more = if arguments.free.is_empty() {
-            "record free motion like that of the log and give it by --free"
-        } else {
-            "give more free motion like that of the log"
-        };
-        format!(
-            "contacts at {} go unseen: the threshold is over twice the spread of the torque that was \
-             trained on; {more}, or train a better model",
-            blind.join(", ")
-        )
-    });
     let needed = 3600.0 / thresholds.false_alarms_per_hour;
     let note = (thresholds.seconds < needed).then(|| {
         let seen = thresholds.seconds;
@@ -170,8 +158,23 @@ fn outcome(arguments: &Arguments, model: &Model, found: &Found, rows: usize) -> 
         "rows": rows,
         "file": file,
     });
-    let (warnings, notes) = (warning.into_iter().collect(), note.into_iter().collect());
+    let (warnings, notes) = (unseen(arguments, &blind), note.into_iter().collect());
     Outcome { text, json, warnings, notes, ..Outcome::default() }
+}
+
+/// What is said of blind joints, and what would help.
+fn unseen(arguments: &Arguments, blind: &[String]) -> Vec<String> {
+    let more = if arguments.free.is_empty() {
+        "record free motion like that of the log and give it by --free"
+    } else {
+        "give more free motion like that of the log"
+    };
+    let told = format!(
+        "contacts at {} go unseen: the threshold is over twice the spread of the torque that was \
+         trained on; {more}, or train a better model",
+        blind.join(", ")
+    );
+    if blind.is_empty() { Vec::new() } else { vec![told] }
 }
 
 /// Joints of which only a contact tells that is larger than usual torque.

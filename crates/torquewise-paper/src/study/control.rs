@@ -16,9 +16,11 @@ use torquewise_report::html::number::significant;
 use torquewise_report::html::{Chart, Colour, Guide, Mark, Series};
 use torquewise_report::torque_charts;
 use torquewise_sim::control::knowledge::sharp;
-use torquewise_sim::control::{Law, Learned, Periodic, Plant, Sensors, compare, periodic, record};
+use torquewise_sim::control::{
+    Law, Learned, Periodic, Plant, Runs, Sensors, compare, periodic, record,
+};
 use torquewise_sim::excite::{self as excite, Planned, Wishes};
-use torquewise_sim::{Arm, Friction, Stribeck};
+use torquewise_sim::{Arm, Friction, SimError, Stribeck};
 
 /// Friction of the joints, the first of an arm that has fewer.
 const FRICTION: [Stribeck; 3] = [

@@ -31,7 +31,7 @@ pub(crate) fn section(checks: &Checks) -> Section {
     let columns = vec![check, Heading::numbers("found"), expected];
     let caption = format!("The worst of {} states.", count(checks.states));
     let table = Table { caption, columns, rows };
-    let driving = checks.driving.iter().map(|driving| sentence(&driving.to_string()).into());
+    let driving = checks.driving.iter().map(|driving| sentence(&driving.to_string()));
     let lines = std::iter::once(verdict.into()).chain(driving).collect();
     let callout = Callout { tone, heading: String::new(), lines };
     Section { heading: "Physics".into(), items: vec![Item::Callout(callout), Item::Table(table)] }

@@ -5,7 +5,7 @@ use crate::control::knowledge::{Knowledge, sum};
 use crate::control::moving::{Moving, Slopes};
 use crate::control::plant::Plant;
 use crate::control::reference::period;
-use crate::error::{Result, check_joints};
+use crate::error::{Result, SimError, check_joints};
 use crate::state::State;
 use faer::Mat;
 use torquewise_motion::Motion;
