@@ -293,9 +293,9 @@ impl Model {
     }
 
     /// The equations as text; `joint` counts from 0.
-    #[pyo3(signature = (joint=None, top=None))]
-    fn _text(&self, joint: Option<usize>, top: Option<usize>) -> PyResult<String> {
-        Ok(print::text(&self.model, &self.selection(joint, top)?))
+    #[pyo3(signature = (joint=None, top=None, all=false))]
+    fn _text(&self, joint: Option<usize>, top: Option<usize>, all: bool) -> PyResult<String> {
+        Ok(print::text(&self.model, &Selection { all, ..self.selection(joint, top)? }))
     }
 
     /// The same in LaTeX.

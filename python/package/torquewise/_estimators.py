@@ -6,6 +6,7 @@ They are estimators of scikit-learn where it is installed, and follow its conven
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -210,6 +211,7 @@ class _Estimator(Base):
         if len(motion) != 4:
             raise TypeError("fit takes q, dq, ddq, tau, or X, y, or a motion, or a list of motions")
         q, dq, ddq, tau = (_rows(own) for own in motion)
+        _check_order(q, dq)
         whole = {"q": q, "dq": dq, "ddq": ddq, "tau": tau}
         if t is not None:
             whole["t"] = np.asarray(t, dtype=float)
@@ -275,6 +277,16 @@ def _rows(values: Any) -> _Array:
     return found
 
 
+def _check_order(q: _Array, dq: _Array) -> None:
+    """Warns where positions jump from row to row as those of a moving arm do not."""
+    steps, spread = np.diff(q, axis=0).std(axis=0), q.std(axis=0)
+    if len(q) > 10 and dq.any() and np.median(steps) > 0.7 * np.median(spread) > 0.0:
+        warnings.warn(
+            "positions jump from row to row: give rows in the order of time, not shuffled",
+            stacklevel=4,
+        )
+
+
 class Stepwise(_Estimator):
     """Energies M(q) and V(q), or products, reconstructed step by step as the log is active.
 
@@ -313,6 +325,10 @@ class Stepwise(_Estimator):
 
 class Chain(_Estimator):
     """A chain of rigid bodies whose geometry is learned too, with friction: for many joints, noise.
+
+    Rows are fitted as they are, in the order of time: q, dq, ddq and tau are to be filtered alike
+    before, and not scaled. A log (:func:`torquewise.read_log`) is filtered as :func:`torquewise.fit`
+    does it. `fit_.verdict` says whether the model may be used.
 
     For parameters see :func:`torquewise.fit`; `rate` is that of rows without time stamps [Hz].
     """

@@ -40,6 +40,7 @@ class Evaluation:
     """Torques of each joint, as they were measured, within their interval of 95 % [%]; NaN where the
     model has no covariance, or torque as it was measured is not at hand."""
     notes: list[str] = field(default_factory=list)
+    """What to know before these errors are used, in sentences."""
 
     @classmethod
     def _of(cls, text: str, notes: list[str]) -> Evaluation:
@@ -71,6 +72,7 @@ class Evaluation:
         lines = [f"{'joint':<20} {'RMSE [N·m]':>12} {'NRMSE [%]':>10} {'R²':>9}"]
         for name, rmse, nrmse, r2 in zip(self.joints, self.rmse, self.nrmse_percent, self.r2):
             lines.append(f"{name:<20} {rmse:>12.4g} {nrmse:>10.4g} {r2:>9.6f}")
+        lines += [f"note: {note}" for note in self.notes]
         return "\n".join(lines)
 
 

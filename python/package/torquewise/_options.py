@@ -5,10 +5,12 @@ from __future__ import annotations
 import inspect
 import os
 from collections.abc import Callable, Mapping, Sequence
+from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, TypeVar
 
 from numpy.typing import ArrayLike
 
+from . import _core
 from ._engine_options import EngineOptions
 
 if TYPE_CHECKING:
@@ -75,7 +77,14 @@ OF_LOG = LogOptions.__optional_keys__
 
 
 def split(options: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Options of the log, and those of the fit."""
+    """Options of the log, and those of the fit; others are refused."""
+    known = list(FitOptions.__annotations__)
+    for key in options.keys() - known:
+        close = get_close_matches(key, known, 1)
+        meant = f", did you mean {close[0]}?" if close else ""
+        raise _core.UsageError(
+            f"{key} is no option of a fit{meant}\nhelp: choose among {', '.join(known)}"
+        )
     of_log = {key: own for key, own in options.items() if key in OF_LOG}
     return of_log, {key: own for key, own in options.items() if key not in OF_LOG}
 
