@@ -107,3 +107,8 @@ def test_nothing_is_written_where_writing_fails(tmp_path, model):
     with pytest.raises(OSError):
         model.export(tmp_path / "missing" / "arm.c")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_keyword_that_is_nearly_one_is_named(train):
+    with pytest.raises(torquewise.UsageError, match="frictions is no option .* mean friction"):
+        torquewise.fit(train, frictions="auto")

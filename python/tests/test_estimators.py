@@ -1,6 +1,7 @@
 """Estimators follow scikit-learn; the words are those of PyOneShot."""
 
 import pickle
+import warnings
 
 import numpy as np
 import pytest
@@ -266,3 +267,14 @@ except ValueError as error:
     assert done.stdout.startswith(
         "Stepwise(n_bootstrap=0, seed=1) True\nInvalid parameter 'sed'"
     ), done.stdout + done.stderr
+
+
+def test_rows_out_of_their_order_are_told(train):
+    rows = np.concatenate([train[key] for key in ("q", "dq", "ddq")], axis=1)
+    order = np.random.default_rng(0).permutation(len(rows))
+
+    with pytest.warns(UserWarning, match="order of time"):
+        Stepwise().fit(rows[order], train["tau"][order])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        Stepwise().fit(rows, train["tau"])

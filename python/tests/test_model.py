@@ -283,3 +283,48 @@ def test_a_rollout_says_how_far_simulated_windows_drift(chain):
     assert len(found.to_frame()) == 6
     with pytest.raises(ValueError, match="horizons: expected seconds above 0"):
         chain.rollout(log, horizons=(0.0,))
+
+
+def test_a_rollout_takes_one_time_and_counts_what_ran_away(chain):
+    log = torquewise.simulate("puma560-3", seconds=10, rate=100, seed=2)
+
+    found = chain.rollout(log, horizons=0.5)
+
+    assert found.drift.shape == (1, 3) and list(found.ran_away) == [0]
+    assert "held, 0.5 s" in repr(found) and "ran away" not in repr(found)
+
+
+def test_parameters_of_a_chain_have_errors(chain, model):
+    found = {(own["joint"], own["name"]): own for own in chain.parameters()}
+
+    # A rigid arm without rotors: what torque tells of the last link is told from zero, springs are none.
+    last = found["joint3", "Izz [kg·m²]"]
+    assert last["resolved"] and last["value"] > 2 * last["std_error"] > 0
+    assert {name for joint, name in found if joint == "joint1"} >= {"m·x [kg·m]", "Izz [kg·m²]"}
+    assert model.parameters() == []
+
+
+def test_all_terms_are_shown_where_they_are_asked_for(chain):
+    some, whole = chain.text(), chain.text(all=True)
+
+    assert "ask for `all`" in some and "ask for `all`" not in whole
+    assert len(whole.splitlines()) > len(some.splitlines())
+    assert "tau2" in chain.text(1) and "tau1" not in chain.text(1)
+
+
+def test_a_model_without_use_says_so_wherever_it_goes(tmp_path):
+    rng = np.random.default_rng(0)
+    t = np.arange(3000) / 100
+    q = np.stack([np.sin(t), np.cos(1.3 * t)], axis=1)
+    log = {"t": t, "q": q, "tau": rng.normal(size=q.shape)}
+
+    with pytest.warns(UserWarning, match="the model is unusable: held-out"):
+        fit = torquewise.fit(log, library="chain", progress=False)
+
+    assert fit.verdict == "unusable"
+    fit.save(tmp_path / "arm.json")
+    again = torquewise.Model.load(tmp_path / "arm.json")
+    assert again.verdict == "unusable" and repr(again).endswith("coefficients; unusable)")
+    with pytest.warns(UserWarning, match="do not let it move an arm"):
+        again.export(tmp_path / "arm.c")
+    assert "unusable by the verdict of its fit" in (tmp_path / "arm.c").read_text()

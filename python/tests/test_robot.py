@@ -278,3 +278,14 @@ def test_samples_are_other_arms_that_the_log_allows(chain):
     torque = np.array([own.torque(*states) for own in drawn])
     spread, size = torque.std(axis=0).mean(axis=0), chain.torque(*states).std(axis=0)
     assert (spread < 0.2 * size).all() and (spread > 0).all()
+
+
+def test_a_law_under_which_the_arm_runs_away_does_not_take_the_others_along(chain):
+    laws = ("pid", "computed_torque")
+
+    with pytest.warns(UserWarning, match=r"pid: the arm runs away at \d"):
+        found = torquewise.control(
+            chain, chain, controllers=laws, seconds=4, delay=0.01, bandwidth=30
+        )
+
+    assert list(found) == ["computed_torque"]
