@@ -42,6 +42,8 @@ pub struct Inspection {
     pub ignored_columns: Vec<String>,
     /// Signals that are not recorded: of `dq`, `ddq`, `tau`.
     pub missing: Vec<&'static str>,
+    /// Rows of the one trajectory of a filtered log, before it was filtered.
+    pub recorded: Option<usize>,
     repairs: BTreeMap<String, Repairs>,
 }
 
@@ -73,7 +75,9 @@ pub fn inspect(log: &Prepared, observer: Observer<'_>) -> Result<Inspection> {
     let logs = log.logs();
     let signals = [("dq", logs.has_dq()), ("ddq", logs.has_ddq()), ("tau", logs.has_tau())];
     let missing = signals.into_iter().filter(|(_, present)| !present).map(|(name, _)| name);
+    let filtered = log.conditioned().filter(|_| survey.trajectories == 1);
     Ok(Inspection {
+        recorded: filtered.map(|own| own.report.rows_in),
         survey,
         patterns,
         counts,
@@ -144,6 +148,7 @@ impl Serialize for Inspection {
             "files": self.files,
             "joints": joints.collect::<Vec<_>>(),
             "rows": survey.rows,
+            "rows_recorded": self.recorded,
             "trajectories": survey.trajectories,
             "gaps": self.gaps(),
             "seconds": survey.seconds,

@@ -164,6 +164,8 @@ class Inspection:
             f"{facts['rows']} rows of {len(facts['joints'])} joints, {facts['seconds']:.1f} s at"
             f" {facts['rate_hz']:.4g} Hz"
         ]
+        if facts["rows_recorded"]:
+            lines[0] += f", filtered, of {facts['rows_recorded']} recorded"
         lines += [f"- {warning}" for warning in self.warnings]
         return "\n".join(lines)
 

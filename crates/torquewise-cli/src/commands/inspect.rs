@@ -89,8 +89,10 @@ fn text(inspection: &Inspection) -> String {
         ("columns not read", ignored.collect::<Vec<_>>().join(", ")),
     ];
     let absent = absent.iter().filter(|(_, names)| !names.is_empty());
+    let recorded = inspection.recorded.map(|rows| format!(", filtered, of {rows} recorded"));
+    let recorded = recorded.unwrap_or_default();
     format!(
-        "{rows} rows of {} joints, {seconds:.1} s at {} Hz\n\
+        "{rows} rows of {} joints, {seconds:.1} s at {} Hz{recorded}\n\
          trajectories: {trajectories}, files: {}, gaps: {}\n\
          \n{}\n{}\n{}{}",
         joints.len(),
