@@ -3,6 +3,7 @@
 use crate::error::Result;
 use crate::log::Prepared;
 use crate::observe::{Observer, Watched};
+use crate::options::MOST_WHOLE;
 use crate::summary::AllRepairs;
 use serde::Serialize;
 use serde_json::json;
@@ -123,7 +124,9 @@ impl Inspection {
     pub fn warnings(&self) -> Vec<String> {
         let mut open = Warning::of_survey(&self.survey);
         open.retain(|own| self.has_tau() || !matches!(own, Warning::ConstantTorque { .. }));
-        let patterns = missing_patterns(&self.patterns.present);
+        // Of more joints a chain is fitted, which needs no patterns.
+        let patterns = missing_patterns(&self.patterns.present)
+            .filter(|_| self.survey.joints.len() <= MOST_WHOLE);
         open.iter().map(ToString::to_string).chain(patterns).collect()
     }
 }

@@ -15,7 +15,7 @@ use torquewise_regression::select::Selector;
 use torquewise_stepwise::activation::Scaling;
 
 /// Joints up to which the whole energy library is offered.
-const MOST_WHOLE: usize = 4;
+pub(crate) const MOST_WHOLE: usize = 4;
 
 /// Which equations are offered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
