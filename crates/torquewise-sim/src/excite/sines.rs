@@ -84,10 +84,6 @@ impl Sines {
             [q, w * dq, w * w * ddq]
         }))
     }
-
-    pub(crate) fn ends(&self) -> Vec<f64> {
-        self.joints.iter().map(|series| series.value((0.0, 1.0))[0]).collect()
-    }
 }
 
 impl Series {
