@@ -11,15 +11,8 @@ const LEAST_ROWS: usize = 64;
 /// A value is absurd beyond so many times what is usual in its stretch.
 const TIMES: f64 = 20.0;
 
-/// No value below this is absurd \[rad, rad/s, rad/s², N·m\].
-fn least(signal: Signal) -> f64 {
-    match signal {
-        Signal::Q => std::f64::consts::TAU,
-        Signal::Dq => 5.0,
-        Signal::Ddq => 100.0,
-        Signal::Tau => 10.0,
-    }
-}
+/// No value of q, q̇, q̈ or τ below this is absurd \[rad, rad/s, rad/s², N·m\].
+const LEAST: [f64; 4] = [std::f64::consts::TAU, 5.0, 100.0, 10.0];
 
 /// Rows on each side that a position is compared with: more than are absurd.
 pub(crate) const NEAR: usize = LONGEST + 1;
@@ -40,7 +33,7 @@ pub(crate) fn absurd(x: &[f64], signal: Signal) -> Vec<usize> {
         *x = (*x - median).abs();
     }
     let (_, usual, _) = sorted.select_nth_unstable_by(kept, f64::total_cmp);
-    let least = least(signal);
+    let least = LEAST[signal as usize];
     let most = (TIMES * *usual).max(least);
     let jumps = signal == Signal::Q && x.windows(2).any(|pair| (pair[1] - pair[0]).abs() > least);
     // From the rows before and from those after: a step that lasts is none.
@@ -66,33 +59,31 @@ mod tests {
     }
 
     #[test]
-    fn rows_that_stand_out_alone_are_absurd_but_no_rare_move_and_no_small_flicker() {
-        let mut x = sine();
-        (x[100], x[101], x[400]) = (1e3, -1e6, 1e300);
-
-        assert_eq!(absurd(&x, Signal::Dq), [100, 101, 400]);
-        assert_eq!(absurd(&sine(), Signal::Dq), []);
-        let mut still = vec![0.0; 600];
-        still[300] = 1e-3;
+    fn rows_that_stand_out_alone_and_positions_that_leave_by_a_turn_and_come_back_are_absurd() {
+        let mut alone = sine();
+        (alone[100], alone[101], alone[400]) = (1e3, -1e6, 1e300);
+        let mut flickers = vec![0.0; 600];
+        flickers[300] = 1e-3;
         let mut moved = vec![0.0; 600];
         moved[300..310].fill(20.0);
-
-        assert_eq!(absurd(&still, Signal::Dq), []);
-        assert_eq!(absurd(&moved, Signal::Dq), []);
-    }
-
-    #[test]
-    fn no_position_leaves_by_a_turn_and_comes_back() {
         let mut turned: Vec<f64> = sine().iter().map(|x| 3.0 * x).collect();
         (turned[300], turned[301], turned[302]) = (40.0, 40.0, 40.0);
         // An encoder that wraps.
         let wrapped: Vec<f64> = (0..600).map(|row| (0.1 * f64::from(row)) % 7.0).collect();
-
         let mut fallen = sine();
         fallen[596..].fill(-9.0);
+        let cases: [(_, _, &[usize]); 7] = [
+            (alone, Signal::Dq, &[100, 101, 400]),
+            (sine(), Signal::Dq, &[]),
+            (flickers, Signal::Dq, &[]),
+            (moved, Signal::Dq, &[]),
+            (turned, Signal::Q, &[300, 301, 302]),
+            (fallen, Signal::Q, &[]),
+            (wrapped, Signal::Q, &[]),
+        ];
 
-        assert_eq!(absurd(&turned, Signal::Q), [300, 301, 302]);
-        assert_eq!(absurd(&fallen, Signal::Q), []);
-        assert_eq!(absurd(&wrapped, Signal::Q), []);
+        for (case, (x, signal, expected)) in cases.into_iter().enumerate() {
+            assert_eq!(absurd(&x, signal), expected, "case {case}");
+        }
     }
 }

@@ -112,12 +112,8 @@ impl Build<'_> {
             Some(Columns::Names(names)) => names.clone(),
             Some(Columns::Prefix(prefix)) => self.numbered(prefix, joints.len()),
             None if self.is_bag => {
-                let field = match signal {
-                    Signal::Q => Some("position"),
-                    Signal::Dq => Some("velocity"),
-                    Signal::Ddq => None,
-                    Signal::Tau => Some("effort"),
-                };
+                let fields = [Some("position"), Some("velocity"), None, Some("effort")];
+                let field = fields[signal as usize];
                 let names = joints.iter().filter_map(|joint| Some(format!("{joint}.{}", field?)));
                 let names: Vec<String> = names.collect();
                 let is_there = names.first().is_some_and(|name| self.has(name));

@@ -128,4 +128,4 @@ impl<R: BufRead> Rows for CsvRows<R> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

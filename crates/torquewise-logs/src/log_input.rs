@@ -148,16 +148,12 @@ impl ChunkReader for Opened {
     type T = io::BufReader<Self>;
 
     fn get_read(&self, start: u64) -> parquet::errors::Result<Self::T> {
-        let mut input = self.clone();
-        input.seek(SeekFrom::Start(start))?;
-        Ok(io::BufReader::new(input))
+        Ok(io::BufReader::new(Self { at: start, ..self.clone() }))
     }
 
     fn get_bytes(&self, start: u64, length: usize) -> parquet::errors::Result<bytes::Bytes> {
-        let mut input = self.clone();
-        input.seek(SeekFrom::Start(start))?;
         let mut chunk = Vec::new();
-        input.take(length as u64).read_to_end(&mut chunk)?;
+        self.get_read(start)?.take(length as u64).read_to_end(&mut chunk)?;
         if chunk.len() < length {
             return Err(io::Error::from(ErrorKind::UnexpectedEof).into());
         }

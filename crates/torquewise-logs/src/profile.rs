@@ -122,12 +122,7 @@ pub enum PerJoint {
 
 impl Profile {
     pub(crate) fn signal(&self, signal: Signal) -> Option<&SignalColumns> {
-        match signal {
-            Signal::Q => self.q.as_ref(),
-            Signal::Dq => self.dq.as_ref(),
-            Signal::Ddq => self.ddq.as_ref(),
-            Signal::Tau => self.tau.as_ref(),
-        }
+        [&self.q, &self.dq, &self.ddq, &self.tau][signal as usize].as_ref()
     }
 
     /// Why its torques may be none, if it leaves their unit open or as [`suggest`](crate::suggest())

@@ -16,7 +16,7 @@ pub(crate) struct RawNoise {
 /// The noise of one trajectory on its way through the filter.
 pub(crate) struct NoiseLane {
     noise: RawNoise,
-    conditioner: Conditioner,
+    pub(crate) conditioner: Conditioner,
     /// Set up at the first row, whose bits tell the trajectory from others.
     random: Option<ChaCha8Rng>,
 }
@@ -58,9 +58,5 @@ impl NoiseLane {
         }
         let (joints, t) = (raw.joints.clone(), raw.t.clone());
         self.conditioner.push(Raw { joints, t, signals: [Some(q), None, None, None] })
-    }
-
-    pub(crate) fn finish(mut self) -> Result<Vec<Motion>, MotionError> {
-        self.conditioner.finish()
     }
 }

@@ -58,17 +58,12 @@ impl Values<'_> {
     }
 
     /// Number of rows.
-    pub fn len(self) -> usize {
+    pub(crate) fn len(self) -> usize {
         match self {
             Self::Numbers(values) => values.len(),
             Self::Counts(values) => values.len(),
             Self::Texts(values) => values.len(),
         }
-    }
-
-    /// Whether there are no rows.
-    pub fn is_empty(self) -> bool {
-        self.len() == 0
     }
 }
 

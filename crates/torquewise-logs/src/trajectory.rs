@@ -100,7 +100,7 @@ impl<'a> Trajectory<'a> {
             return Ok(Default::default());
         };
         let motions = conditioner.finish()?;
-        let noise = noise.map_or_else(|| Ok(Vec::new()), |lane| lane.finish())?;
+        let noise = noise.map_or_else(|| Ok(Vec::new()), |mut lane| lane.conditioner.finish())?;
         Ok((Done { motions, noise }, conditioner.repairs))
     }
 }

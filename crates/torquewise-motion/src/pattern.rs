@@ -32,10 +32,6 @@ impl Pattern {
 
     /// Its name in reports and files.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Standstill => "standstill",
-            Self::UniformVelocity => "uniform velocity",
-            Self::VariableVelocity => "variable velocity",
-        }
+        ["standstill", "uniform velocity", "variable velocity"][self as usize]
     }
 }

@@ -73,13 +73,6 @@ pub struct Monomial {
     pub powers: Vec<u8>,
 }
 
-impl Monomial {
-    /// x^α · x^β = x^(α+β).
-    pub(crate) fn product(&self, other: &Self) -> Self {
-        Self { powers: self.powers.iter().zip(&other.powers).map(|(a, b)| a + b).collect() }
-    }
-}
-
 /// A weighted harmonic × monomial.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Atom {

@@ -66,13 +66,6 @@ impl ExactSums {
         self.entries.get(place).map_or(0.0, |words| rounded(*words))
     }
 
-    /// Writes the sums from `first` on, rounded.
-    pub fn write_to(&self, first: usize, values: &mut [f64]) {
-        for (value, words) in values.iter_mut().zip(self.entries.iter().skip(first)) {
-            *value = rounded(*words);
-        }
-    }
-
     /// One sum as that of two numbers, the second what rounding takes from the first.
     pub fn pair(&self, place: usize) -> [f64; 2] {
         let high = self.value(place);

@@ -46,7 +46,8 @@ impl MomentPlan {
         let mut products = BTreeMap::new();
         for (i, a) in design.monomials.iter().enumerate() {
             for (j, b) in design.monomials.iter().enumerate() {
-                let place = monomials.place(&a.product(b));
+                let powers = a.powers.iter().zip(&b.powers).map(|(a, b)| a + b).collect();
+                let place = monomials.place(&Monomial { powers });
                 monomial_pairs.push(place);
                 if place >= design.monomials.len() {
                     products.entry(place).or_insert((i, j));

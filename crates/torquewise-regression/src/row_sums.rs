@@ -165,10 +165,9 @@ impl RowSums {
 
     /// The same in some of the columns of the design.
     pub fn grams(&self, prepared: &PreparedDesign, columns: &[usize]) -> Vec<NormalEquations> {
-        let (mut sums, mut first) = (prepared.zeros(), 0);
-        for part in prepared.numbers(&mut sums) {
-            self.sums.write_to(first, part);
-            first += part.len();
+        let mut sums = prepared.zeros();
+        for (place, value) in prepared.numbers(&mut sums).flatten().enumerate() {
+            *value = self.sums.value(place);
         }
         if let Some(plan) = &prepared.moments {
             return gather(plan, &sums[0], self.rows, columns);

@@ -112,10 +112,8 @@ impl Target<'_> {
                 slope[j] = falls - stiffness * apart;
             }
             let before = best.cost;
-            if !self.step(&mut best, free, (&curvature, &slope), &mut damping) {
-                break;
-            }
-            if before - best.cost < LEAST_GAIN * before {
+            let lowered = self.step(&mut best, free, (&curvature, &slope), &mut damping);
+            if !lowered || before - best.cost < LEAST_GAIN * before {
                 break;
             }
         }

@@ -269,10 +269,7 @@ impl<T: Scalar> Moved<T> {
     /// The regressor of the torques of the joints of the chain.
     fn regressor_of_chain(&self, mut put: impl FnMut(usize, usize, T)) {
         for joint in 0..self.bodies.len() {
-            if self.kinds.slides(joint) {
-                self.regressor_of_slide(joint, &mut put);
-                continue;
-            }
+            let slides = self.kinds.slides(joint);
             // The axis of the joint, and the arm from it to the body, in the frame of the body.
             let (mut axis, mut arm) = (along_z(T::one()), Vector3::zeros());
             for (k, body) in self.bodies.iter().enumerate().skip(joint) {
@@ -280,7 +277,8 @@ impl<T: Scalar> Moved<T> {
                     axis = body.rotation.tr_mul(&axis);
                     arm = body.rotation.tr_mul(&(arm + body.origin));
                 }
-                for (parameter, value) in body.loads(&axis, &arm).iter().enumerate() {
+                let loads = if slides { body.pushes(&axis) } else { body.loads(&axis, &arm) };
+                for (parameter, value) in loads.iter().enumerate() {
                     put(joint, PER_BODY * k + parameter, *value);
                 }
             }

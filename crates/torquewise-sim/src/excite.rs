@@ -6,10 +6,11 @@
 //!
 //! ```
 //! use torquewise_sim::Arm;
-//! use torquewise_sim::excite::{Plan, Wishes, excite, limits};
+//! use torquewise_sim::excite::{ExcitationPlan, Wishes, excite, limits};
 //!
 //! let limits = limits(&Arm::builtin("planar-2")?, &Wishes::default())?;
-//! let plan = Plan { seconds: [10.0, 40.0, 30.0], tries: 2, ..Plan::default() };
+//! let seconds = [10.0, 40.0, 30.0];
+//! let plan = ExcitationPlan { seconds, tries: 2, ..ExcitationPlan::default() };
 //! let found = excite(&limits, None, &plan, &mut |_, _| {})?;
 //! assert!(found.recordings.iter().zip(plan.seconds).all(|(found, most)| found.seconds <= most));
 //! assert!(found.peaks[2][0].velocity <= limits[0].planned.velocity);

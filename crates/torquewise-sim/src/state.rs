@@ -28,6 +28,12 @@ impl State {
         Self { q, dq: times(ds), ddq: times(dds) }
     }
 
+    /// Of the position, velocity and acceleration of each joint.
+    pub(crate) fn of_joints(joints: impl Iterator<Item = [f64; 3]>) -> Self {
+        let (q, dq, ddq) = joints.map(<(f64, f64, f64)>::from).collect();
+        Self { q, dq, ddq }
+    }
+
     pub(crate) fn of(motion: &Motion, row: usize) -> Self {
         let of = |x: MatRef<'_, f64>| x.row(row).iter().copied().collect();
         Self { q: of(motion.q()), dq: of(motion.dq()), ddq: of(motion.ddq()) }

@@ -51,4 +51,4 @@ impl Arm {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -107,19 +107,15 @@ mod tests {
     }
 
     #[test]
-    fn the_simplest_near_the_best_is_taken() {
-        let simple = trial("simple", [0.11, 0.09, 0.12, 0.10, 0.08]);
-        let complex = trial("complex", [0.10, 0.10, 0.10, 0.10, 0.09]);
-        assert_eq!(choose_worth("x", &[simple, complex], 0.0).unwrap().0, 0);
-    }
-
-    #[test]
-    fn a_gain_too_small_to_be_worth_it_is_left() {
-        let simple = trial("simple", [0.100, 0.200, 0.300, 0.400, 0.500]);
-        let complex = trial("complex", [0.099, 0.199, 0.299, 0.399, 0.499]);
-        let both = [simple, complex];
-        let (place, choice) = choose_worth("x", &both, 0.0).unwrap();
+    fn the_simplest_near_the_best_is_taken_and_a_gain_too_small_to_be_worth_it_is_left() {
+        let both = |[simple, complex]: [[f64; BLOCKS]; 2]| {
+            [trial("simple", simple), trial("complex", complex)]
+        };
+        let near = both([[0.11, 0.09, 0.12, 0.10, 0.08], [0.10, 0.10, 0.10, 0.10, 0.09]]);
+        let gain = both([[0.100, 0.200, 0.300, 0.400, 0.500], [0.099, 0.199, 0.299, 0.399, 0.499]]);
+        assert_eq!(choose_worth("x", &near, 0.0).unwrap().0, 0);
+        let (place, choice) = choose_worth("x", &gain, 0.0).unwrap();
         assert_eq!((place, choice.chosen.as_str()), (1, "complex"), "a gain on every block");
-        assert_eq!(choose_worth("x", &both, 0.02).unwrap().0, 0);
+        assert_eq!(choose_worth("x", &gain, 0.02).unwrap().0, 0);
     }
 }

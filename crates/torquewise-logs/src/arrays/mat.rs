@@ -121,7 +121,8 @@ impl Walk {
         let tag = elements.require()?;
         let names = elements.body(tag, LONGEST_NAMES)?;
         let fields: Vec<String> = names.chunks(length.max(1)).map(up_to_zero).collect();
-        let n = if fields.is_empty() { 0 } else { count(dimensions) };
+        let count = dimensions.iter().fold(1_usize, |count, n| count.saturating_mul(*n));
+        let n = if fields.is_empty() { 0 } else { count };
         for k in 1..=n {
             for field in &fields {
                 let tag = elements.require()?;
@@ -186,10 +187,6 @@ fn element(tag: Tag, array: &Array) -> Result<Element, &'static str> {
     } else {
         Err("an array has not as many numbers as its size says")
     }
-}
-
-fn count(dimensions: &[usize]) -> usize {
-    dimensions.iter().fold(1, |count, n| count.saturating_mul(*n))
 }
 
 fn text(elements: &mut Elements<'_>) -> io::Result<String> {

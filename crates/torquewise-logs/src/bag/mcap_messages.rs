@@ -65,7 +65,8 @@ impl McapMessages {
         let file = self.file.clone();
         let refused = |source| {
             // What the parser says is drawn for a terminal and speaks of its own code.
-            let source = if matches!(source, McapError::Parse(_)) { cut_short() } else { source };
+            let is_parse = matches!(source, McapError::Parse(_));
+            let source = if is_parse { McapError::UnexpectedEof } else { source };
             LogError::decode(&file, Format::Mcap)(source)
         };
         guarded(&file, || Ok(self.next_message()))?.map_err(refused)
@@ -104,10 +105,9 @@ fn next_record(chunk: &mut Cursor<Vec<u8>>) -> McapResult<Option<(u8, &[u8])>> {
     let Some((opcode, rest)) = chunk.get_ref().get(at..).and_then(<[u8]>::split_first) else {
         return Ok(None);
     };
-    let (length, rest) = rest.split_first_chunk::<8>().ok_or_else(cut_short)?;
-    let length = u64::from_le_bytes(*length);
-    let end =
-        usize::try_from(length).ok().filter(|&end| end <= rest.len()).ok_or_else(cut_short)?;
+    let (length, rest) = rest.split_first_chunk::<8>().ok_or(McapError::UnexpectedEof)?;
+    let end = usize::try_from(u64::from_le_bytes(*length)).ok();
+    let end = end.filter(|&end| end <= rest.len()).ok_or(McapError::UnexpectedEof)?;
     let (opcode, from) = (*opcode, at + 9);
     chunk.set_position((from + end) as u64);
     Ok(Some((opcode, &chunk.get_ref()[from..from + end])))
@@ -145,7 +145,7 @@ fn read_record(
 /// The records of a chunk: 128 MB at most, and such as its checksum says.
 fn decompressed(data: &[u8]) -> McapResult<Vec<u8>> {
     let Record::Chunk { header, data } = whole_record(op::CHUNK, data)? else {
-        return Err(cut_short());
+        return Err(McapError::UnexpectedEof);
     };
     let mut input: Box<dyn Read + '_> = match header.compression.as_str() {
         "" => Box::new(&*data),
@@ -166,10 +166,6 @@ fn decompressed(data: &[u8]) -> McapResult<Vec<u8>> {
     }
 }
 
-fn cut_short() -> McapError {
-    McapError::UnexpectedEof
-}
-
 /// A record of which the texts of a chunk, a schema or a channel lie within it: a parser takes the
 /// memory that a text claims before it looks for it.
 fn whole_record(opcode: u8, data: &[u8]) -> McapResult<Record<'_>> {
@@ -187,7 +183,7 @@ fn whole_record(opcode: u8, data: &[u8]) -> McapResult<Record<'_>> {
         }
         _ => Some(()),
     };
-    within().ok_or_else(cut_short)?;
+    within().ok_or(McapError::UnexpectedEof)?;
     parse_record(opcode, data)
 }
 

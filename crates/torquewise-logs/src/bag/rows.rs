@@ -40,7 +40,7 @@ impl BagRows {
             file: file.into(),
             names,
             messages: survey.messages(file)?,
-            aligned: survey.aligned(),
+            aligned: Aligned::new(&survey.joints, survey.passes_over),
             survey,
             chosen: Vec::new(),
             in_order: InOrder::default(),

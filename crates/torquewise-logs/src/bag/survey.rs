@@ -21,7 +21,7 @@ pub(crate) struct Survey {
     topic: String,
     pub(crate) joints: Vec<String>,
     /// Whether the joints were asked for by name, so that messages of others are passed over.
-    passes_over: bool,
+    pub(super) passes_over: bool,
     /// Whether the time of a message is that of its sender, not that of the bag.
     is_stamped: bool,
     /// Time stamp that counts as zero \[ns\].
@@ -64,10 +64,6 @@ impl Survey {
             Format::Db3 => Box::new(Db3Messages::open(file, &self.topic)?),
             _ => Box::new(McapMessages::open(file, Some(&self.topic))?),
         })
-    }
-
-    pub(super) fn aligned(&self) -> Aligned {
-        Aligned::new(&self.joints, self.passes_over)
     }
 
     /// Time of a message \[ns\].

@@ -1,24 +1,15 @@
 //! Blocks: cut at the same rows, split at gaps and differentiated as if the file were whole.
 
 use super::Blocks;
-use crate::csv_rows::CsvRows;
+use crate::csv_rows::tests::signal_rows;
 use crate::error::{LogError, Result};
-use crate::plain::plain;
-use crate::rows::Rows;
-use crate::signal_rows::{Clock, SignalRows};
 use faer::Mat;
 use std::fmt::Write;
-use std::path::Path;
 use torquewise_motion::{Motion, derivative};
 
 /// Blocks of a text with one joint.
 fn blocks(text: &str) -> Result<Vec<(usize, Motion)>> {
-    let file = Path::new("arm.csv");
-    let rows = CsvRows::new(file, std::io::Cursor::new(text.to_owned()))?;
-    let mapping = plain(file, rows.names())?;
-    let rows = SignalRows::new(Box::new(rows), mapping, Clock::Strict, false)?;
-    let joints = ["joint1".to_owned()];
-    let mut blocks = Blocks::new(rows, &joints, true);
+    let mut blocks = Blocks::new(signal_rows(text.as_bytes())?, &["joint1".to_owned()], true);
     let mut read = Vec::new();
     while let Some(block) = blocks.next(Blocks::block)? {
         read.push(block);

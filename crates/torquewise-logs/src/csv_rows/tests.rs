@@ -8,12 +8,16 @@ use crate::signal_rows::{Clock, SignalRows};
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-/// The rows of a text as signals.
-fn read(text: &[u8]) -> Result<Vec<Vec<f64>>> {
+/// A text as rows of signals.
+pub(crate) fn signal_rows(text: &[u8]) -> Result<SignalRows> {
     let file = Path::new("arm.csv");
     let rows = CsvRows::new(file, std::io::Cursor::new(text.to_vec()))?;
     let mapping = plain(file, rows.names())?;
-    let mut rows = SignalRows::new(Box::new(rows), mapping, Clock::Strict, false)?;
+    SignalRows::new(Box::new(rows), mapping, Clock::Strict, false)
+}
+
+fn read(text: &[u8]) -> Result<Vec<Vec<f64>>> {
+    let mut rows = signal_rows(text)?;
     let mut row = vec![0.0; rows.mapping.n_slots()];
     let mut read = Vec::new();
     while rows.next(&mut row)?.is_some() {

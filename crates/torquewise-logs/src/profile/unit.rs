@@ -53,12 +53,7 @@ pub(crate) fn known(signal: Option<Signal>) -> String {
 }
 
 fn of(signal: Signal) -> &'static [(&'static str, f64)] {
-    match signal {
-        Signal::Q => &POSITION,
-        Signal::Dq => &VELOCITY,
-        Signal::Ddq => &ACCELERATION,
-        Signal::Tau => &TORQUE,
-    }
+    [&POSITION[..], &VELOCITY, &ACCELERATION, &TORQUE][signal as usize]
 }
 
 fn find(units: &[(&str, f64)], name: &str) -> Option<f64> {

@@ -5,16 +5,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use torquewise_motion::signals::Signal;
 
-/// Words that a signal, or the clock, is called by.
-const WORDS: [(Meaning, &str); 5] = [
-    (Meaning::Time, "t time timestamp stamp clock"),
-    (Meaning::Signal(Signal::Q), "q pos position positions angle angles theta qp qpos"),
-    (Meaning::Signal(Signal::Dq), "dq qd qv vel velocity velocities speed omega qvel"),
-    (Meaning::Signal(Signal::Ddq), "ddq qdd qa acc accel acceleration"),
-    (
-        Meaning::Signal(Signal::Tau),
-        "tau torque torques effort efforts moment trq current currents cur curr",
-    ),
+/// Words that the clock, or a signal, is called by.
+const WORDS: [(Option<Signal>, &str); 5] = [
+    (None, "t time timestamp stamp clock"),
+    (Some(Signal::Q), "q pos position positions angle angles theta qp qpos"),
+    (Some(Signal::Dq), "dq qd qv vel velocity velocities speed omega qvel"),
+    (Some(Signal::Ddq), "ddq qdd qa acc accel acceleration"),
+    (Some(Signal::Tau), "tau torque torques effort efforts moment trq current currents cur curr"),
 ];
 
 const CURRENT: &str = "current currents cur curr";
@@ -24,12 +21,6 @@ const DEGREES: &str = "deg degrees degree";
 const MEASURED: &str = "meas measured act actual mot";
 const NOT_MEASURED: &str =
     "des desired ref reference cmd cmptd command con target error err fric ff sim model";
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Meaning {
-    Time,
-    Signal(Signal),
-}
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Family {
@@ -63,21 +54,19 @@ pub(super) fn families(file: &Path, names: &[String]) -> Found {
     let stem = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let stem = words(&stem.unwrap_or_default());
     let mut found = Found::default();
-    let mut all: Vec<(Meaning, Family)> = Vec::new();
+    let mut all: Vec<(Signal, Family)> = Vec::new();
     for (key, columns) in grouped(names) {
-        let Some((meaning, word)) = meaning(&words(&key)) else { continue };
-        match meaning {
-            Meaning::Time => {
-                found.time.get_or_insert_with(|| columns[0].clone());
-            }
-            Meaning::Signal(_) => all.push((meaning, family(columns, &key, word))),
+        let Some((signal, word)) = meaning(&words(&key)) else { continue };
+        if let Some(signal) = signal {
+            all.push((signal, family(columns, &key, word)));
+        } else {
+            found.time.get_or_insert_with(|| columns[0].clone());
         }
     }
     if all.is_empty() {
         all.extend(by_stem(&stem, names, found.time.as_ref()));
     }
-    for (meaning, family) in all {
-        let Meaning::Signal(signal) = meaning else { continue };
+    for (signal, family) in all {
         let passed_over = match found.signals.get(&signal) {
             Some(best) if best.score >= family.score => Some(family),
             // Without accelerations they are derived: better than those of a command.
@@ -90,16 +79,16 @@ pub(super) fn families(file: &Path, names: &[String]) -> Found {
 }
 
 /// The numbered columns that mean nothing by themselves, by the name of the file.
-fn by_stem(stem: &[String], names: &[String], time: Option<&String>) -> Option<(Meaning, Family)> {
-    let told = meaning(stem).filter(|(meaning, _)| *meaning != Meaning::Time);
-    let (meaning, word) = told.unwrap_or((Meaning::Signal(Signal::Q), "no name"));
+fn by_stem(stem: &[String], names: &[String], time: Option<&String>) -> Option<(Signal, Family)> {
+    let told = meaning(stem).and_then(|(signal, word)| Some((signal?, word)));
+    let (signal, word) = told.unwrap_or((Signal::Q, "no name"));
     let numbered = grouped(names).into_iter().filter(|(key, columns)| {
         columns.len() > 1 && !columns.contains(key) && columns.iter().all(|c| Some(c) != time)
     });
     let (key, columns) = numbered.max_by_key(|(_, columns)| columns.len())?;
     let mut family = family(columns, &key, word);
     family.is_current = stem.iter().any(|word| is_in(word, CURRENT));
-    Some((meaning, family))
+    Some((signal, family))
 }
 
 /// Columns that differ in the number at their end, or in the joint before the word that tells.
@@ -187,13 +176,10 @@ fn is_in(word: &str, list: &str) -> bool {
     list.split(' ').any(|own| own == word)
 }
 
-/// What a name means, and the word that tells; the first that does.
-fn meaning(words: &[String]) -> Option<(Meaning, &'static str)> {
-    words.iter().find_map(|word| {
-        WORDS.into_iter().find_map(|(meaning, known)| {
-            known.split(' ').find(|known| known == word).map(|known| (meaning, known))
-        })
-    })
+/// The signal that a name means, none of the clock, and the word that tells; the first that does.
+fn meaning(words: &[String]) -> Option<(Option<Signal>, &'static str)> {
+    let known = |(signal, all): (_, &'static str)| all.split(' ').map(move |word| (signal, word));
+    words.iter().find_map(|word| WORDS.into_iter().flat_map(known).find(|(_, own)| own == word))
 }
 
 fn words(name: &str) -> Vec<String> {

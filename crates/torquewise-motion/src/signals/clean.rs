@@ -4,6 +4,7 @@ use crate::error::{MotionError, Result};
 use crate::signals::outliers::{HALF_WINDOW, replace_outliers, spike_scale};
 use crate::signals::raw::Raw;
 use crate::signals::resample::{EVEN, Resampler, Timing, grid, timing};
+use crate::stats::whole;
 
 /// Jitter up to which stamps may stray in a log that was found even.
 const STRAY: f64 = 100.0 * EVEN;
@@ -46,8 +47,9 @@ impl Base {
     /// Rows to each side on which a cleaned row depends, to rounding.
     pub(crate) fn reach(&self) -> usize {
         // The influence of a row on a spline falls by 0.27 a row: 1e-17 after 30 even ones.
-        // A bridge reaches as far as its gap is long.
-        let spline = if self.timing.is_even() { 0 } else { 80 + self.timing.rows_of_gap() };
+        // A bridge reaches as far as its gap is long, a hundred thousand rows at most.
+        let gap = whole((self.timing.longest_step * self.timing.rate).ceil().clamp(0.0, 1e5));
+        let spline = if self.timing.is_even() { 0 } else { 80 + gap };
         spline + HALF_WINDOW + 8
     }
 }

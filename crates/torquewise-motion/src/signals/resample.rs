@@ -34,11 +34,6 @@ impl Timing {
         self.jitter < EVEN
     }
 
-    /// Rows that the longest gap lacks, a hundred thousand at most.
-    pub(crate) fn rows_of_gap(&self) -> usize {
-        whole((self.longest_step * self.rate).ceil().clamp(0.0, 1e5))
-    }
-
     /// `line_deviation` over what steps of this jitter give if each stamp errs by itself.
     ///
     /// About 1: the device sampled evenly, and the stamps are those of a jittery receiver. Far

@@ -33,12 +33,11 @@ pub(crate) fn smooth(filtered: &Raw, even: &Even, plan: &SignalPlan) -> Result<S
     let [dq, ddq] = [1, 2].map(|order| even_derivative(q.as_ref(), plan.rate, order));
     let (dq, ddq) = (dq?, ddq?);
     let delay = plan.settings.delay;
-    let advanced = |tau: &Vec<Vec<f64>>| -> Vec<Vec<f64>> {
-        tau.iter().map(|x| shift(x, plan.rate, delay)).collect()
+    let advanced = |tau: &Vec<Vec<f64>>| {
+        matrix(&tau.iter().map(|x| shift(x, plan.rate, delay)).collect::<Vec<_>>())
     };
-    let [tau, raw] = [filtered, &even.columns].map(|columns| {
-        columns.signals[Signal::Tau as usize].as_ref().map(|tau| matrix(&advanced(tau)))
-    });
+    let [tau, raw] = [filtered, &even.columns]
+        .map(|columns| columns.signals[Signal::Tau as usize].as_ref().map(advanced));
     let removed_tau = tau.as_ref().zip(raw).map(|(tau, raw)| raw - tau);
     let (joints, t) = (filtered.joints.clone(), filtered.t.clone());
     let motion = Motion::new(Signals { joints, t, q, dq, ddq, tau })?;

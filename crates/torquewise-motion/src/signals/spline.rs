@@ -88,7 +88,7 @@ mod tests {
     use approx::assert_abs_diff_eq;
 
     #[test]
-    fn values_are_those_of_scipy() {
+    fn values_are_those_of_scipy_and_of_a_cubic() {
         let t = [0.0, 1.0, 2.5, 3.0, 4.2, 5.0];
         let x = [0.0, 1.0, -1.0, 0.5, 2.0, 1.0];
 
@@ -104,10 +104,6 @@ mod tests {
         for (value, expected) in values.iter().zip(expected) {
             assert_abs_diff_eq!(*value, expected, epsilon = 1e-13);
         }
-    }
-
-    #[test]
-    fn a_cubic_is_reproduced() {
         let cubic = |t: f64| 1.0 - 2.0 * t + 0.5 * t * t - 0.25 * t * t * t;
         let t = [-1.0, 0.5, 0.7, 2.0];
         let x = t.map(cubic);

@@ -64,7 +64,11 @@ pub fn lasso_path(problem: &NormalEquations, lasso: &Lasso) -> Result<Vec<PathPo
     require("threshold", threshold, threshold >= 0.0, "zero or more")?;
     let (inner, scale) = &problem.standardised();
     let steepest = inner.right().iter().fold(0.0_f64, |most, b| most.max(b.abs()));
-    let penalties = lasso.penalties(steepest / inner.rows);
+    // Penalties in equal ratios, from the one above which nothing is active.
+    let first = steepest / inner.rows;
+    let last = first * ratio;
+    let part = |step: usize| (last / first).powf(step as f64 / (PATH - 1) as f64);
+    let penalty = |k: usize| if k + 1 == PATH { last } else { first * part(k) };
     let tolerance = gap_tolerance * inner.energy[0] / inner.rows;
     let unscaled = |(c, s): (&f64, &f64)| if *s > 0.0 { c / s } else { 0.0 };
 
@@ -78,7 +82,8 @@ pub fn lasso_path(problem: &NormalEquations, lasso: &Lasso) -> Result<Vec<PathPo
         let coefficients = descent.weights.iter().zip(scale).map(unscaled).collect();
         Some(PathPoint { lambda, coefficients, gap, sweeps })
     };
-    Ok(penalties.into_iter().map_while(point).collect())
+    let count = if first <= last { 1 } else { PATH };
+    Ok((0..count).map(penalty).map_while(point).collect())
 }
 
 impl Lasso {
@@ -113,16 +118,6 @@ impl Lasso {
             }
         }
         Ok(best)
-    }
-
-    /// Penalties in equal ratios, from the one above which nothing is active.
-    fn penalties(&self, first: f64) -> Vec<f64> {
-        let last = first * self.ratio;
-        if first <= last {
-            return vec![first];
-        }
-        let part = |step: usize| (last / first).powf(step as f64 / (PATH - 1) as f64);
-        (0..PATH).map(|k| if k + 1 == PATH { last } else { first * part(k) }).collect()
     }
 }
 

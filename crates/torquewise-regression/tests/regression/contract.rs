@@ -22,6 +22,11 @@ const SELECTORS: [Selector; 3] = [
     Selector { name: "criterion", select: |p| Criterion::default().select(p), unit_free: true },
 ];
 
+/// What each of them selects, by its name.
+fn selections(problem: &NormalEquations) -> [(&'static str, KeptColumns); 3] {
+    SELECTORS.map(|selector| (selector.name, (selector.select)(problem).expect("sound settings")))
+}
+
 /// Refits through differently ordered factorisations of a well-conditioned matrix agree to some
 /// hundred roundings.
 const ROUNDING: f64 = 1e-12;
@@ -50,11 +55,9 @@ proptest! {
         let rows = planted::rows(seed, 200, 15, 4, 0.01);
         let origin = |j: usize| (j * 4 + shift) % 15;
         let permuted = Mat::from_fn(200, 15, |i, j| rows.features[(i, origin(j))]);
-        for Selector { name, select, .. } in SELECTORS {
-
-            let before = select(&rows.problem()).unwrap();
-            let after = select(&planted::problem(&permuted, &rows.response)).unwrap();
-
+        let permuted = planted::problem(&permuted, &rows.response);
+        let (before, after) = (selections(&rows.problem()), selections(&permuted));
+        for ((name, before), (_, after)) in before.into_iter().zip(after) {
             let expected: Vec<f64> = (0..15).map(|j| before.coefficients[origin(j)]).collect();
             assert_whole(&after, 15, name);
             assert_close(&after.coefficients, &expected, ROUNDING, name);
@@ -79,10 +82,7 @@ proptest! {
     #[test]
     fn a_truth_without_noise_is_found_exactly(seed in 0..u64::MAX) {
         let rows = planted::rows(seed, 300, 20, 4, 0.0);
-        for Selector { name, select, .. } in SELECTORS {
-
-            let selection = select(&rows.problem()).unwrap();
-
+        for (name, selection) in selections(&rows.problem()) {
             prop_assert_eq!(&selection.active, &rows.support(), "{}", name);
             assert_close(&selection.coefficients, &rows.truth, ROUNDING, name);
         }
@@ -91,10 +91,7 @@ proptest! {
     #[test]
     fn a_truth_in_noise_is_found_within_the_noise(seed in 0..u64::MAX) {
         let rows = planted::rows(seed, 400, 20, 4, 0.1);
-        for Selector { name, select, .. } in SELECTORS {
-
-            let selection = select(&rows.problem()).unwrap();
-
+        for (name, selection) in selections(&rows.problem()) {
             // Deviation of a weight: 0.1/√3 of noise over √400 rows and a column of about 0.5.
             let deviation = 0.1 / 3.0_f64.sqrt() / 400.0_f64.sqrt() / 0.5;
             prop_assert!(rows.support().iter().all(|j| selection.active.contains(j)), "{}", name);
@@ -107,10 +104,7 @@ proptest! {
     fn a_column_of_zeros_is_never_selected(seed in 0..u64::MAX, empty in 0..10_usize) {
         let mut rows = planted::rows(seed, 100, 10, 3, 0.05);
         rows.features.col_mut(empty).fill(0.0);
-        for Selector { name, select, .. } in SELECTORS {
-
-            let selection = select(&rows.problem()).unwrap();
-
+        for (name, selection) in selections(&rows.problem()) {
             assert_whole(&selection, 10, name);
             prop_assert!(!selection.active.contains(&empty), "{}", name);
         }
@@ -121,10 +115,7 @@ proptest! {
         let mut rows = planted::rows(seed, 100, 10, 2, 0.05);
         let first = rows.features.col(0).to_owned();
         rows.features.col_mut(7).copy_from(&first * faer::Scale(factor));
-        for Selector { name, select, .. } in SELECTORS {
-
-            let selection = select(&rows.problem()).unwrap();
-
+        for (name, selection) in selections(&rows.problem()) {
             assert_whole(&selection, 10, name);
             let kept = [0, 7].iter().filter(|j| selection.active.contains(j)).count();
             prop_assert_eq!(kept, 1, "{}: {:?}", name, selection.active);
@@ -137,10 +128,8 @@ fn nothing_is_selected_for_a_response_of_zeros_or_without_columns() {
     let rows = planted::rows(1, 50, 6, 2, 0.0);
     let silent = planted::problem(&rows.features, &[0.0; 50]);
     let empty = NormalEquations::new(Mat::zeros(0, 0), &[], 1.0, 10.0).unwrap();
-    for Selector { name, select, .. } in SELECTORS {
-        for problem in [&silent, &empty] {
-            let selection = select(problem).unwrap();
-
+    for problem in [&silent, &empty] {
+        for (name, selection) in selections(problem) {
             assert_whole(&selection, problem.n_columns(), name);
             assert!(selection.active.is_empty(), "{name}: {:?}", selection.active);
         }
@@ -158,9 +147,7 @@ fn an_overcorrected_gram_matrix_selects_finite_weights() {
         });
         let problem =
             NormalEquations::new(gram, exact.right(), exact.energy[0], exact.rows).unwrap();
-        for Selector { name, select, .. } in SELECTORS {
-            let selection = select(&problem).unwrap();
-
+        for (name, selection) in selections(&problem) {
             assert_whole(&selection, 12, name);
         }
     }
@@ -172,27 +159,17 @@ fn linear_algebra_is_not_cut_by_the_number_of_threads() {
     assert!(matches!(faer::get_global_parallelism(), faer::Par::Seq));
 }
 
-fn criterion(rows: &planted::Rows) -> KeptColumns {
-    Criterion::default().select(&rows.problem()).expect("γ is in range")
-}
-
 #[test]
-fn more_columns_than_rows_still_give_the_planted_terms() {
+fn the_criterion_finds_planted_terms_in_fewer_rows_than_columns_and_none_in_noise_alone() {
+    let select = |rows: &planted::Rows| Criterion::default().select(&rows.problem()).unwrap();
     for seed in 0..10 {
         let rows = planted::rows(seed, 60, 150, 3, 0.01);
-        let found = criterion(&rows);
+        let found = select(&rows);
 
         let kept = |column| found.active.contains(column);
         assert!(rows.support().iter().all(kept), "seed {seed}: {:?}", found.active);
         assert!(found.active.len() < 20, "seed {seed}: {:?}", found.active);
-    }
-}
-
-#[test]
-fn a_response_of_noise_alone_keeps_nothing() {
-    for seed in 0..10 {
-        let rows = planted::rows(seed, 300, 20, 0, 1.0);
-
-        assert_eq!(criterion(&rows).active, [], "seed {seed}");
+        let noise = planted::rows(seed, 300, 20, 0, 1.0);
+        assert_eq!(select(&noise).active, [], "seed {seed}");
     }
 }

@@ -7,6 +7,7 @@ const FIGURE_SPACE: char = '\u{2007}';
 const PUNCTUATION_SPACE: char = '\u{2008}';
 /// Between thousands, never at the end of a line.
 const NARROW_SPACE: char = '\u{202f}';
+const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
 
 /// A number with so many significant digits: `0.0152`, `−12.3`, `1.2·10⁻⁷`, `∞`; `–` for none.
 pub fn significant(x: f64, digits: usize) -> String {
@@ -25,7 +26,9 @@ pub fn significant(x: f64, digits: usize) -> String {
     let Some((mantissa, exponent)) = scientific.split_once('e') else { return scientific };
     let exponent: i32 = exponent.parse().unwrap_or_default();
     if !(-4..6).contains(&exponent) {
-        return format!("{sign}{mantissa}·10{}", superscript(exponent));
+        let raised = |c: char| c.to_digit(10).map_or('⁻', |digit| RAISED[digit as usize]);
+        let exponent: String = exponent.to_string().chars().map(raised).collect();
+        return format!("{sign}{mantissa}·10{exponent}");
     }
     let digits = i32::try_from(digits).unwrap_or(i32::MAX);
     let decimals = usize::try_from(digits - 1 - exponent).unwrap_or(0);
@@ -43,15 +46,6 @@ pub fn count(n: usize) -> String {
         text.push(digit);
     }
     text
-}
-
-fn superscript(exponent: i32) -> String {
-    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-    let raised = |c: char| match c.to_digit(10) {
-        Some(digit) => DIGITS[digit as usize],
-        None => '⁻',
-    };
-    exponent.to_string().chars().map(raised).collect()
 }
 
 /// Numbers padded on the right so that their decimal points meet when they end at the same place.

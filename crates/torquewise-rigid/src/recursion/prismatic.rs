@@ -19,27 +19,19 @@ impl<T: Scalar> Body<T> {
             rotation.tr_mul(&carried) + omega.cross(&along_z(dq + dq)) + along_z(ddq);
         Self { rotation, origin, omega, alpha, acceleration }
     }
+
+    /// Force along a slide per unit of each parameter.
+    pub(super) fn pushes(&self, along: &Vector3<T>) -> [T; PER_BODY] {
+        let (w, dw, a) = (&self.omega, &self.alpha, &self.acceleration);
+        // along·(ω̇×e + ω×(ω×e)) for the three unit vectors e at once; moments push nothing.
+        let first = along.cross(dw) + w * w.dot(along) - along * w.dot(w);
+        let mut forces = [T::zero(); PER_BODY];
+        forces[..4].copy_from_slice(&[along.dot(a), first.x, first.y, first.z]);
+        forces
+    }
 }
 
 impl<T: Scalar> Moved<T> {
-    /// The regressor of the force of a joint that slides.
-    pub(super) fn regressor_of_slide(&self, joint: usize, put: &mut impl FnMut(usize, usize, T)) {
-        let mut along = along_z(T::one());
-        for (k, body) in self.bodies.iter().enumerate().skip(joint) {
-            if k > joint {
-                along = body.rotation.tr_mul(&along);
-            }
-            let (w, dw, a) = (&body.omega, &body.alpha, &body.acceleration);
-            // along·(ω̇×e + ω×(ω×e)) for the three unit vectors e at once; moments push nothing.
-            let first = along.cross(dw) + w * w.dot(&along) - along * w.dot(w);
-            let mut forces = [T::zero(); PER_BODY];
-            forces[..4].copy_from_slice(&[along.dot(a), first.x, first.y, first.z]);
-            for (parameter, value) in forces.into_iter().enumerate() {
-                put(joint, PER_BODY * k + parameter, value);
-            }
-        }
-    }
-
     /// How the origin of a joint shifts where its frame turns and shifts, in the frame before: what
     /// has slid turns along.
     pub(super) fn shift_of(

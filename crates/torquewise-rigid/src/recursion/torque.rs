@@ -1,8 +1,8 @@
 //! Torque alone: nothing is kept of the recursion, and it takes no memory.
 
-use super::splat;
 use super::{
     Body, Inertia, Kinematics, Lanes, MOST_JOINTS, MotionState, N_LANES, PER_BODY, Scalar, Wrench,
+    splat,
 };
 use faer::MatRef;
 use simba::simd::SimdValue;

@@ -52,7 +52,7 @@ fn moved(chain: &Chain, parameter: usize, step: f64) -> Chain {
 }
 
 #[test]
-fn a_residual_is_measured_less_predicted() {
+fn a_residual_is_measured_less_predicted_and_columns_are_the_slopes_of_the_torque() {
     let (rows, chain) = (rows(), other());
 
     let tangent = chain.tangent(&rows, &WEIGHTS, &all_parameters(JOINTS)).unwrap();
@@ -66,14 +66,6 @@ fn a_residual_is_measured_less_predicted() {
         assert!((tangent.weights[k] - weight).abs() < 1e-15);
         assert!((residual - expected).abs() < 1e-12 * largest, "{k}: {residual} {expected}");
     }
-}
-
-#[test]
-fn columns_are_the_slopes_of_the_torque() {
-    let (rows, chain) = (rows(), other());
-
-    let tangent = chain.tangent(&rows, &WEIGHTS, &all_parameters(JOINTS)).unwrap();
-
     assert_eq!(tangent.columns.ncols(), 10 * JOINTS + 2 + 2 + 4 * (JOINTS - 1));
     let step = 1e-5;
     for parameter in 0..tangent.columns.ncols() {

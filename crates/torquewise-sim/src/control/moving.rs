@@ -162,27 +162,20 @@ mod tests {
     }
 
     #[test]
-    fn a_command_acts_after_its_delay() {
+    fn a_command_acts_after_its_delay_and_a_drive_gives_no_more_than_its_limit() {
+        let (free, step) = (f64::INFINITY, [0.0, 100.0, 100.0, 0.0]);
         // The first command is held before it comes; 100 N·m on 2 kg·m² for 10 ms are 0.5 rad/s.
-        for (delay, expected) in [
-            (0.0, [0.0, 0.5, 1.0, 1.0]),
-            (0.004, [0.0, 0.3, 0.8, 1.0]),
-            (0.01, [0.0, 0.0, 0.5, 1.0]),
-            (0.013, [0.0, 0.0, 0.35, 0.85]),
+        for (delay, limit, commands, expected) in [
+            (0.0, free, step, [0.0, 0.5, 1.0, 1.0]),
+            (0.004, free, step, [0.0, 0.3, 0.8, 1.0]),
+            (0.01, free, step, [0.0, 0.0, 0.5, 1.0]),
+            (0.013, free, step, [0.0, 0.0, 0.35, 0.85]),
+            (0.0, 20.0, [0.0, 100.0, -100.0, 0.0], [0.0, 0.1, 0.0, 0.0]),
         ] {
-            let found = speeds(delay, f64::INFINITY, &[0.0, 100.0, 100.0, 0.0]);
-
-            for (found, expected) in found.iter().zip(expected) {
+            for (found, expected) in speeds(delay, limit, &commands).iter().zip(expected) {
                 assert!((found - expected).abs() < 1e-9, "{delay} s: {found}, not {expected}");
             }
         }
-    }
-
-    #[test]
-    fn a_drive_gives_no_more_than_its_limit() {
-        let found = speeds(0.0, 20.0, &[0.0, 100.0, -100.0]);
-
-        assert!((found[1] - 0.1).abs() < 1e-9 && found[2].abs() < 1e-9, "{found:?}");
     }
 
     #[test]

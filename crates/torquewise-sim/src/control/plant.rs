@@ -1,6 +1,7 @@
 //! What a controller has before it: arm, friction, drives and encoders.
 
 use crate::control::integrate::Integrator;
+use crate::control::knowledge::sum;
 use crate::error::{Result, check_above_zero, check_between, check_joints};
 use crate::{Arm, Friction};
 
@@ -119,11 +120,7 @@ impl Plant {
 
     /// Torque \[N·m\], n, that makes the arm move so: [`Arm::inverse_dynamics`] and friction.
     pub fn needed_torque(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
-        let mut tau = self.arm.inverse_dynamics(q, dq, ddq);
-        for (tau, rubs) in tau.iter_mut().zip(self.friction.torques(dq)) {
-            *tau += rubs;
-        }
-        tau
+        sum(self.arm.inverse_dynamics(q, dq, ddq), 1.0, &self.friction.torques(dq))
     }
 
     /// Lets a steady torque act for some seconds: q \[rad\] and dq \[rad/s\], n each, become what

@@ -61,15 +61,7 @@ pub fn periodic(arm: &Arm, plan: &Periodic) -> Result<Motion> {
         arm.ranges().into_iter().map(|range| Wave::draw(range, plan, &mut random)).collect();
     let rows = whole((plan.seconds * plan.rate).round()) + 1;
     let t: Vec<f64> = (0..rows).map(|row| row as f64 / plan.rate).collect();
-    let state = |t: &f64| {
-        let mut state = State::default();
-        for [q, dq, ddq] in joints.iter().map(|wave| wave.at(*t)) {
-            state.q.push(q);
-            state.dq.push(dq);
-            state.ddq.push(ddq);
-        }
-        state
-    };
+    let state = |t: &f64| State::of_joints(joints.iter().map(|wave| wave.at(*t)));
     let states: Vec<State> = t.iter().map(state).collect();
     motion(arm.joints(), t, &states, None)
 }

@@ -73,7 +73,10 @@ impl DesignCriterion {
         let p = rows.ncols();
         let mut gram = Mat::zeros(p, p);
         add_gram(&mut gram, rows, 1.0 / seconds);
-        let eigenvalues = eigenvalues(&gram);
+        let is_finite = (0..p).all(|j| (j..p).all(|i| gram[(i, j)].is_finite()));
+        let found = is_finite.then(|| gram.self_adjoint_eigenvalues(Side::Lower).ok()).flatten();
+        let mut eigenvalues = found.unwrap_or_default();
+        eigenvalues.sort_by(f64::total_cmp);
         let (condition, information) = match (eigenvalues.first(), eigenvalues.last()) {
             (Some(least), Some(most)) if *least > ROUNDINGS * p as f64 * most => {
                 let logarithms = eigenvalues.iter().map(|x| x.ln());
@@ -83,16 +86,6 @@ impl DesignCriterion {
         };
         Self { columns: p, condition, information }
     }
-}
-
-fn eigenvalues(matrix: &Mat<f64>) -> Vec<f64> {
-    let p = matrix.nrows();
-    if (0..p).any(|j| (j..p).any(|i| !matrix[(i, j)].is_finite())) {
-        return Vec::new();
-    }
-    let mut values = matrix.self_adjoint_eigenvalues(Side::Lower).unwrap_or_default();
-    values.sort_by(f64::total_cmp);
-    values
 }
 
 /// L of a positive definite matrix; not a number on the diagonal if it is none.

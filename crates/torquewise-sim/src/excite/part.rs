@@ -165,7 +165,7 @@ impl Part {
             Segment::Hold { at: from, .. }
             | Segment::Glide { from, .. }
             | Segment::Stroke { from, .. } => from.clone(),
-            Segment::Sines(sines) => sines.ends(),
+            Segment::Sines(sines) => sines.state_at(0.0).q,
         }
     }
 

@@ -79,16 +79,10 @@ impl Sines {
     pub(crate) fn state_at(&self, t: f64) -> State {
         let w = TAU / self.seconds;
         let turn = (w * t).sin_cos();
-        let mut state = State::at_rest(&vec![0.0; self.joints.len()]);
-        for (i, series) in self.joints.iter().enumerate() {
+        State::of_joints(self.joints.iter().map(|series| {
             let [q, dq, ddq] = series.value(turn);
-            (state.q[i], state.dq[i], state.ddq[i]) = (q, w * dq, w * w * ddq);
-        }
-        state
-    }
-
-    pub(crate) fn ends(&self) -> Vec<f64> {
-        self.joints.iter().map(|series| series.value((0.0, 1.0))[0]).collect()
+            [q, w * dq, w * w * ddq]
+        }))
     }
 }
 

@@ -153,13 +153,12 @@ impl Torques {
                 self.raise(&mut peaks, &recording.state_at(row as f64 / recording.rate));
             }
         }
-        match self.worst(&peaks) {
-            (_, share) if share <= 1.0 => Ok(peaks),
-            (k, _) => {
-                let (joint, found, limit) = (self.joints[k].clone(), peaks[k], self.most[k]);
-                Err(SimError::Exceeds { what: "torque", joint, found, limit })
-            }
+        let (k, share) = self.worst(&peaks);
+        if share <= 1.0 {
+            return Ok(peaks);
         }
+        let (joint, found, limit) = (self.joints[k].clone(), peaks[k], self.most[k]);
+        Err(SimError::Exceeds { what: "torque", joint, found, limit })
     }
 }
 

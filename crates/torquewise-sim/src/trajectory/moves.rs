@@ -20,9 +20,7 @@ const TURN_BACK: f64 = 0.25;
 
 /// Positioning and sorting: one move after the other.
 #[derive(Clone, Debug)]
-pub(crate) struct Moves {
-    moves: Vec<Move>,
-}
+pub(crate) struct Moves(Vec<Move>);
 
 /// Times \[s\] of a move's phases.
 #[derive(Clone, Copy, Debug)]
@@ -75,12 +73,12 @@ impl Moves {
             start += phases.total();
             from = to;
         }
-        Self { moves }
+        Self(moves)
     }
 
     pub(crate) fn state_at(&self, t: f64, state: &mut State) {
-        let next = self.moves.partition_point(|m| m.start <= t);
-        let Some(current) = self.moves.get(next.saturating_sub(1)) else { return };
+        let next = self.0.partition_point(|m| m.start <= t);
+        let Some(current) = self.0.get(next.saturating_sub(1)) else { return };
         let progress = current.phases.progress(t - current.start);
         *state = State::on_line(&current.from, &current.travel, progress);
     }

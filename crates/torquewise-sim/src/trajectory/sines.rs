@@ -14,11 +14,9 @@ const BOUND: [f64; 2] = [2.0, 6.0];
 /// Slow sines get larger amplitudes, by ω to this power, so that the joints cross their range.
 const ROLL_OFF: f64 = 1.3;
 
+/// Middle \[rad\] and sines of each joint.
 #[derive(Clone, Debug)]
-pub(crate) struct Sines {
-    /// Middle \[rad\] and sines of each joint.
-    joints: Vec<(f64, Vec<Sine>)>,
-}
+pub(crate) struct Sines(Vec<(f64, Vec<Sine>)>);
 
 #[derive(Clone, Copy, Debug)]
 struct Sine {
@@ -48,11 +46,11 @@ impl Sines {
             }
             (f64::midpoint(lower, upper), sines)
         };
-        Self { joints: ranges.iter().map(draw_joint).collect() }
+        Self(ranges.iter().map(draw_joint).collect())
     }
 
     pub(crate) fn state_at(&self, t: f64, state: &mut State) {
-        for (i, (middle, sines)) in self.joints.iter().enumerate() {
+        for (i, (middle, sines)) in self.0.iter().enumerate() {
             let (mut q, mut dq, mut ddq) = (*middle, 0.0, 0.0);
             for &Sine { amplitude, w, phase } in sines {
                 let (sin, cos) = (w * t + phase).sin_cos();

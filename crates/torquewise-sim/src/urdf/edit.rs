@@ -41,8 +41,11 @@ pub fn edited(
         let lines = body.as_ref().map(inertial);
         edits.extend(put(text, named("link", link)?, "inertial", lines));
     }
-    for (joint, own) in dynamics {
-        edits.extend(put(text, named("joint", joint)?, "dynamics", Some(friction(own))));
+    for (joint, Dynamics { armature, damping, friction }) in dynamics {
+        let line = format!(
+            "<dynamics damping=\"{damping:?}\" friction=\"{friction:?}\" armature=\"{armature:?}\"/>"
+        );
+        edits.extend(put(text, named("joint", joint)?, "dynamics", Some(vec![line])));
     }
     edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
     let mut out = text.to_owned();
@@ -100,10 +103,4 @@ fn inertial(Body { mass, com, inertia }: &Body) -> Vec<String> {
         ),
         "</inertial>".to_owned(),
     ]
-}
-
-fn friction(Dynamics { armature, damping, friction }: &Dynamics) -> Vec<String> {
-    vec![format!(
-        "<dynamics damping=\"{damping:?}\" friction=\"{friction:?}\" armature=\"{armature:?}\"/>"
-    )]
 }

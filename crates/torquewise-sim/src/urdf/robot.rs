@@ -73,19 +73,16 @@ fn origin(element: Node<'_, '_>) -> Result<Pose> {
 impl Joint {
     /// How it moves, if it does.
     pub(crate) fn moves(&self) -> JointKind {
-        match self.kind {
-            "prismatic" => JointKind::Prismatic,
-            _ => JointKind::Revolute,
-        }
+        if self.kind == "prismatic" { JointKind::Prismatic } else { JointKind::Revolute }
     }
 
     fn read(joint: Node<'_, '_>) -> Result<Self> {
         let written = attribute(joint, "type")?;
         let kind = KINDS.into_iter().find(|kind| *kind == written);
         let link = |name| attribute(required(joint, name)?, "link");
-        let limit = |name, none: f64| match child(joint, "limit") {
-            Some(limit) => numbers(limit, name, Some([none])).map(|[number]| number),
-            None => Ok(none),
+        let limit = |name, none: f64| {
+            let given = child(joint, "limit").map(|limit| numbers(limit, name, Some([none])));
+            given.map_or(Ok(none), |given| given.map(|[number]| number))
         };
         Ok(Self {
             name: attribute(joint, "name")?,
@@ -93,10 +90,8 @@ impl Joint {
             parent: link("parent")?,
             child: link("child")?,
             origin: origin(joint)?,
-            axis: match child(joint, "axis") {
-                Some(axis) => numbers(axis, "xyz", None)?,
-                None => [1.0, 0.0, 0.0],
-            },
+            axis: child(joint, "axis")
+                .map_or(Ok([1.0, 0.0, 0.0]), |axis| numbers(axis, "xyz", None))?,
             range: [limit("lower", 0.0)?, limit("upper", 0.0)?],
             peaks: [limit("velocity", 0.0)?, limit("acceleration", f64::INFINITY)?],
             mimics: child(joint, "mimic").is_some(),

@@ -26,7 +26,7 @@ fn robot(parts: &[String]) -> String {
 }
 
 /// base – j1 – l1 – j2 – l2, both joints of the given types.
-fn two_joints(first: &str, second: &str) -> String {
+pub(crate) fn two_joints(first: &str, second: &str) -> String {
     let links = ["base", "l1", "l2"].map(link).concat();
     robot(&[links, joint("j1", first, ["base", "l1"], ""), joint("j2", second, ["l1", "l2"], "")])
 }

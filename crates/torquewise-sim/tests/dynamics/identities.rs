@@ -127,7 +127,7 @@ fn gravity_torque_is_the_gradient_of_potential_energy() {
 }
 
 #[test]
-fn a_massless_last_link_is_named_when_it_should_accelerate() {
+fn a_massless_last_link_is_named_when_it_should_accelerate_and_another_joint_count_is_refused() {
     let link = |name, mass| {
         format!(
             "[[joints]]\nname = '{name}'\na = 0.5\nalpha = 0.0\nd = 0.0\nmass = {mass}\n\
@@ -140,12 +140,6 @@ fn a_massless_last_link_is_named_when_it_should_accelerate() {
     let error = arm.forward_dynamics(&[0.1, 0.2], &[0.0, 0.0], &[1.0, 1.0]).unwrap_err();
 
     assert!(matches!(error, SimError::Massless { joint: 1 }), "{error:?}");
-}
-
-#[test]
-fn a_torque_of_another_joint_count_is_refused() {
-    let arm = Arm::builtin("planar-2").unwrap();
-
     let error = arm.forward_dynamics(&[0.1, 0.2], &[0.0, 0.0], &[1.0]).unwrap_err();
 
     let wanted = SimError::JointCount { what: "tau", found: 1, expected: 2 };

@@ -3,28 +3,17 @@
 use crate::Arm;
 use crate::error::SimError;
 use crate::excite::limits::{JointValues, Wishes, limits};
+use crate::urdf::tests::two_joints;
 use approx::assert_relative_eq;
 use std::f64::consts::PI;
 
 /// Joint `turn` from −1 to 3 rad at 2 rad/s, joint `roll` without end at 4 rad/s.
 fn arm() -> Arm {
-    let link = |name: &str| {
-        format!(
-            "<link name='{name}'><inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' \
-             iyy='1' iyz='0' izz='1'/></inertial></link>"
-        )
-    };
-    let joint = |name: &str, kind: &str, [parent, child]: [&str; 2], limit: &str| {
-        format!(
-            "<joint name='{name}' type='{kind}'><parent link='{parent}'/><child link='{child}'/>\
-             <axis xyz='0 1 0'/><limit effort='1' {limit}/></joint>"
-        )
-    };
-    let turn = joint("turn", "revolute", ["base", "a"], "lower='-1' upper='3' velocity='2'");
-    let roll = joint("roll", "continuous", ["a", "b"], "velocity='4'");
-    let links = ["base", "a", "b"].map(link).concat();
-    let text = format!("<robot name='two'>{links}{turn}{roll}</robot>");
-    Arm::from_urdf(&text, &[]).unwrap()
+    let text = two_joints("revolute", "continuous").replace("upper='2'", "upper='3'");
+    let (turn, roll) = text.split_once("<joint name='j2'").unwrap();
+    let turn = turn.replace("'j1'", "'turn'").replace("velocity='1'", "velocity='2'");
+    let roll = roll.replace("velocity='1'", "velocity='4'");
+    Arm::from_urdf(&format!("{turn}<joint name='roll'{roll}"), &[]).unwrap()
 }
 
 fn all<T>(value: T) -> JointValues<T> {
