@@ -7,7 +7,6 @@ use crate::lower::lowered;
 use crate::momentum::{Factors, coriolis_matrix, momentum};
 use crate::parts::{Parts, elements, friction, next_states, sums};
 use crate::ways::{frictionless, gravity_of};
-use torquewise_model::verdict::{Grade, Verdict};
 use torquewise_model::{Form, JointKinds, Model, Training, number, to_json};
 
 /// What a function of an exported file computes.
@@ -225,11 +224,9 @@ impl Program {
     pub fn version(&self) -> String {
         let own =
             format!("torquewise {}, model {:016x}", env!("CARGO_PKG_VERSION"), self.fingerprint);
-        match &self.training.verdict {
-            Some(Verdict { grade: Grade::Unusable, .. }) => {
-                format!("{own}, unusable by the verdict of its fit")
-            }
-            _ => own,
+        match self.training.useless() {
+            Some(_) => format!("{own}, unusable by the verdict of its fit"),
+            None => own,
         }
     }
 

@@ -5,7 +5,7 @@ use crate::error::ModelError;
 use crate::friction::FrictionTerm;
 use crate::rigid_chain::{JointKinds, RigidChain};
 use crate::term::{Sum, Term};
-use crate::verdict::Verdict;
+use crate::verdict::{Grade, Verdict};
 pub use crate::weighted::Weighted;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -176,6 +176,11 @@ pub struct Model {
 impl Training {
     /// Held-out error over the spread of the torque from which a joint is predicted poorly.
     pub const POOR: f64 = 0.3;
+
+    /// The verdict of a fit that says that the model should not be used.
+    pub fn useless(&self) -> Option<&Verdict> {
+        self.verdict.as_ref().filter(|own| own.grade == Grade::Unusable)
+    }
 
     /// RMS of what is to be expected of the torque of each joint \[N·m\] on other rows, n: the residual,
     /// or what was left of rows that were held out, by time or by region, whichever is largest.

@@ -13,7 +13,6 @@ use torquewise_export::{
     to_python, to_rust, to_urdf,
 };
 use torquewise_identify::samples;
-use torquewise_model::verdict::Grade;
 use torquewise_model::{Model, to_json};
 
 /// What is written.
@@ -180,15 +179,9 @@ fn export_one(model: &Model, to: Target, options: &ExportOptions<'_>) -> Result<
         }
     }
     let program = to.is_code().then_some(program);
-    let verdict = model.training.verdict.iter().filter(|own| own.grade == Grade::Unusable);
-    let of_fit = verdict.map(|own| format!("the verdict of its fit is {own}"));
-    Ok(Exported {
-        files,
-        program,
-        version,
-        left_out,
-        flaws: flaw.into_iter().chain(of_fit).collect(),
-    })
+    let of_fit = model.training.useless().map(|own| format!("the verdict of its fit is {own}"));
+    let flaws = flaw.into_iter().chain(of_fit).collect();
+    Ok(Exported { files, program, version, left_out, flaws })
 }
 
 impl<'a> ExportOptions<'a> {

@@ -100,21 +100,17 @@ impl PhysicsCheck {
                 failures.push(format!("{what} by {defect:.1e}"));
             }
         }
-        let mut told = Vec::new();
-        if !failures.is_empty() {
-            told.push(format!(
+        let no_arm = (!failures.is_empty()).then(|| {
+            format!(
                 "no rigid arm moves as this model does: {}; fit the energy library for a symmetric \
                  M(q), and record more motion if that is not positive",
                 failures.join(", ")
-            ));
-        }
-        if let Some(driving) = &self.trained.driving {
-            told.push(format!(
-                "{driving}, where a real one takes power: fit with linear friction, or record more \
-                 slow motion of that joint"
-            ));
-        }
-        (!told.is_empty()).then(|| told.join("; "))
+            )
+        });
+        let cure =
+            "where a real one takes power: fit with linear friction, or record slower motion";
+        let driving = self.trained.driving.iter().map(|driving| format!("{driving}, {cure}"));
+        no_arm.into_iter().chain(driving).reduce(|all, one| format!("{all}; {one}"))
     }
 }
 

@@ -17,15 +17,12 @@ pub(crate) fn section(checks: &Checks) -> Section {
         vec![name.into(), significant(value, 3).into(), expected.into()]
     };
     let zero = "zero, but for rounding";
+    let power = checks.driving.as_ref().map_or(0.0, |driving| -driving.power);
     let rows = vec![
         row("smallest eigenvalue of M [kg·m²]", checks.smallest_eigenvalue, "more than zero"),
         row("asymmetry of M", checks.asymmetry, zero),
         row("defect of Ṁ − 2C from skew symmetry", checks.skew_defect, zero),
-        row(
-            "power by which friction drives a shaft [W]",
-            checks.driving.as_ref().map_or(0.0, |driving| -driving.power),
-            "none",
-        ),
+        row("power of friction that drives a shaft [W]", power, "none"),
     ];
     let [check, expected] = ["check", "a physical arm has"].map(Heading::words);
     let columns = vec![check, Heading::numbers("found"), expected];
