@@ -142,7 +142,9 @@ def rollout(arm):
                     data.ctrl[:] = (1 - part) * tau[row] + part * after
                     mujoco.mj_step(model, data)
     found = arm.run("evaluate", arm.file("json"), *files, "--rollout", WINDOW, "--json")
-    return max(json.loads(found)["rollout"][0]["rms_drift_rad"])
+    drift = json.loads(found)["rollout"][0]
+    assert drift["ran_away"] == 0, drift
+    return max(drift["rms_drift_rad"])
 
 
 def main():

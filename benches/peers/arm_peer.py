@@ -46,7 +46,8 @@ def ours(data, folder, name, **options):
         data.seen, data.judged = (filtered(part, model) for part in (data.train, data.test))
         data.save(folder)
     found = model.rollout(data.test, horizons=[HORIZON], **band(model))
-    ratios = (found.drift[0] / found.hold[0]).tolist()
+    ran_away = bool(found.ran_away[0])
+    ratios = [None if ran_away else own for own in (found.drift[0] / found.hold[0]).tolist()]
     expected = [model.torque(*(own[key] for key in ("q", "dq", "ddq"))) for own in data.judged]
     return {
         "seconds": spent, "terms": model.complexity, "verdict": fit.verdict,

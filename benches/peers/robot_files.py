@@ -53,7 +53,8 @@ def row(shared, profile, arm):
     plain = torquewise.fit(log, friction="linear", **options, **band(whole)).model
     own = whole.rollout(log, horizons=[0.5], **band(whole))
     rows = torquewise.read_log(log, **band(whole)).trajectories(conditioned=True)
-    return mean(own.drift[0] / own.hold[0]), in_mujoco(whole, rows), in_mujoco(plain, rows)
+    drift = float("inf") if own.ran_away[0] else mean(own.drift[0] / own.hold[0])
+    return drift, in_mujoco(whole, rows), in_mujoco(plain, rows)
 
 
 def main():

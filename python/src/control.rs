@@ -87,7 +87,8 @@ pub(crate) fn control<'py>(
     };
     let found = work(py, None, move |_| Ok(job()))?.map_err(value_error)?;
     for (name, t) in found.ran_away {
-        let told = CString::new(format!("{name}: the arm runs away at {t:.3} s"))?;
+        let told =
+            CString::new(format!("{name}: the arm runs away at {t:.3} s: lower the bandwidth"))?;
         PyErr::warn(py, &py.get_type::<PyUserWarning>(), &told, 3)?;
     }
     found.runs.iter().map(|own| Ok((own.name.clone(), tracking_dict(py, own, settle)?))).collect()

@@ -7,10 +7,8 @@ use crate::log::Log;
 use crate::states::Answer;
 use crate::work::work;
 use numpy::PyArray1;
-use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyType};
-use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::Arc;
 use torquewise::evaluate::{evaluate_prepared, prepare, rollouts};
@@ -334,7 +332,7 @@ impl Model {
         force: bool,
         samples: Option<usize>,
         seed: u64,
-    ) -> PyResult<(Vec<(String, Vec<u8>)>, Vec<String>)> {
+    ) -> PyResult<(Vec<(String, Vec<u8>)>, Vec<String>, Vec<String>)> {
         let to = choice("to", to, &Target::NAMED.map(|(word, _, target)| (word, target)))?;
         let words = [("double", Precision::Double), ("float", Precision::Single)];
         let precision = choice("precision", precision, &words)?;
@@ -348,11 +346,7 @@ impl Model {
                 ExportOptions { name, precision, reversal, onto, binary, force, samples, work };
             export(&model, to, &options)
         })?;
-        for flaw in found.flaws {
-            let flaw = CString::new(format!("{flaw}: do not let it move an arm"))?;
-            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &flaw, 3)?;
-        }
-        Ok((found.files, found.left_out))
+        Ok((found.files, found.left_out, found.flaws))
     }
 
     /// `good`, `usable` or `unusable`, as its fit said; None where no fit did.

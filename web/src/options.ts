@@ -23,7 +23,7 @@ const WORDS: Record<string, string> = {
   chain: "learned chain of rigid bodies", energy: "energies M(q), V(q)", product: "products of terms",
   linear: "dry and viscous", stribeck: "Stribeck", auto: "by held-out rows", rollout: "by simulated motion",
   sindy: "one-shot SINDy", stepwise: "stepwise, by pattern of motion", bic: "BIC", lasso: "LASSO",
-  stlsq: "thresholds", scaled: "each joint by its range", paper: "constants of the paper",
+  stlsq: "thresholds", "noise_correction true": "taken out", "noise_correction false": "left in", scaled: "each joint by its range", paper: "constants of the paper",
 };
 
 // The filter goes with the log.
@@ -34,17 +34,22 @@ function input(option: Keyword): HTMLElement {
   const choice = (words: [string, string][]) => element("select", { name },
     ...[["", "usual"], ...words].map(([value, text]) => element("option", { value }, text)));
   if (option.word) return choice(option.word.map((word) => [word, WORDS[word] ?? word]));
-  if ("switch" in option) return choice([["true", "taken out"], ["false", "left in"]]);
+  if ("switch" in option) return choice(["true", "false"].map((word) => [word, WORDS[`${name} ${word}`] ?? word]));
   if ("text" in option || "texts" in option) return element("input", { name, placeholder: "usual" });
   const { start, end } = option.whole ?? { start: 0, end: Number.MAX_VALUE };
-  return element("input", { name, type: "number", min: start, max: end, step: option.whole ? 1 : "any", placeholder: "usual" });
+  const most = option.whole ? Math.min(end, Number.MAX_SAFE_INTEGER) : end;
+  return element("input", { name, type: "number", min: start, max: most, step: option.whole ? 1 : "any", placeholder: "usual" });
 }
 
 export function optionsForm(keywords: Keyword[]): HTMLElement {
   const all = new Map([...keywords, CUTOFF].map((option) => [option.name, option]));
+  const grouped = Object.values(GROUPS).flat();
+  const groups = { ...GROUPS, "Others": [...all.keys()].filter((name) => !grouped.includes(name)) };
   return element("details", { class: "options" }, element("summary", {}, "Options"),
-    ...Object.entries(GROUPS).map(([title, names]) => element("fieldset", {}, element("legend", {}, title),
-      ...names.map((name) => element("label", { class: "field" }, element("span", {}, LABELS[name]!), input(all.get(name)!))))));
+    ...Object.entries(groups).map(([title, names]) => [title, names.flatMap((name) => all.get(name) ?? [])] as const)
+      .filter(([, own]) => own.length > 0)
+      .map(([title, own]) => element("fieldset", {}, element("legend", {}, title),
+        ...own.map((option) => element("label", { class: "field" }, element("span", {}, LABELS[option.name] ?? option.name), input(option))))));
 }
 
 export function chosen(form: HTMLFormElement, keywords: Keyword[]): { options: Record<string, unknown>; cutoff: number | null } {

@@ -79,6 +79,23 @@ test("unknown columns become a model in six clicks, and a chain a robot", async 
   await page.context().close();
 });
 
+test("an arm whose joints slide is found to, and every option of the engine can be set", async () => {
+  const page = await browser.open();
+  await example(page, "gantry");
+  await page.click("details.options summary");
+  const options = await page.locator("details.options [name]").evaluateAll((all) => all.map((own) => own.name).sort());
+  assert.ok(["activation", "clusters", "cutoff", "gravity_order", "kinds", "library", "n_bootstrap"].every((own) => options.includes(own)), options.join());
+  assert.equal(await page.getByLabel("Seed").getAttribute("step"), "1");
+
+  await fit(page);
+  assert.match(await page.innerText("#verdict"), /^Good/);
+  const model = JSON.parse((await saved(page, "text=Model (JSON)")).content);
+  assert.equal(model.chain.kinds.length, 3);
+  assert.match((await saved(page, "#downloads >> text=URDF")).content.toString(), /type="prismatic"/);
+  assertQuiet(page);
+  await page.context().close();
+});
+
 test("a file that is wrong is refused with its place and a way out, and the next one is read", async () => {
   const page = await browser.open();
   const refused = async (name, text, ...said) => {

@@ -265,9 +265,11 @@ impl Program {
         }
         let Training { filter, q_range, dq_peak, .. } = &self.training;
         if let Some(filter) = filter {
-            let [hz, ms] = [filter.cutoff_hz, 1e3 * filter.delay].map(number);
-            let late = format!("its torque came {ms} ms after it, which is taken out here");
-            remarks.push(format!("Fitted to motion below {hz} Hz; {late}."));
+            let [hz, ms] = [filter.cutoff_hz, 1e3 * filter.delay.abs()].map(number);
+            let when = if filter.delay < 0.0 { "before" } else { "after" };
+            let late = format!("; its torque came {ms} ms {when} it, which is taken out here");
+            let late = if filter.delay == 0.0 { "" } else { &late };
+            remarks.push(format!("Fitted to motion below {hz} Hz{late}."));
         }
         if !q_range.is_empty() {
             remarks.push("Fitted within these ranges, beyond them it extrapolates:".to_owned());

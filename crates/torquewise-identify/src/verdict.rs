@@ -17,8 +17,8 @@ const USELESS: f64 = 0.9;
 /// A model that misses this part of the spread in the mean of the joints is of no use.
 const HALF: f64 = 0.5;
 
-/// The verdict from rows that were held out, by time and by region, and what the motion leaves open. Where
-/// there are too few rows to hold any out, a model is at best usable.
+/// The verdict from rows that were held out, by time and by region, and what the motion leaves open.
+/// Where there are too few rows to hold any out, a model is at best usable.
 ///
 /// - `test`: errors on a log of another motion over the spread of its torque, n or none: the
 ///   grade is that of the larger errors. One that is not finite, as that of a torque that never

@@ -41,11 +41,14 @@ impl Checks {
     /// Relative asymmetry and defect from which on they are more than rounding.
     pub const TOLERANCE: f64 = 1e-6;
 
-    /// Whether M is symmetric and positive definite and Ṁ − 2C skew at all states looked at, and
-    /// friction takes power.
+    /// Whether M is symmetric and positive definite and Ṁ − 2C skew at all states looked at.
+    pub fn is_arm(&self) -> bool {
+        self.smallest_eigenvalue > 0.0 && self.asymmetry.max(self.skew_defect) < Self::TOLERANCE
+    }
+
+    /// The same, and whether friction takes power.
     pub fn passed(&self) -> bool {
-        let defect = self.asymmetry.max(self.skew_defect);
-        self.smallest_eigenvalue > 0.0 && defect < Self::TOLERANCE && self.driving.is_none()
+        self.is_arm() && self.driving.is_none()
     }
 }
 

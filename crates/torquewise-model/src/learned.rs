@@ -224,7 +224,8 @@ fn geometry_error(chain: &RigidChain, of: &dyn Fn(&[JointAxis]) -> f64) -> Resul
 pub struct ArmParameter {
     /// Joint whose link, rotor or spring it is of; several where they turn one shaft.
     pub joint: String,
-    /// What it is, with its unit.
+    /// What it is: a first moment \[kg·m\], a moment of inertia \[kg·m²\], a mass \[kg\], the rotor,
+    /// or the function of a spring.
     pub name: String,
     /// Its value.
     pub value: f64,
@@ -236,7 +237,7 @@ pub struct ArmParameter {
 
 /// What torque determines of the links (Gautier and Khalil): first moments across the axis
 /// \[kg·m\] and moments about the origin of the joint \[kg·m²\], the rest counted into the link
-/// before, and of a slide its mass; of each joint as many.
+/// before, and of a slide its mass; a list for each joint.
 ///
 /// # Errors
 /// As [`axes`].
@@ -244,16 +245,9 @@ fn link_parameters(
     chain: &RigidChain,
     joints: &[String],
 ) -> Result<Vec<Vec<ArmParameter>>, ModelError> {
-    const OF_TURNS: [(usize, &str); 7] = [
-        (1, "m·x [kg·m]"),
-        (2, "m·y [kg·m]"),
-        (4, "Ixx-Iyy [kg·m²]"),
-        (6, "Izz [kg·m²]"),
-        (7, "Ixy [kg·m²]"),
-        (8, "Ixz [kg·m²]"),
-        (9, "Iyz [kg·m²]"),
-    ];
-    const OF_SLIDES: [(usize, &str); 2] = [(0, "m [kg]"), (3, "m·z [kg·m]")];
+    const OF_TURNS: [(usize, &str); 7] =
+        [(1, "m·x"), (2, "m·y"), (4, "Ixx-Iyy"), (6, "Izz"), (7, "Ixy"), (8, "Ixz"), (9, "Iyz")];
+    const OF_SLIDES: [(usize, &str); 2] = [(0, "m"), (3, "m·z")];
     let slides = if chain.kinds.all_turn() { &[][..] } else { &OF_SLIDES[..] };
     let cells: Vec<(usize, &str)> = slides.iter().chain(&OF_TURNS).copied().collect();
     let axes = chain.axes()?;

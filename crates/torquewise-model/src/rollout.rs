@@ -35,7 +35,7 @@ pub struct Drift {
     /// RMS of the distance of each joint \[rad\], n, over the windows whose simulation did not run
     /// away; infinite where all did.
     pub rms_drift_rad: Vec<f64>,
-    /// The same of an arm that keeps the velocity that it had, over the same windows.
+    /// The same of an arm that keeps the velocity that it had, over all windows.
     pub hold_rms_rad: Vec<f64>,
     /// Windows.
     pub windows: usize,
@@ -357,10 +357,9 @@ pub fn drifts(
             for ((horizon, end), (away, sums)) in horizons.iter().zip(ends).zip(&mut squares) {
                 let (truth, held) = (window.measured(*horizon), window.held(*horizon));
                 // What ran away is no number.
-                if !end.iter().all(|end| end.is_finite()) {
-                    *away += 1;
-                    continue;
-                }
+                let ran_away = !end.iter().all(|end| end.is_finite());
+                *away += usize::from(ran_away);
+                let end = if ran_away { truth.clone() } else { end };
                 for (sums, ends) in sums.iter_mut().zip([end, held]) {
                     for ((sum, end), truth) in sums.iter_mut().zip(ends).zip(&truth) {
                         *sum += (end - truth).powi(2);
@@ -382,7 +381,7 @@ pub fn drifts(
     let drift = |((&horizon_s, (away, [drift, held])), inside): ((&f64, (_, [_; 2])), _)| Drift {
         horizon_s,
         rms_drift_rad: rms(drift, away),
-        hold_rms_rad: rms(held, away),
+        hold_rms_rad: rms(held, 0),
         windows: count,
         ran_away: away,
         covered: (!others.is_empty()).then(|| share(inside)),

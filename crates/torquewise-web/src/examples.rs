@@ -6,11 +6,13 @@ use torquewise::dynamics::friction::{Friction, Stribeck};
 use torquewise::dynamics::{Arm, MotionKind, MotionPlan, Noise, SimulatedLog, add_noise};
 use torquewise::motion::Motion;
 
-/// A log of two joints to try the page with.
+/// A log to try the page with.
 #[derive(Clone, Copy, Debug)]
 pub struct Example {
     /// What the page asks for it by, and what its file is called but for the ending.
     pub name: &'static str,
+    /// Which of the built-in arms moves.
+    arm: &'static str,
     kind: MotionKind,
     seconds: f64,
     seed: u64,
@@ -28,35 +30,35 @@ const RATE: f64 = 100.0;
 /// What an ampere is worth in the raw log \[N·m/A\].
 const TORQUE_CONSTANT: f64 = 2.5;
 
+const USUAL: Example = Example {
+    name: "",
+    arm: "planar-2",
+    kind: MotionKind::Moves,
+    seconds: 60.0,
+    seed: 1,
+    case: 1,
+    friction: &[],
+    is_raw: false,
+};
+
 /// All of them.
-pub const EXAMPLES: [Example; 3] = [
-    Example {
-        name: "two-joints",
-        kind: MotionKind::Moves,
-        seconds: 120.0,
-        seed: 1,
-        case: 2,
-        friction: &[],
-        is_raw: false,
-    },
+pub const EXAMPLES: [Example; 4] = [
+    Example { name: "two-joints", seconds: 120.0, case: 2, ..USUAL },
     Example {
         name: "two-joints-other-motion",
         kind: MotionKind::Sines,
         seconds: 20.0,
         seed: 2,
-        case: 1,
-        friction: &[],
-        is_raw: false,
+        ..USUAL
     },
     Example {
         name: "raw-columns",
-        kind: MotionKind::Moves,
-        seconds: 60.0,
         seed: 3,
-        case: 1,
         friction: &[[1.5, 0.8], [0.6, 0.3]],
         is_raw: true,
+        ..USUAL
     },
+    Example { name: "gantry", arm: "gantry-3", seed: 4, case: 2, ..USUAL },
 ];
 
 impl Example {
@@ -65,7 +67,7 @@ impl Example {
     /// # Errors
     /// [`Error::Arm`] if the arm is not known.
     pub fn csv(&self) -> Result<String, Error> {
-        let arm = Arm::builtin("planar-2")?;
+        let arm = Arm::builtin(self.arm)?;
         let plan =
             MotionPlan { kind: self.kind, seconds: self.seconds, rate: RATE, seed: self.seed };
         let mut log = SimulatedLog::new(&arm, &plan)?;

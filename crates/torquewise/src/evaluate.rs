@@ -41,7 +41,7 @@ impl Evaluation {
     pub fn with_rollouts(mut self, rollouts: Vec<Drift>) -> Self {
         let is_worse = |joint: usize| {
             let mut all = rollouts.iter();
-            all.all(|drift| drift.rms_drift_rad[joint] >= drift.hold_rms_rad[joint])
+            all.all(|own| own.ran_away > 0 || own.rms_drift_rad[joint] >= own.hold_rms_rad[joint])
         };
         let worse = self.joints.iter().enumerate().filter(|(joint, _)| is_worse(*joint));
         let worse: Vec<&str> = worse.map(|(_, joint)| joint.name.as_str()).collect();
@@ -56,8 +56,8 @@ impl Evaluation {
         let away = rollouts.iter().filter(|drift| drift.ran_away > 0);
         self.notes.extend(away.map(|Drift { ran_away, windows, horizon_s, .. }| {
             format!(
-                "simulated, {ran_away} of {windows} windows ran away within {horizon_s} s: what is \
-                 said of drift is of the others"
+                "simulated, {ran_away} of {windows} windows ran away within {horizon_s} s and do not \
+                 count in the drift"
             )
         }));
         Self { rollouts, ..self }

@@ -43,8 +43,10 @@ pub struct Inspection {
     pub ignored_columns: Vec<String>,
     /// Signals that are not recorded: of `dq`, `ddq`, `tau`.
     pub missing: Vec<&'static str>,
-    /// Rows of the one trajectory of a filtered log, before it was filtered.
+    /// Rows of a log before it was filtered, where it was filtered in one piece.
     pub recorded: Option<usize>,
+    /// Whether it is filtered, for which a chain is fitted.
+    pub is_filtered: bool,
     repairs: BTreeMap<String, Repairs>,
 }
 
@@ -76,9 +78,11 @@ pub fn inspect(log: &Prepared, observer: Observer<'_>) -> Result<Inspection> {
     let logs = log.logs();
     let signals = [("dq", logs.has_dq()), ("ddq", logs.has_ddq()), ("tau", logs.has_tau())];
     let missing = signals.into_iter().filter(|(_, present)| !present).map(|(name, _)| name);
-    let filtered = log.conditioned().filter(|_| survey.trajectories == 1);
+    let filtered = log.conditioned().map(|own| &own.report);
+    let whole = filtered.filter(|own| own.rows_out == survey.rows);
     Ok(Inspection {
-        recorded: filtered.map(|own| own.report.rows_in),
+        recorded: whole.map(|own| own.rows_in),
+        is_filtered: filtered.is_some(),
         survey,
         patterns,
         counts,
@@ -124,9 +128,9 @@ impl Inspection {
     pub fn warnings(&self) -> Vec<String> {
         let mut open = Warning::of_survey(&self.survey);
         open.retain(|own| self.has_tau() || !matches!(own, Warning::ConstantTorque { .. }));
-        // Of more joints a chain is fitted, which needs no patterns.
-        let patterns = missing_patterns(&self.patterns.present)
-            .filter(|_| self.survey.joints.len() <= MOST_WHOLE);
+        // A chain, which is fitted to other logs, needs no patterns.
+        let is_stepwise = !self.is_filtered && self.survey.joints.len() <= MOST_WHOLE;
+        let patterns = missing_patterns(&self.patterns.present).filter(|_| is_stepwise);
         open.iter().map(ToString::to_string).chain(patterns).collect()
     }
 }

@@ -10,7 +10,7 @@ pub use torquewise_identify::payload::{DriveGains, LoadPlace, Payload};
 
 /// Estimates the load on a link from a log with it, by a model of the arm without it (E15).
 ///
-/// - `place`: where it is, as [`Place::named`] says
+/// - `place`: where it is, as [`LoadPlace::named`] says
 ///
 /// # Errors
 /// `Error::Model` if the model is no chain of rigid bodies or of another arm,
@@ -18,10 +18,10 @@ pub use torquewise_identify::payload::{DriveGains, LoadPlace, Payload};
 ///
 /// ```no_run
 /// # fn main() -> Result<(), torquewise::Error> {
-/// use torquewise::{Log, Model, observe::NOBODY, payload::{Place, payload}};
+/// use torquewise::{Log, Model, observe::NOBODY, payload::{LoadPlace, payload}};
 ///
 /// let arm = Model::load("arm.json")?;
-/// let Some(flange) = Place::named(&arm, None, None) else { return Ok(()) };
+/// let Some(flange) = LoadPlace::named(&arm, None, None) else { return Ok(()) };
 /// let load = payload(&arm, &Log::open("with_tool.csv")?, flange, NOBODY)?;
 /// println!("{:.3} ± {:.3} kg", load.mass.value, load.mass.std_error);
 /// load.added_to(&arm)?.save("arm_with_tool.json")?;

@@ -80,6 +80,8 @@ def control(
 ) -> dict[str, Tracking]:
     """Closes the loop with a model on a simulated arm: a dict from controller to how well it tracks.
 
+    One under which the arm runs away is missing there, and warned of.
+
     arm
         The true one: built-in, a path of a ``.urdf`` or of a ``.toml`` with a DH table, or a model.
     motion

@@ -282,7 +282,7 @@ def _check_order(q: _Array, dq: _Array) -> None:
     steps, spread = np.diff(q, axis=0).std(axis=0), q.std(axis=0)
     if len(q) > 10 and dq.any() and np.median(steps) > 0.7 * np.median(spread) > 0.0:
         warnings.warn(
-            "positions jump from row to row: give rows in the order of time, not shuffled",
+            "positions jump from row to row: if they were shuffled, give them in the order of time",
             stacklevel=4,
         )
 

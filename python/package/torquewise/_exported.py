@@ -56,7 +56,7 @@ class Exported(_core.Model):
         path = Path(path)
         to = to or _target(path)
         options.setdefault("name", path.stem)
-        files, left_out = self._files(to, **options)
+        files, left_out = self._files(to, 2, **options)
         if "" in files:
             _core.write_whole(path, files[""])
             return left_out
@@ -68,12 +68,18 @@ class Exported(_core.Model):
         return left_out
 
     def _files(
-        self, to: str, name: str = "arm", onto: _Path | None = None, **options: Any
+        self, to: str, told: int = 0, name: str = "arm", onto: _Path | None = None, **options: Any
     ) -> tuple[dict[str, bytes], list[str]]:
-        """Files by their path in a package, a single one by no path; what they have no room for."""
+        """Files by their path in a package, a single one by no path; what they have no room for.
+
+        told
+            How far up the caller is who is warned of a model that should move no arm; 0 for nobody.
+        """
         text = None if onto is None else Path(onto).read_text()
         lock = list(options.pop("lock", None) or ())
-        files, left_out = self._export(to, name, onto=text, lock=lock, **options)
+        files, left_out, flaws = self._export(to, name, onto=text, lock=lock, **options)
+        for flaw in flaws if told else ():
+            warnings.warn(f"{flaw}: do not let it move an arm", stacklevel=told + 1)
         return dict(files), left_out
 
     @explicit(RobotOptions)
@@ -87,7 +93,7 @@ class Exported(_core.Model):
         return self._robot("mjcf", path, options)
 
     def _robot(self, to: str, path: _Path | None, options: RobotOptions) -> str:
-        files, _ = self._files(to, **options)
+        files, _ = self._files(to, 3, **options)
         if path is not None:
             _core.write_whole(path, files[""])
         return files[""].decode()

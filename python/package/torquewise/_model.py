@@ -61,8 +61,10 @@ class Model(Exported):
         return found
 
     def parameters(self) -> list[dict[str, Any]]:
-        """What torque determines of links, rotors and springs of a chain: joint, name, value,
-        std_error, and whether it can be told from zero. ``pandas.DataFrame`` takes them.
+        """What torque determines of links, rotors and springs of a chain: a dict each.
+
+        It has joint, name, value and std_error, of first moments [kg·m], moments of inertia [kg·m²],
+        masses [kg]; `resolved` says whether it can be told from zero. ``pandas.DataFrame`` takes all.
         """
         found: list[dict[str, Any]] = self.describe()["parameters"]
         return found

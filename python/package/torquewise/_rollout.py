@@ -22,7 +22,7 @@ class Rollout:
     """RMS distance of each joint [rad, or m where it slides] over the windows whose simulation did not
     run away, k×n; infinite where all did."""
     hold: NDArray[np.float64]
-    """The same of an arm that keeps its velocity, over the same windows."""
+    """The same of an arm that keeps its velocity, over all windows."""
     windows: NDArray[np.int64]
     """Windows, k."""
     ran_away: NDArray[np.int64]
@@ -35,6 +35,7 @@ class Rollout:
         k, n = self.drift.shape
         columns = {"horizon": np.repeat(self.horizons, n), "joint": self.joints * k}
         drift = {"drift": self.drift.ravel(), "hold": self.hold.ravel()}
+        drift["ran_away"] = np.repeat(self.ran_away, n)
         covered = {} if self.covered is None else {"covered": self.covered.ravel()}
         return frame({**columns, **drift, **covered})
 

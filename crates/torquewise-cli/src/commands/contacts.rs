@@ -140,11 +140,9 @@ fn outcome(arguments: &Arguments, model: &Model, found: &Found, rows: usize) -> 
         }
     }
     let blind = blind(model, thresholds);
-    let needed = 3600.0 / thresholds.false_alarms_per_hour;
-    let note = (thresholds.seconds < needed).then(|| {
-        let seen = thresholds.seconds;
-        format!("thresholds are extrapolated from {seen:.0} s: {needed:.0} s would show an alarm")
-    });
+    let (seen, needed) = (thresholds.seconds, 3600.0 / thresholds.false_alarms_per_hour);
+    let few = || format!("{seen:.0} s were seen for thresholds, {needed:.0} s have a false alarm");
+    let note = (seen < needed).then(few);
     let file = arguments.output.display().to_string();
     text.extend([format!("\nexternal torque: {file} ({rows} rows)\n")]);
     let json = json!({

@@ -13,7 +13,7 @@ use crate::files::{
 use crate::outcome::Outcome;
 use clap::Args;
 use std::path::{Path, PathBuf};
-use torquewise::control::{Gains, Law, Learned, Plant, Run, Runs, compare, is_of_joints};
+use torquewise::control::{Law, Learned, Plant, Run, Runs, compare, is_of_joints};
 use torquewise::logs::{Column, TableWriter, Values};
 use torquewise::model::Model;
 use torquewise::motion::Motion;
@@ -72,11 +72,9 @@ const LAWS: [Word<Law>; 5] = [
 
 struct Compared {
     wanted: Motion,
-    gains: Gains,
+    found: Runs,
     /// When errors begin to count \[s\].
     settle: f64,
-    runs: Vec<Run>,
-    ran_away: Vec<(String, f64)>,
     /// Whether the arm is the model itself.
     is_own: bool,
 }
@@ -130,10 +128,8 @@ fn compare_all(
         return Err(CliError::Usage(message));
     }
     let laws = (&arguments.controllers[..], arguments.perfect);
-    let known = Learned::new(model)?;
-    let compared = compare(plant, &known, laws, arguments.bandwidth, &wanted)?;
-    let Runs { gains, runs, ran_away } = compared;
-    Ok(Compared { wanted, gains, settle, runs, ran_away, is_own })
+    let found = compare(plant, &Learned::new(model)?, laws, arguments.bandwidth, &wanted)?;
+    Ok(Compared { wanted, found, settle, is_own })
 }
 
 /// t, then `q1_ref`, …, then `pid_q1`, …, `pid_error1`, …, `pid_tau1`, … of each controller.
@@ -142,10 +138,10 @@ fn write_table(file: &Path, compared: &Compared) -> Result<()> {
     let q_ref = compared.wanted.q().to_owned();
     let mut names = vec!["t".to_owned()];
     names.extend((1..=n).map(|joint| format!("q{joint}_ref")));
-    let Some(first) = compared.runs.first() else { return Ok(()) };
+    let Some(first) = compared.found.runs.first() else { return Ok(()) };
     let mut values = vec![Values::Numbers(&first.tracking.t)];
     values.extend((0..n).map(|joint| Values::Numbers(q_ref.col_as_slice(joint))));
-    for Run { name, tracking, .. } in &compared.runs {
+    for Run { name, tracking, .. } in &compared.found.runs {
         let signals = [("q", &tracking.q), ("error", &tracking.error), ("tau", &tracking.tau)];
         for (signal, x) in signals {
             names.extend((1..=n).map(|joint| format!("{name}_{signal}{joint}")));

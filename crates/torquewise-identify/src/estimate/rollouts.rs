@@ -231,12 +231,10 @@ impl<'a> TorqueOf<'a> {
 /// One over the usual drift of each joint at each horizon; of one that runs away, over what a held
 /// velocity drifts.
 fn weights(drifts: &[Drift]) -> Vec<Vec<f64>> {
-    let weight = |(own, held): (&f64, &f64)| {
-        let usual = if own.is_finite() { *own } else { *held };
-        1.0 / usual.max(f64::MIN_POSITIVE.sqrt())
+    let of = |drift: &Drift| {
+        let usual = if drift.ran_away > 0 { &drift.hold_rms_rad } else { &drift.rms_drift_rad };
+        usual.iter().map(|usual| 1.0 / usual.max(f64::MIN_POSITIVE.sqrt())).collect()
     };
-    let of =
-        |drift: &Drift| drift.rms_drift_rad.iter().zip(&drift.hold_rms_rad).map(weight).collect();
     drifts.iter().map(of).collect()
 }
 

@@ -8,6 +8,11 @@ use torquewise_model::Checks;
 pub(crate) fn section(checks: &Checks) -> Section {
     let (tone, verdict) = if checks.passed() {
         (Tone::Good, "A physical arm could have this model at every state examined.")
+    } else if checks.is_arm() {
+        (
+            Tone::Warning,
+            "A physical arm could have this model at every state examined, but friction:",
+        )
     } else {
         let words = "No physical arm has this model at some state examined: it may predict torque, \
                      but simulation and computed-torque control with it can fail.";

@@ -51,7 +51,7 @@ pub(crate) fn next(findings: &Findings<'_>) -> Section {
     let mut warnings = sentences(warnings);
     warnings.extend(worst_joint(findings));
     if findings.checks.is_some_and(|checks| !checks.passed()) {
-        warnings.push("No physical arm has this model at some states, see Physics.".into());
+        warnings.push("No physical arm has this model, see Physics.".into());
     }
     let callout = |tone, lines: Vec<String>| {
         let callout = Callout { tone, heading: String::new(), lines };

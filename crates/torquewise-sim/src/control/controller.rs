@@ -230,8 +230,8 @@ pub struct Runs {
 /// - `bandwidth`: of the gains \[rad/s\], which are made for `known`
 ///
 /// # Errors
-/// Those of [`mean_inertia`], and of [`track`] of the first law that has one; an arm that runs away is
-/// only one where it does under each law.
+/// Those of [`mean_inertia`], and of [`track`] of the first law that has one; an arm that runs away
+/// is an error only if it does so under every law.
 pub fn compare(
     plant: &Plant,
     known: &dyn Knowledge,

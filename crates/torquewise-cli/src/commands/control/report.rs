@@ -24,7 +24,7 @@ pub(super) fn page(arm: &str, compared: &Compared) -> Result<String> {
         (0..n).map(|joint| Item::Charts(vec![of(compared, joint)])).collect()
     };
     let section = |heading: &str, items| Section { heading: heading.into(), items };
-    let bandwidth = compared.gains.bandwidth;
+    let bandwidth = compared.found.gains.bandwidth;
     let page = Page {
         title: format!("{arm} under control"),
         lead: format!(
@@ -60,8 +60,11 @@ fn table(compared: &Compared) -> Item {
         let cells = rms.into_iter().chain(peak).map(|error| significant(1e3 * error, 3));
         std::iter::once(run.name.clone()).chain(cells).map(Label::from).collect()
     };
-    let rows = compared.runs.iter().map(row).collect();
-    Item::Table(Table { caption: "Position error of each joint.".into(), columns, rows })
+    let rows = compared.found.runs.iter().map(row).collect();
+    let away =
+        compared.found.ran_away.iter().map(|(name, t)| format!(" {name} ran away at {t:.3} s."));
+    let caption = format!("Position error of each joint.{}", away.collect::<String>());
+    Item::Table(Table { caption, columns, rows })
 }
 
 fn errors(compared: &Compared, joint: usize) -> Chart {
@@ -85,11 +88,13 @@ fn chart(
     of: fn(&Tracking) -> &Mat<f64>,
     mut series: Vec<Series>,
 ) -> Chart {
-    series.extend(compared.runs.iter().enumerate().map(|(place, Run { name, tracking, .. })| {
-        let points = tracking.t.iter().zip(of(tracking).col_as_slice(joint));
-        let points = points.map(|(&t, &x)| [t, unit * x]).collect();
-        Series::new(name, Mark::Line, Colour::Series(place), points)
-    }));
+    series.extend(compared.found.runs.iter().enumerate().map(
+        |(place, Run { name, tracking, .. })| {
+            let points = tracking.t.iter().zip(of(tracking).col_as_slice(joint));
+            let points = points.map(|(&t, &x)| [t, unit * x]).collect();
+            Series::new(name, Mark::Line, Colour::Series(place), points)
+        },
+    ));
     let chart = Chart::over(&compared.wanted.joints()[joint], ["time [s]", axis], series);
     Chart { linked: Some("time".into()), ..chart }
 }

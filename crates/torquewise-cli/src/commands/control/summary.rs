@@ -15,7 +15,7 @@ pub(super) fn outcome(arguments: &Arguments, compared: &Compared) -> Outcome {
     let _ = write!(
         text,
         "\nRMS of the position error from {} s on, of {seconds} s; gains of {} rad/s for all\n",
-        compared.settle, compared.gains.bandwidth
+        compared.settle, compared.found.gains.bandwidth
     );
     let files = [&arguments.output, &arguments.plot, &arguments.report];
     for (kind, file) in ["table", "figure", "report"].iter().zip(files) {
@@ -32,12 +32,12 @@ pub(super) fn outcome(arguments: &Arguments, compared: &Compared) -> Outcome {
 fn table(compared: &Compared) -> Table {
     let mut headings = vec!["controller".to_owned()];
     headings.extend(compared.wanted.joints().iter().map(|joint| format!("{joint} [mrad]")));
-    let led = compared.runs.iter().any(|run| run.law == Law::HandGuiding);
+    let led = compared.found.runs.iter().any(|run| run.law == Law::HandGuiding);
     if led {
         headings.extend(compared.wanted.joints().iter().map(|joint| format!("{joint} hand [N·m]")));
     }
     let mut table = Table::new(headings);
-    for run in &compared.runs {
+    for run in &compared.found.runs {
         let errors = run.tracking.rms_error(compared.settle);
         let mut cells: Vec<String> = errors.iter().map(|error| number(1e3 * error)).collect();
         if run.law == Law::HandGuiding {
@@ -45,14 +45,14 @@ fn table(compared: &Compared) -> Table {
         }
         table.row(&run.name, cells);
     }
-    for (name, t) in &compared.ran_away {
+    for (name, t) in &compared.found.ran_away {
         table.row(name, [format!("runs away at {t:.3} s")]);
     }
     table
 }
 
 fn json(arguments: &Arguments, compared: &Compared) -> Value {
-    let gains = &compared.gains;
+    let gains = &compared.found.gains;
     let mut object = json!({
         "arm": arguments.arm,
         "joints": compared.wanted.joints(),
@@ -68,10 +68,10 @@ fn json(arguments: &Arguments, compared: &Compared) -> Value {
         "report": arguments.report,
     });
     let settle = compared.settle;
-    for (name, t) in &compared.ran_away {
+    for (name, t) in &compared.found.ran_away {
         object[name] = json!({ "ran_away_s": t });
     }
-    for Run { name, tracking, law } in &compared.runs {
+    for Run { name, tracking, law } in &compared.found.runs {
         object[name] = json!({
             "rms_error_rad": tracking.rms_error(settle),
             "peak_error_rad": tracking.peak_error(settle),
@@ -88,11 +88,11 @@ fn json(arguments: &Arguments, compared: &Compared) -> Value {
 const SATURATED: f64 = 0.01;
 
 fn warnings(compared: &Compared) -> Vec<String> {
-    let away = compared.ran_away.iter().map(|(name, t)| {
+    let away = compared.found.ran_away.iter().map(|(name, t)| {
         format!("{name}: the arm runs away at {t:.3} s: lower the bandwidth, or raise the rate")
     });
     let mut warnings: Vec<String> = away.collect();
-    for run in &compared.runs {
+    for run in &compared.found.runs {
         for (joint, &share) in compared.wanted.joints().iter().zip(&run.tracking.saturated) {
             if share > SATURATED {
                 warnings.push(format!(
