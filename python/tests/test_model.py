@@ -1,6 +1,7 @@
 """A model from Python: shapes, identities, files, other packages."""
 
 import copy
+import json
 import pickle
 import time
 
@@ -328,3 +329,18 @@ def test_a_model_without_use_says_so_wherever_it_goes(tmp_path):
     with pytest.warns(UserWarning, match="do not let it move an arm"):
         again.export(tmp_path / "arm.c")
     assert "unusable by the verdict of its fit" in (tmp_path / "arm.c").read_text()
+
+
+@pytest.mark.parametrize("part, all_run_away", [(-1.0, True), (1e-3, False)])
+def test_windows_that_run_away_are_counted_and_do_not_hide_the_others(part, all_run_away, chain):
+    own = json.loads(chain.to_json())
+    own["chain"]["links"] = [[part * x for x in link] for link in own["chain"]["links"]]
+    light = torquewise.Model.from_json(json.dumps(own))
+    log = torquewise.simulate("puma560-3", seconds=10, rate=100, seed=2)
+
+    found = light.rollout(log, horizons=0.5)
+
+    assert (found.ran_away[0] == found.windows[0] > 5) == all_run_away
+    assert found.ran_away[0] > 0 and np.isinf(found.drift).all() == all_run_away
+    assert np.isfinite(found.hold).all() and f"{found.ran_away[0]} of" in repr(found)
+    assert found.to_frame()["ran_away"].tolist() == [found.ran_away[0]] * 3
