@@ -223,9 +223,12 @@ class Page:
         print(begin + rest)
 
     def row(self, header, text):
-        """The row of the same first cell in the table with this header."""
+        """The row of the same first cell in the table with this header; printed where it has none."""
         name, rest = text[2:].split(" |", 1)
-        self.replace(f"| {name} |", rest, self.find(header))
+        if any(line.startswith(f"| {name} |") for line in self.lines):
+            self.replace(f"| {name} |", rest, self.find(header))
+        else:
+            print(text)
 
     def published(self, name, ours):
         """The last cell of all rows of an arm in the table of what others have published."""
