@@ -356,7 +356,7 @@ pub fn drifts(
             }
             for ((horizon, end), (away, sums)) in horizons.iter().zip(ends).zip(&mut squares) {
                 let (truth, held) = (window.measured(*horizon), window.held(*horizon));
-                // What ran away is no number.
+                // What ran away is no number: it adds nothing to the sum, and is left out of the mean.
                 let ran_away = !end.iter().all(|end| end.is_finite());
                 *away += usize::from(ran_away);
                 let end = if ran_away { truth.clone() } else { end };

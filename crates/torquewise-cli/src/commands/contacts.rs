@@ -162,17 +162,19 @@ fn outcome(arguments: &Arguments, model: &Model, found: &Found, rows: usize) -> 
 
 /// What is said of blind joints, and what would help.
 fn unseen(arguments: &Arguments, blind: &[String]) -> Vec<String> {
+    if blind.is_empty() {
+        return Vec::new();
+    }
     let more = if arguments.free.is_empty() {
         "record free motion like that of the log and give it by --free"
     } else {
         "give more free motion like that of the log"
     };
-    let told = format!(
+    vec![format!(
         "contacts at {} go unseen: the threshold is over twice the spread of the torque that was \
          trained on; {more}, or train a better model",
         blind.join(", ")
-    );
-    if blind.is_empty() { Vec::new() } else { vec![told] }
+    )]
 }
 
 /// Joints of which only a contact tells that is larger than usual torque.

@@ -75,8 +75,6 @@ struct Compared {
     found: Runs,
     /// When errors begin to count \[s\].
     settle: f64,
-    /// Whether the arm is the model itself.
-    is_own: bool,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
@@ -95,13 +93,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     let file = arguments.plant.friction.as_deref();
     let twin = read_twin(&arguments.arm, file)?;
-    let is_own = twin.as_ref() == Some(&model);
     let friction = match &twin {
         Some(twin) => twin::friction(twin)?,
         None => read_friction(file, &arm)?,
     };
     let plant = arguments.plant.plant(arm, friction)?;
-    let compared = compare_all(arguments, (&model, is_own), &plant)?;
+    let compared = compare_all(arguments, &model, &plant)?;
 
     if let Some(file) = output {
         write_table(file, &compared)?;
@@ -112,14 +109,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if let Some(file) = report {
         write_whole(file, &report::page(&arguments.arm, &compared)?)?;
     }
-    Ok(summary::outcome(arguments, &compared))
+    // An arm that is the model itself shows the control alone.
+    let is_own = twin.as_ref() == Some(&model);
+    Ok(summary::outcome(arguments, &compared, is_own))
 }
 
-fn compare_all(
-    arguments: &Arguments,
-    (model, is_own): (&Model, bool),
-    plant: &Plant,
-) -> Result<Compared> {
+fn compare_all(arguments: &Arguments, model: &Model, plant: &Plant) -> Result<Compared> {
     let wanted = arguments.motion.wanted(&plant.arm)?;
     let seconds = wanted.t().last().copied().unwrap_or_default();
     let settle = arguments.settle.unwrap_or(seconds / 2.0);
@@ -129,7 +124,7 @@ fn compare_all(
     }
     let laws = (&arguments.controllers[..], arguments.perfect);
     let found = compare(plant, &Learned::new(model)?, laws, arguments.bandwidth, &wanted)?;
-    Ok(Compared { wanted, found, settle, is_own })
+    Ok(Compared { wanted, found, settle })
 }
 
 /// t, then `q1_ref`, …, then `pid_q1`, …, `pid_error1`, …, `pid_tau1`, … of each controller.

@@ -88,13 +88,12 @@ fn chart(
     of: fn(&Tracking) -> &Mat<f64>,
     mut series: Vec<Series>,
 ) -> Chart {
-    series.extend(compared.found.runs.iter().enumerate().map(
-        |(place, Run { name, tracking, .. })| {
-            let points = tracking.t.iter().zip(of(tracking).col_as_slice(joint));
-            let points = points.map(|(&t, &x)| [t, unit * x]).collect();
-            Series::new(name, Mark::Line, Colour::Series(place), points)
-        },
-    ));
+    let runs = compared.found.runs.iter().enumerate();
+    series.extend(runs.map(|(place, Run { name, tracking, .. })| {
+        let points = tracking.t.iter().zip(of(tracking).col_as_slice(joint));
+        let points = points.map(|(&t, &x)| [t, unit * x]).collect();
+        Series::new(name, Mark::Line, Colour::Series(place), points)
+    }));
     let chart = Chart::over(&compared.wanted.joints()[joint], ["time [s]", axis], series);
     Chart { linked: Some("time".into()), ..chart }
 }

@@ -8,7 +8,7 @@ use std::fmt::Write;
 use torquewise::control::{Law, Run};
 use torquewise::model::number;
 
-pub(super) fn outcome(arguments: &Arguments, compared: &Compared) -> Outcome {
+pub(super) fn outcome(arguments: &Arguments, compared: &Compared, is_own: bool) -> Outcome {
     let mut text = table(compared).text();
     let seconds = compared.wanted.t().last().copied().unwrap_or_default();
     // Writing to a String cannot fail.
@@ -25,7 +25,7 @@ pub(super) fn outcome(arguments: &Arguments, compared: &Compared) -> Outcome {
     }
     let (json, warnings) = (json(arguments, compared), warnings(compared));
     let own = "the arm is the model itself: what is seen is the control, not an error of the model";
-    let notes = compared.is_own.then(|| own.to_owned()).into_iter().collect();
+    let notes = is_own.then(|| own.to_owned()).into_iter().collect();
     Outcome { text, json, warnings, notes, ..Outcome::default() }
 }
 
