@@ -288,7 +288,7 @@ impl ArmParameter {
     }
 }
 
-/// [`link_parameters`] as a table, a line for each link.
+/// What torque determines of the links as a table, a line for each link.
 ///
 /// # Errors
 /// As [`axes`].
@@ -341,7 +341,7 @@ fn drive_parameters(chain: &RigidChain, joints: &[String]) -> Vec<ArmParameter> 
     chain.drives.iter().enumerate().map(of).collect()
 }
 
-/// [`drive_parameters`] as a table; headings alone where there are none.
+/// Rotors and springs as a table; headings alone where there are none.
 pub fn drives(chain: &RigidChain, joints: &[String], selection: &Selection) -> Vec<Vec<String>> {
     let mut table = vec![vec!["on".to_owned(), "what".to_owned(), "value".to_owned()]];
     let all = drive_parameters(chain, joints);
