@@ -115,6 +115,19 @@ def test_predict_gives_the_rows_of_the_log(model, test):
     assert model.outside_range([99.0, 0.0], [0.0, 0.0], [0.0, 0.0]) is True
 
 
+def test_a_trajectory_becomes_a_frame_and_a_frame_is_a_log(model, test):
+    (own,) = model.predict(test)
+    table, recorded = own.to_frame(), test.to_frame()
+
+    assert list(table)[:4] == ["t", "outside_range", "q1", "q2"]
+    assert np.array_equal(table[["tau_hat1", "tau_hat2"]].to_numpy(), own["tau_hat"])
+    assert list(recorded) == [
+        "t",
+        *(f"{key}{k}" for key in ("q", "dq", "ddq", "tau") for k in (1, 2)),
+    ]
+    assert model.evaluate(recorded).rmse.tolist() == model.evaluate(test).rmse.tolist()
+
+
 def test_intervals_of_a_chain_hold_the_torque(chain):
     log = torquewise.simulate("puma560-3", motion="sines", seconds=10, rate=100, seed=5)
     low, high = chain.interval(log["q"], log["dq"], log["ddq"], percent=95)

@@ -147,6 +147,7 @@ def test_a_load_is_weighed(chain):
     found = torquewise.payload(chain, log, filter="none")
 
     assert found.mass == pytest.approx(1.0, rel=0.02)
+    assert found.to_frame().loc["mass [kg]", "value"] == found.mass
     assert np.allclose(found.center, center, atol=5e-3)
     assert max(found.residual_with) < max(found.residual_without)
     assert np.allclose(
@@ -160,6 +161,7 @@ def test_a_load_is_weighed(chain):
     told = drives.gain_errors < 0.02 * drives.gains
     assert told.sum() >= 2 and np.allclose(drives.gains[told], 2.0, rtol=0.05)
     assert any("URDF" in hint for hint in drives.hints)
+    assert drives.to_frame().loc[chain.joints[0], "gain"] == drives.gains[0]
     with pytest.raises(ValueError, match="mass"):
         torquewise.gains(chain, log, known_mass=0.0)
 

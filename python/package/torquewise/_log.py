@@ -16,7 +16,7 @@ from . import _core
 from ._arrays import numbers
 from ._options import LogOptions, Path, Progress, explicit
 from ._progress import shown
-from ._tables import frame
+from ._tables import Trajectory, frame
 
 if TYPE_CHECKING:
     from ._options import Unpack
@@ -37,6 +37,12 @@ class Log(_core.Log):
     def inspect(self, *, progress: Progress = None) -> Inspection:
         """What it holds and what it lacks, see :func:`inspect`."""
         return inspect(self, progress=progress)
+
+    def trajectories(
+        self, conditioned: bool = False, model: _core.Model | None = None
+    ) -> list[Trajectory]:
+        """Each trajectory as t, q, dq, ddq and perhaps tau: as recorded, or filtered (as by `model`)."""
+        return [Trajectory(own) for own in super().trajectories(conditioned, model)]
 
     def __reduce__(self) -> tuple[Any, ...]:
         if self._made is None:

@@ -17,6 +17,7 @@ from ._options import LogOptions, Progress, explicit
 from ._options import Path as _Path
 from ._progress import shown
 from ._rollout import Rollout
+from ._tables import Trajectory
 
 if TYPE_CHECKING:
     from ._fit import Evaluation
@@ -200,16 +201,16 @@ class Model(Exported):
         parts: bool = False,
         interval: float | None = None,
         **options: Unpack[LogOptions],
-    ) -> list[dict[str, NDArray[Any]]]:
+    ) -> list[Trajectory]:
         """The torque of each trajectory of a log: a list of dicts with t, q, dq, ddq and tau_hat.
 
-        A filter takes some rows at both ends of each; `t` says which are left.
+        Each becomes a table by its ``to_frame()``. A filter takes some rows at both ends of each; `t` says which are left.
         outside_range is True where a joint leaves the range of the log that the model is of. Where the
         log has torque, tau is it, filtered as the motion. With `parts`, inertia, coriolis, gravity and
         friction too; with `interval`, a percentage, tau_low and tau_high.
         """
         log = read_log(log, **options)
-        found: list[dict[str, NDArray[Any]]] = log.trajectories(model=self)
+        found = log.trajectories(model=self)
         for own in found:
             state = own["q"], own["dq"], own["ddq"]
             own["tau_hat"] = self.torque(*state)

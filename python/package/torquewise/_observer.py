@@ -117,6 +117,17 @@ class Payload:
     model: Model
     """The arm that carries the load."""
 
+    def to_frame(self) -> Any:
+        """A frame of pandas with a row for mass, each coordinate of the centre, and each moment."""
+        centers = [f"center {axis} [m]" for axis in "xyz"]
+        moments = [f"I{axes} [kg·m²]" for axes in ("xx", "yy", "zz", "xy", "xz", "yz")]
+        columns = {
+            "quantity": ["mass [kg]", *centers, *moments],
+            "value": [self.mass, *self.center, *self.inertia],
+            "std_error": [self.mass_error, *self.center_error, *self.inertia_error],
+        }
+        return frame(columns, "quantity")
+
 
 @explicit(LogOptions)
 def payload(
@@ -165,6 +176,7 @@ def payload(
 class Gains:
     """What a unit of each torque column is worth; each error is one standard error."""
 
+    joints: list[str]
     gains: NDArray[np.float64]
     """Torque for a unit of the column of each joint, such as N·m/A, n."""
     gain_errors: NDArray[np.float64]
@@ -175,6 +187,11 @@ class Gains:
     rows: int
     hints: list[str]
     """Why gains may be wrong, and what to do."""
+
+    def to_frame(self) -> Any:
+        """A frame of pandas with a row for each joint."""
+        columns = {"joint": self.joints, "gain": self.gains, "std_error": self.gain_errors}
+        return frame(columns, "joint")
 
 
 @explicit(LogOptions)
@@ -195,6 +212,7 @@ def gains(
         found, hints = _core.gains(model, log, known_mass, told)
     found = json.loads(found)
     return Gains(
+        joints=model.joints,
         gains=np.array([own["value"] for own in found["gains"]]),
         gain_errors=np.array([own["std_error"] for own in found["gains"]]),
         known_mass=found["known_mass"],

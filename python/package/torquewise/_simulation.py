@@ -12,6 +12,7 @@ from ._log import write_log
 from ._model import Model
 from ._options import Path, Progress
 from ._progress import shown
+from ._tables import Trajectory
 
 CASES = {2: (70.0, 50.0, 30.0), 3: (60.0, 40.0, 30.0)}
 
@@ -33,7 +34,7 @@ def simulate(
     friction: Path | None = None,
     lock: Sequence[str] = (),
     path: Path | None = None,
-) -> dict[str, Any]:
+) -> Trajectory:
     """Moves an arm and records its torque: a dict with t, q, dq, ddq, tau and joints.
 
     arm
@@ -52,7 +53,7 @@ def simulate(
         if case not in CASES:
             raise ValueError("case: expected 1, 2 or 3")
         noise_db = CASES[case]
-    joints, found = _core.simulate(
+    joints, arrays = _core.simulate(
         named_arm(arm),
         motion=motion,
         seconds=seconds,
@@ -62,7 +63,7 @@ def simulate(
         friction=None if friction is None else pathlib.Path(friction).read_text(),
         lock=list(lock),
     )
-    found["joints"] = joints
+    found = Trajectory(arrays, joints=joints)
     if path is not None:
         write_log(path, found)
     return found
@@ -88,7 +89,7 @@ def excite(
     ros_rate: float = 20.0,
     seed: int = 0,
     progress: Progress = None,
-) -> list[dict[str, Any]]:
+) -> list[Trajectory]:
     """Plans the recordings from which a model can be reconstructed: a list of three dicts.
 
     Each has a name, t, q, dq, ddq, and joint_trajectory, the text of a ROS 2 message.
@@ -112,7 +113,7 @@ def excite(
         Rows per second of the arrays, and of the message [Hz].
     """
     with shown(progress) as told:
-        return _core.excite(
+        planned = _core.excite(
             named_arm(arm),
             seconds=None if seconds is None else list(seconds),
             dwell=dwell,
@@ -132,6 +133,7 @@ def excite(
             seed=seed,
             progress=told,
         )
+    return [Trajectory(own) for own in planned]
 
 
 def named_arm(arm: Path | Model) -> str | Model:
