@@ -210,7 +210,7 @@ class Model(Exported):
         friction too; with `interval`, a percentage, tau_low and tau_high.
         """
         log = read_log(log, **options)
-        found = log.trajectories(model=self)
+        found: list[Trajectory] = log.trajectories(model=self)
         for own in found:
             state = own["q"], own["dq"], own["ddq"]
             own["tau_hat"] = self.torque(*state)

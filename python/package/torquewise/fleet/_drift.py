@@ -63,7 +63,7 @@ def read(path: str, plan: Plan, model: str) -> Reading:
         return Reading(path, none, none, none[0:0, 0], f"{type(error).__name__}: {error}")
 
 
-def _changes(model: Model, motions: list[dict[str, np.ndarray]]) -> tuple[np.ndarray, ...]:
+def _changes(model: Model, motions: Sequence[dict[str, np.ndarray]]) -> tuple[np.ndarray, ...]:
     left = np.concatenate(
         [own["tau"] - model.torque(own["q"], own["dq"], own["ddq"]) for own in motions]
     )
