@@ -1,15 +1,14 @@
-//! The inertial parameters of a chain that torque determines.
+//! Regrouping of the inertial parameters of a chain towards its base parameters.
 
 use crate::geometry::Geometry;
 use crate::inertia::seen_from;
 use crate::recursion::PER_BODY;
 
-/// The same chain with mass, first moment along the axis and Iyy of each link counted into the link
-/// before it, which does not notice the turn between the two; those of the first link turn nothing.
-/// What is left of a link are first moments across its axis, Ixx − Iyy, Izz, Ixy, Ixz and Iyz. A slide
-/// does not notice moments: all six go into the link before, and mass and first moments are left.
-///
-/// The map is linear in the parameters.
+/// Regroups inertial parameters without changing any torque: of a revolute link, mass, first moment
+/// along z and Iyy act like a body symmetric about the axis, and move to the parent link (those of the
+/// first have no effect). Left are first moments across the axis, Ixx − Iyy, Izz, Ixy, Ixz and Iyz. Of a
+/// sliding link all six moments move, mass and first moments are left. What special axes leave
+/// undetermined besides stays. The map is linear in the parameters.
 ///
 /// - `inertial`: ten parameters of each link, 10n
 /// - returns: the same number, zeros where nothing is left

@@ -16,6 +16,6 @@ pub enum ChainError {
     Singular,
     #[error("stopped")]
     Stopped,
-    #[error("a chain of {joints} joints is too long; at most {most} joints")]
+    #[error("a chain has 1 to {most} joints, not {joints}")]
     TooManyJoints { joints: usize, most: usize },
 }

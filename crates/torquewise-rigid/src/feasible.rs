@@ -9,10 +9,10 @@ mod factored;
 
 pub use factored::Factored;
 
-/// Physical constraints on the parameters of a chain, whatever the log.
+/// Prior of the parameters of a chain, whatever the log.
 ///
-/// All of it is one convex function Ψ of the parameters: zero at nominal values, and without bound
-/// towards what cannot be.
+/// It is one convex function Ψ: zero at the nominal values, and unbounded towards bodies and sums that
+/// are not physical.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Prior {
     /// Nominal inertial parameters of each body; the first parameters are theirs, 10 each.
@@ -30,13 +30,13 @@ pub struct Positive {
     pub least: f64,
     /// Parameters by index, with their weights.
     pub terms: Vec<(usize, f64)>,
-    /// By how much it usually does, above 0.
+    /// Usual excess of the sum over `least`, above 0: the barrier is zero there.
     pub nominal: f64,
-    /// What it counts beside the divergence of a body.
+    /// Weight of this barrier in Ψ; the divergence of a body has weight 1.
     pub weight: f64,
 }
 
-/// ½ xᵀHx − bᵀx, the weighted sum of squares as far as it depends on the parameters x.
+/// ½ xᵀHx − bᵀx: half the weighted sum of squares, but for a constant.
 #[derive(Clone, Copy, Debug)]
 pub struct Quadratic<'a> {
     /// H, p×p, symmetric.
@@ -78,8 +78,8 @@ impl Prior {
         sum.is_finite().then_some(sum)
     }
 
-    /// Adds `strength` times the Hessian of Ψ at x, as far as it says how certain x is: that what must be
-    /// positive is nearly zero makes it no more certain than what is usual would be.
+    /// Adds `strength` times the Hessian of Ψ at x as information. Near its limit the curvature of a
+    /// barrier is none: where a sum is below its nominal value, the curvature there is taken.
     pub fn add_hessian(&self, x: &[f64], strength: f64, hessian: &mut Mat<f64>) {
         let mut own = Mat::zeros(x.len(), x.len());
         self.add_certainty(x, strength, &mut own);
@@ -138,15 +138,15 @@ impl Prior {
 const ROUNDS: usize = 60;
 /// Halvings of a step at most.
 const HALVINGS: usize = 30;
-/// Newton's decrement, in squares of the noise, below which nothing is left to gain.
+/// Squared Newton decrement gᵀH⁻¹g, in units of the cost, below which the minimum is reached.
 const SETTLED: f64 = 1e-7;
 /// Part of the promised gain that a step must bring.
 const ARMIJO: f64 = 1e-4;
-/// To this part the prior falls from one strength to the next.
+/// Factor from one strength of the prior to the next.
 const FALL: f64 = 0.4;
-/// Strengths at most.
+/// Largest number of intermediate strengths.
 const STRENGTHS: usize = 40;
-/// Newton's decrement, in strengths of the prior, that is near enough on the way.
+/// Squared Newton decrement, in strengths of the prior, at which an intermediate strength is left.
 const NEAR: f64 = 0.1;
 
 /// Minimises ½ xᵀHx − bᵀx + strength · Ψ(x) from a feasible start.
@@ -194,11 +194,11 @@ pub fn minima(
     Ok(found.split_off(on_the_way.len()))
 }
 
-/// Newton's method at one strength, at most 60 steps, until its decrement is below what is near enough.
+/// Damped Newton steps at one strength, at most 60, until the squared decrement is below what is near.
 ///
-/// - `before`: the strength whose minimum x is. The first step follows the minimum from there, along
-///   its slope by the strength: Newton's own, of a prior so much weaker, would lead out of what is
-///   feasible.
+/// - `before`: the strength whose minimum x is. The first step is a predictor along the path of minima,
+///   gradient at the new strength, Hessian at the old: a Newton step of the weaker prior would leave the
+///   feasible set.
 fn descend(
     cost: Quadratic<'_>,
     prior: &Prior,

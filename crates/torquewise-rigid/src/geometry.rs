@@ -9,20 +9,20 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Standard gravity \[m/s²\].
+/// Acceleration of gravity \[m/s²\], rounded.
 pub const GRAVITY: f64 = 9.81;
-/// Numbers that place a joint in the frame before it.
+/// Numbers that place a joint in its parent frame.
 pub const PER_JOINT: usize = 4;
 /// Parameters of the direction of gravity in the base.
 pub const PER_BASE: usize = 2;
 
 /// Where the joint axes of a chain of n joints lie.
 ///
-/// Joint 1 moves about or along z of the base. Joint i + 1 moves so by an axis that is fixed in the frame of
+/// Joint 1 turns about, or slides along, z of the base. The axis of joint i + 1 is fixed in the frame of
 /// joint i: its direction is that of z turned by the rotation vector (w₁, w₂, 0), its place the
 /// shift (p₁, p₂, 0) seen from the turned frame. Neither a shift along the axis nor a turn about it
-/// is a parameter: the masses of the link behind it are free, so torque cannot determine it. Nor is
-/// the place of a sliding joint, which stays 0.
+/// is a parameter: the masses of the link behind it are free, so torque cannot determine it. The place
+/// of a joint that slides, or that no revolute joint precedes, has no effect and stays 0.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Geometry {
     /// Turns of gravity from −z of the base about x and y \[rad\], then w₁, w₂ \[rad\], p₁, p₂
@@ -34,12 +34,12 @@ pub struct Geometry {
     kinds: JointKinds,
 }
 
-/// A frame that is fixed in the frame before it.
+/// A frame that is fixed in its parent frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
-    /// Turns components of the new frame into those of the one before.
+    /// Rotation from this frame to its parent: R v has the components there.
     pub rotation: Matrix3<f64>,
-    /// Its origin \[m\], in the frame before.
+    /// Its origin \[m\], in the parent frame.
     pub origin: Vector3<f64>,
 }
 
@@ -48,15 +48,15 @@ pub struct Placement {
 pub struct GeometryDerivative {
     /// The joint whose frame moves, counted from 0; all beyond it moves along.
     pub joint: usize,
-    /// Rotation \[rad\], in the frame before.
+    /// Rotation \[rad/rad\], in the parent frame; zero for a place.
     pub rotation: Vector3<f64>,
-    /// Shift of its origin \[m\], in the frame before.
+    /// Shift of its origin \[m/rad\], or \[m/m\] for a place, in the parent frame.
     pub origin: Vector3<f64>,
-    /// Change of gravity \[m/s²\], in the base; zero but for the tilt.
+    /// Change of gravity \[m/s² per rad\], in the base; zero but for the tilt.
     pub gravity: Vector3<f64>,
 }
 
-/// Axes along ±x, ±y, ±z of the frame before, as rotation vectors.
+/// Axes along ±x, ±y, ±z of the parent frame, as rotation vectors.
 pub const RIGHT_ANGLES: [[f64; 2]; 6] = [
     [0.0, 0.0],
     [FRAC_PI_2, 0.0],
@@ -98,14 +98,14 @@ impl Geometry {
         Self { parameters: parameters.to_vec(), ..self.clone() }
     }
 
-    /// The geometry of a chain whose joint frames are given, z of each the axis; and the frame of each
-    /// of its links, seen from the given one.
+    /// The geometry of a chain from its joint frames, z of each the joint axis; and, of each joint, the
+    /// placement of the frame of the geometry in the given frame.
     ///
     /// The base is the first frame at q = 0; a frame of the geometry has the axis of the given one
     /// and differs from it by a turn about z and a shift along it, or any shift if it slides.
     ///
-    /// - `placements`: each in the frame before, at q = 0, the first in the world; n ≥ 1
-    /// - `down`: where things fall in the world, of any length but zero
+    /// - `placements`: each in its parent frame at q = 0, the first in the world; n ≥ 1
+    /// - `down`: direction of gravity in the world, of any length but zero
     pub fn of_joints(
         placements: &[Placement],
         kinds: &JointKinds,
@@ -310,7 +310,7 @@ fn turn_to(axis: &Vector3<f64>) -> [f64; 2] {
 fn left_jacobian(w: [f64; 2]) -> [Vector3<f64>; 2] {
     let w = Vector3::new(w[0], w[1], 0.0);
     let angle = w.norm();
-    // (1 − cos φ)/φ² and (φ − sin φ)/φ³; below the cube root of the precision their limits.
+    // (1 − cos φ)/φ² and (φ − sin φ)/φ³; of small angles, where they lose digits, their series.
     let [first, second] = if angle < 1e-4 {
         [0.5 - angle * angle / 24.0, 1.0 / 6.0 - angle * angle / 120.0]
     } else {

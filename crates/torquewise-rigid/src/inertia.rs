@@ -37,8 +37,8 @@ pub fn is_feasible(inertial: &[f64]) -> bool {
     Cholesky::new(pseudo_inertia(inertial)).is_some()
 }
 
-/// The inertial parameters of a link: a body of the given mass \[kg\] around a centre \[m\], spread
-/// by `spread` \[m\] in all directions and along the line from the origin to `end` \[m\].
+/// The inertial parameters of a plain link: a uniform rod of the given mass \[kg\] from the origin to
+/// `end` \[m\], thickened by a standard deviation of `spread` \[m\] in every direction.
 pub fn plain_link(mass: f64, end: &Vector3<f64>, spread: f64) -> Inertial {
     let center = 0.5 * end;
     let second = end * end.transpose() / 12.0

@@ -175,7 +175,7 @@ impl InertialFit {
             - product(across.transpose(), followed.as_ref())
     }
 
-    /// Mean square residual of each joint \[(N·m)²\], weights taken out.
+    /// Mean square residual of each joint \[(N·m)²\], rows weighted by their squared shares.
     pub(crate) fn variances(&self, rows: &ChainRows, weights: &[f64]) -> Vec<f64> {
         let m = rows.len();
         let parts = self.residual.chunks(m).zip(rows.shares.chunks(m)).zip(weights);

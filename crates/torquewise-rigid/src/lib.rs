@@ -2,8 +2,8 @@
 //!
 //! The energy library says what functions the torque of any arm may hold; for six joints these are
 //! thousands. A chain of rigid bodies needs a few dozen numbers to say the same: where each joint
-//! axis lies in the frame before it, and how each link is laden. This crate learns both from motion
-//! and torque alone, and lists the energy terms that follow.
+//! axis lies in its parent frame, and ten inertial parameters of each link. This crate learns both from
+//! motion and torque alone.
 
 pub mod error;
 pub mod joint;

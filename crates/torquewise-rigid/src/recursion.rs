@@ -15,17 +15,17 @@ use derivative::Tangent;
 use nalgebra::{Matrix3, SimdRealField, Vector3};
 use simba::simd::WideF64x4;
 
-/// Inertial parameters of a body: m, m·c (3), and the moments about the origin of its frame in the
-/// order xx, yy, zz, xy, xz, yz.
+/// Inertial parameters of a body: m \[kg\], m·c \[kg·m\] (3), and the entries xx, yy, zz, xy, xz, yz of
+/// the inertia tensor about the origin of its frame \[kg·m²\], so that Ixy = −∫xy dm.
 pub const PER_BODY: usize = 10;
-/// Joints of an arm at most.
+/// Largest number of joints.
 pub const MOST_JOINTS: usize = 16;
 /// States that [`Lanes`] holds.
 pub const N_LANES: usize = 4;
-/// The same number of four states, for work on many rows.
+/// One scalar for each of four states, for work on many rows.
 pub type Lanes = WideF64x4;
 
-/// What the recursion computes with.
+/// Scalar type of the recursion: `f64` or [`Lanes`].
 pub trait Scalar: SimdRealField<Element = f64> + Copy {}
 impl<T: SimdRealField<Element = f64> + Copy> Scalar for T {}
 
@@ -41,8 +41,8 @@ pub struct Kinematics {
     kinds: JointKinds,
 }
 
-/// q \[rad\], q̇ \[rad/s\] and q̈ \[rad/s²\] of one instant, n each; m in place of rad where a joint
-/// slides, and N in place of N·m.
+/// q \[rad\], q̇ \[rad/s\] and q̈ \[rad/s²\] of one instant, n each; \[m\], \[m/s\], \[m/s²\] where a
+/// joint slides.
 #[derive(Clone, Copy, Debug)]
 pub struct MotionState<'a, T> {
     /// Joint positions.
@@ -56,9 +56,9 @@ pub struct MotionState<'a, T> {
 /// Motion of one body, all vectors in its own frame.
 #[derive(Clone, Copy, Debug)]
 struct Body<T> {
-    /// Turns components of this frame into those of the one before.
+    /// Rotation from this frame to its parent.
     rotation: Matrix3<T>,
-    /// Its origin in the frame before \[m\].
+    /// Its origin in the parent frame \[m\].
     origin: Vector3<T>,
     /// Angular velocity \[rad/s\].
     omega: Vector3<T>,
@@ -131,7 +131,7 @@ impl Kinematics {
         Self { placements, gravity: gravity.into(), coupling: Coupling::default(), kinds }
     }
 
-    /// The same chain where nothing weighs.
+    /// The same chain without gravity.
     pub fn without_gravity(self) -> Self {
         Self { gravity: Vector3::zeros(), ..self }
     }
@@ -308,7 +308,7 @@ impl<T: Scalar> Body<T> {
         Self { rotation, origin, omega, alpha, acceleration: rotation.tr_mul(&acceleration) }
     }
 
-    /// Torque about `axis`, which passes `arm` before the origin, per unit of each parameter.
+    /// Torque about `axis` per unit of each parameter; `arm` leads from the joint to the origin \[m\].
     fn loads(&self, axis: &Vector3<T>, arm: &Vector3<T>) -> [T; PER_BODY] {
         let lever = axis.cross(arm);
         let (w, dw, a) = (&self.omega, &self.alpha, &self.acceleration);

@@ -7,7 +7,7 @@ use faer::{Mat, MatRef};
 use simba::simd::SimdValue;
 
 /// A spread of torque about its mean \[N·m\]; zero where it is rounding, as where torque never changes.
-pub fn told_spread(std: f64, mean: f64) -> f64 {
+pub fn spread_above_rounding(std: f64, mean: f64) -> f64 {
     /// Below this part of the mean.
     const ROUNDING: f64 = 1e-9;
     if std > ROUNDING * mean.abs() { std } else { 0.0 }
@@ -25,7 +25,7 @@ pub struct ChainRows {
     pub(crate) extras: Mat<f64>,
     /// Joints that each of them may load; its other equations are zero.
     pub(crate) loaded: Vec<Vec<usize>>,
-    /// Weight of each equation, m·n: small where a joint rests and its friction may be anything.
+    /// Factor on each equation, m·n, 0 to 1: small where a joint rests, whose friction may be anything.
     pub(crate) shares: Vec<f64>,
     /// Whether gravity was taken out of the torque.
     weightless: bool,
@@ -39,7 +39,7 @@ impl ChainRows {
     ///   for each joint
     ///
     /// # Errors
-    /// [`ChainError::Shape`] if shapes differ, [`ChainError::TooManyJoints`].
+    /// [`ChainError::Shape`] if shapes differ, [`ChainError::TooManyJoints`] also if there is none.
     pub fn new(
         [q, dq, ddq, tau]: [MatRef<'_, f64>; 4],
         extras: &[Mat<f64>],
@@ -104,7 +104,7 @@ impl ChainRows {
         &self.torque[joint * self.len()..(joint + 1) * self.len()]
     }
 
-    /// The same rows, of which the equation of a joint counts `share(row, joint)`, 0 to 1.
+    /// The same rows, the equation of each joint multiplied by `share(row, joint)`, 0 to 1.
     pub fn with_shares(mut self, share: impl Fn(usize, usize) -> f64) -> Self {
         let m = self.len();
         for (k, out) in self.shares.iter_mut().enumerate() {
@@ -119,7 +119,7 @@ impl ChainRows {
         let m = torque.len().max(1) as f64;
         let mean = torque.iter().sum::<f64>() / m;
         let squares = torque.iter().map(|tau| (tau - mean).powi(2)).sum::<f64>();
-        told_spread((squares / m).sqrt(), mean)
+        spread_above_rounding((squares / m).sqrt(), mean)
     }
 
     /// Calls `visit` with four states at a time, the row of the first of them and how many of them
@@ -138,7 +138,7 @@ impl ChainRows {
         }
     }
 
-    /// The same rows, with the torque of a joint, counted from 0, turned round.
+    /// The same rows, with the torque of a joint, counted from 0, negated.
     #[must_use]
     pub fn turned(mut self, joint: usize) -> Self {
         let m = self.len();

@@ -24,7 +24,7 @@ pub struct Search {
     pub rounds: usize,
     /// Rounds of weighing joints by their residual and refining again, at least 1.
     pub weighings: usize,
-    /// Ridge of the masses, relative to the mean square of a column.
+    /// Ridge of the linear parameters (inertial, drive), relative to the mean square of a column.
     pub ridge: f64,
     /// Seed of the starts.
     pub seed: u64,
@@ -61,7 +61,7 @@ pub struct Chain {
     pub drive: Vec<f64>,
     /// RMS of the residual of each joint \[N·m\], n, on the rows it was refined on.
     pub residual_rms: Vec<f64>,
-    /// Mean square of the weighted residual, the ridge counted in.
+    /// Mean square of the weighted residual, with ridge and geometry prior; infinite before a fit.
     pub cost: f64,
 }
 
@@ -73,8 +73,8 @@ impl Chain {
         Self { geometry, inertial, drive, residual_rms, cost: f64::INFINITY }
     }
 
-    /// The mass beyond a joint, as far as torque tells it.
-    pub fn borne_by(&self, joint: usize) -> f64 {
+    /// Mass of a link and all beyond it \[kg\], as far as torque determines it.
+    pub fn mass_beyond(&self, joint: usize) -> f64 {
         self.inertial.chunks(PER_BODY).skip(joint).map(|body| body[0]).sum()
     }
 
@@ -112,7 +112,7 @@ impl Chain {
     }
 }
 
-/// How many starts, the best, are refined on all rows.
+/// How many of the best starts are refined on [`FINAL_ROWS`] rows.
 const FINALISTS: usize = 4;
 /// Rows of the first look at a start, and of its refinement.
 const GLANCE_ROWS: usize = 120;
@@ -128,7 +128,7 @@ const PLACE: f64 = 0.2;
 const SWEEPS: usize = 4;
 /// Weighings of the joints of a start.
 const START_WEIGHINGS: usize = 2;
-/// A residual below this part of the torque is taken for it: weights stay finite.
+/// Least RMS of a residual, in parts of the noise first guessed: weights stay finite.
 const LEAST_RESIDUAL: f64 = 1e-6;
 
 /// Part of the torque that is taken for noise before anything is fitted.
@@ -161,7 +161,7 @@ const NOTHING: f64 = 1e-3;
 /// How far a search or a refinement is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SearchStage {
-    /// A round of refinement begins.
+    /// Work goes on: a round of refinement, or the trial of an axis, begins.
     Round,
     /// Starts were made.
     Starts {
@@ -189,17 +189,16 @@ pub(crate) fn tell(watch: SearchWatch<'_>, stage: SearchStage) -> Result<(), Cha
 /// What a search came to.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// Chains refined on all rows, the best first.
+    /// Chains refined on at most [`FINAL_ROWS`] rows, the best first.
     pub chains: Vec<Chain>,
-    /// How many starts led to as good an arm as the best.
+    /// Starts within 2 % of the lowest residual, the best among them.
     pub times: usize,
     /// Starts that were made.
     pub starts: usize,
 }
 
-/// Learns chains from rows, from random starts until three of them lead to the same best arm.
-///
-/// The same seed gives the same chains at any number of threads.
+/// Learns chains from rows: random starts until three come within 2 % of the lowest residual, whatever
+/// their geometry, or all are made; the best four are refined. The same seed gives the same chains at any number of threads.
 ///
 /// # Errors
 /// [`ChainError::TooFewRows`], [`ChainError::Singular`] if no start can be fitted, or
@@ -251,8 +250,8 @@ pub fn search(
 }
 
 /// What the best of the starts leaves of few rows, before any is refined: a first look at a
-/// coupling, or at torques in another order. Geometric mean over the joints of the residual's part
-/// of the torque; infinite where no start can be fitted, or the work is stopped.
+/// coupling, or at torques in another order. Geometric mean over the joints of residual RMS over standard
+/// deviation of the torque; infinite where no start can be fitted, or the work is stopped.
 pub fn glance(rows: &ChainRows, search: &Search, watch: SearchWatch<'_>) -> f64 {
     let weights = first_weights(rows);
     let left = (0..search.starts).into_par_iter().filter_map(|place| {
@@ -263,15 +262,15 @@ pub fn glance(rows: &ChainRows, search: &Search, watch: SearchWatch<'_>) -> f64 
     FIRST_NOISE * (least / rows.n_joints() as f64).exp()
 }
 
-/// Sum over joints of the logarithm of the residual's part of the torque, `least` or more: what
-/// chains of different weights are compared by.
+/// Sum over joints of ln(residual RMS / noise first guessed), each ratio at least `least`: compares
+/// chains of different weights.
 fn score(chain: &Chain, rows: &ChainRows, least: f64) -> f64 {
     let parts = chain.residual_rms.iter().zip(first_weights(rows));
     parts.map(|(rms, weight)| (rms * weight).max(least).ln()).sum()
 }
 
 /// Refines the free parameters of a geometry, joints weighed by what is left of them; without rounds
-/// the masses alone, and what is beside them.
+/// only the linear parameters are fitted.
 ///
 /// The residuals of `start` are the first weights, where it has any; `free` are the parameters that
 /// may move.
@@ -292,7 +291,7 @@ pub fn refine(
         return Err(ChainError::Shape { what: "geometry", found, expected });
     }
     if let Some(&found) = free.iter().find(|&&parameter| parameter >= expected) {
-        return Err(ChainError::Shape { what: "free", found, expected });
+        return Err(ChainError::Shape { what: "geometry", found: expected, expected: found + 1 });
     }
     let first = first_weights(rows);
     let mut weights: Vec<f64> = weights_of(&start.residual_rms, &first);
@@ -318,8 +317,8 @@ fn weights_of(residual_rms: &[f64], first: &[f64]) -> Vec<f64> {
     first.iter().enumerate().map(weight).collect()
 }
 
-/// The start of a place: each axis in turn takes the right angle that explains most, until none
-/// changes.
+/// A start, by its number: random right angles and places, then each axis in turn takes the right angle
+/// that leaves least, until none changes.
 fn right_angles(
     rows: &ChainRows,
     weights: &[f64],

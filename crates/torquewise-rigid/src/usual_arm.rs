@@ -2,20 +2,20 @@
 
 use crate::geometry::{Geometry, PER_BASE, nearest_right_angle};
 
-/// The prior of a geometry where the log determines nothing: the axes at the right angles that
-/// they are nearest to, all through one point, and by how much arms differ from that.
+/// Gaussian prior of a geometry: mean, the nearest right angles with all axes through one point, and
+/// precision of each parameter.
 #[derive(Clone, Debug)]
 pub struct UsualArm {
     /// Parameters of the geometry.
     pub parameters: Vec<f64>,
-    /// One over the variance of each among arms \[1/rad², 1/m²\].
+    /// Inverse variance of each parameter over usual arms \[1/rad², 1/m²\].
     pub precision: Vec<f64>,
 }
 
-/// Spread of the tilt of the base \[rad\], and of a direction that is not held at its right angle.
+/// Standard deviation of the tilt of the base \[rad\], and of an axis from its right angle.
 const TILT: f64 = 0.05;
 const DIRECTION: f64 = 0.15;
-/// Spread of the place of an axis \[m\]: how long links are.
+/// Standard deviation of the place of an axis \[m\]: the length of a link.
 const PLACE: f64 = 0.5;
 
 impl UsualArm {

@@ -11,7 +11,7 @@ use torquewise_motion::path::{Path, TRAVELS};
 use torquewise_motion::{Motion, Recording, Signals};
 use torquewise_regression::SparseError;
 use torquewise_regression::exact::ExactSums;
-use torquewise_rigid::rows::{evenly, told_spread};
+use torquewise_rigid::rows::{evenly, spread_above_rounding};
 
 /// What one pass over a log finds.
 #[derive(Clone, Debug)]
@@ -300,7 +300,7 @@ impl SurveySum {
         let product = mean * sum;
         let product_rest = mean.mul_add(sum, -product) + mean * sum_rest;
         let difference = (squares - product) + (squares_rest - product_rest);
-        (mean, told_spread((difference / m).max(0.0).sqrt(), mean))
+        (mean, spread_above_rounding((difference / m).max(0.0).sqrt(), mean))
     }
 }
 

@@ -163,10 +163,10 @@ impl ChainLearner<'_> {
         mut chain: Chain,
     ) -> Result<Chain, IdentifyError> {
         for joint in 0..self.motion.n_joints() {
-            if chain.geometry.kinds().slides(joint) && chain.borne_by(joint) < 0.0 {
+            if chain.geometry.kinds().slides(joint) && chain.mass_beyond(joint) < 0.0 {
                 let back = Chain { geometry: chain.geometry.turned_back(joint), ..chain.clone() };
                 let back = refine(rows, &back, &spec.free, &spec.search, &searching(self.watch))?;
-                if back.borne_by(joint) > 0.0 && back.cost < (1.0 + SIGN_OF_MASS) * chain.cost {
+                if back.mass_beyond(joint) > 0.0 && back.cost < (1.0 + SIGN_OF_MASS) * chain.cost {
                     chain = back;
                 }
             }

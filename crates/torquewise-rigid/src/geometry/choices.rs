@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::{Geometry, PER_BASE, PER_JOINT, RIGHT_ANGLES, axis, nearest_right_angle, turn};
 
 impl Geometry {
-    /// Whether torque depends on the place of a joint, counted from 0: it must turn, and be turned.
+    /// Whether torque depends on the place of a joint, counted from 0: it and one before it are revolute.
     pub fn has_place(&self, joint: usize) -> bool {
         let turns = |joint: usize| self.kinds.of(joint).turns();
         turns(joint) && (0..joint).any(turns)

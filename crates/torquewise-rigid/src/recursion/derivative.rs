@@ -8,7 +8,7 @@ impl<T: Scalar> Moved<T> {
     /// The change of all torques per unit of one parameter of the geometry, exactly: the recursion
     /// differentiated. [`Self::torque`] must have been called with the inertial parameters meant.
     ///
-    /// - `change`: \[N·m\] per rad or m, n
+    /// - `change`: output, \[N·m\], or \[N\] of a slide, per rad or m, n
     pub fn geometry_derivative(&mut self, derivative: &GeometryDerivative, change: &mut [T]) {
         let moved = derivative.joint;
         let mut tangents = std::mem::take(&mut self.tangents);

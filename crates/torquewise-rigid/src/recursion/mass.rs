@@ -25,8 +25,8 @@ impl<T: Scalar> Moved<T> {
     /// M(q) \[kg·m²\] where the bodies are, however they move. `put(i, j, value)` is called for
     /// i ≤ j.
     ///
-    /// Column j is the torque when only joint j accelerates, at rest and without gravity: all
-    /// beyond it turns as one body, and the joints before it hold that body's force.
+    /// Column j is the torque when only joint j accelerates, at rest and without gravity: all links
+    /// beyond it move as one rigid body, and the joints before it hold that body's force.
     ///
     /// - `inertial`: inertial parameters of all bodies, 10 each
     ///

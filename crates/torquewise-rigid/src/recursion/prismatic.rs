@@ -32,8 +32,8 @@ impl<T: Scalar> Body<T> {
 }
 
 impl<T: Scalar> Moved<T> {
-    /// How the origin of a joint shifts where its frame turns and shifts, in the frame before: what
-    /// has slid turns along.
+    /// Derivative of the origin of a joint, in the parent frame, as its placement turns by `rotation`
+    /// and shifts by `origin`: the distance it has slid turns along.
     pub(super) fn shift_of(
         &self,
         joint: usize,
@@ -47,8 +47,8 @@ impl<T: Scalar> Moved<T> {
         shift + splat::<T>(rotation).cross(&slide)
     }
 
-    /// Speed and acceleration of a slide in the frame of its body, \[m/s\] and \[m/s²\], the second
-    /// with the turn of the body, 2 ω×z q̇.
+    /// Velocity \[m/s\] of a slide relative to its parent, and the acceleration it adds, z q̈ + 2 ω×z q̇
+    /// \[m/s²\], in the frame of its body.
     pub(super) fn sliding(&self, joint: usize) -> [Vector3<T>; 2] {
         let [_, dq, ddq] = self.slides[joint];
         let speed = along_z(dq);

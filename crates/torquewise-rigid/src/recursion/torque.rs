@@ -1,4 +1,4 @@
-//! Torque alone: nothing is kept of the recursion, and it takes no memory.
+//! Torque alone, without allocation; intermediate results are not kept.
 
 use super::{
     Body, Inertia, Kinematics, Lanes, MOST_JOINTS, MotionState, N_LANES, PER_BODY, Scalar, Wrench,
