@@ -81,7 +81,7 @@ class _Kept:
     """What a pickled fit keeps of its engine: all but the rows."""
 
     model: _core.Model
-    verdict: str | None
+    verdict: str
     because: list[str]
     warnings: list[str]
     notes: list[str]
@@ -120,8 +120,8 @@ class Fit:
         return type(self), (_Kept.of(self._core),)
 
     @property
-    def verdict(self) -> str | None:
-        """``good``, ``usable`` or ``unusable``, from held-out blocks of the log; None if not known."""
+    def verdict(self) -> str:
+        """``good``, ``usable`` or ``unusable``, from held-out blocks of the log."""
         return self._core.verdict
 
     @property

@@ -53,7 +53,7 @@ class Fleet:
 
     model: Model
     """Of all robots together."""
-    verdict: str | None
+    verdict: str
     because: list[str]
     files: list[File]
     """Each with its checksum and rows, or the reason why it was left out."""

@@ -72,7 +72,7 @@ def html(fleet: Fleet) -> str:
     good = len(fleet.files) - len(fleet.bad)
     parts = [
         f"<p class=lead>{len(fleet.models) or 1} robots, {fleet.rows:,} rows in {good} files, "
-        f"{len(fleet.bad)} left out. The model of all is <b>{_text(fleet.verdict or 'not judged')}</b>."
+        f"{len(fleet.bad)} left out. The model of all is <b>{_text(fleet.verdict)}</b>."
         f" {_text('; '.join(fleet.because))}</p>",
         "<h2>What changed</h2>",
         _changes(fleet),
