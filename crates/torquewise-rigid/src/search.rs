@@ -291,7 +291,7 @@ pub fn refine(
         return Err(ChainError::Shape { what: "geometry", found, expected });
     }
     if let Some(&found) = free.iter().find(|&&parameter| parameter >= expected) {
-        return Err(ChainError::Shape { what: "geometry", found: expected, expected: found + 1 });
+        return Err(ChainError::Shape { what: "free", found, expected });
     }
     let first = first_weights(rows);
     let mut weights: Vec<f64> = weights_of(&start.residual_rms, &first);
