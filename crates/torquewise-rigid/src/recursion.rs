@@ -11,7 +11,7 @@ mod torque;
 use crate::coupling::Coupling;
 use crate::geometry::{Geometry, Placement};
 use crate::joint::JointKinds;
-use derivative::Tangent;
+use derivative::MotionDerivative;
 use nalgebra::{Matrix3, SimdRealField, Vector3};
 use simba::simd::WideF64x4;
 
@@ -95,7 +95,7 @@ pub struct Moved<T> {
     inertias: Vec<Inertia<T>>,
     wrenches: Vec<Wrench<T>>,
     /// Room for [`Self::geometry_derivative`].
-    tangents: Vec<Tangent<T>>,
+    tangents: Vec<MotionDerivative<T>>,
     coupling: Coupling,
     kinds: JointKinds,
     /// q, q̇ and q̈ of each joint; empty where all turn.

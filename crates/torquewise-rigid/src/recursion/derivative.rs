@@ -13,7 +13,7 @@ impl<T: Scalar> Moved<T> {
         let moved = derivative.joint;
         let mut tangents = std::mem::take(&mut self.tangents);
         tangents.clear();
-        let mut known = Tangent::none();
+        let mut known = MotionDerivative::none();
         for (joint, body) in self.bodies.iter().enumerate().skip(moved) {
             let before = if joint == 0 { &self.base } else { &self.bodies[joint - 1] };
             let (rotation, origin, gravity) = if joint == moved {
@@ -23,7 +23,7 @@ impl<T: Scalar> Moved<T> {
             } else {
                 (Vector3::zeros(), Vector3::zeros(), Vector3::zeros())
             };
-            let from = Tangent { acceleration: known.acceleration - gravity, ..known };
+            let from = MotionDerivative { acceleration: known.acceleration - gravity, ..known };
             known = if self.kinds.slides(joint) {
                 from.slid(before, body, (&rotation, &origin), self.sliding(joint))
             } else {
@@ -58,13 +58,13 @@ impl<T: Scalar> Moved<T> {
 
 /// How the motion of a body changes with one parameter of the geometry, in its own frame.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tangent<T> {
+pub(super) struct MotionDerivative<T> {
     omega: Vector3<T>,
     alpha: Vector3<T>,
     acceleration: Vector3<T>,
 }
 
-impl<T: Scalar> Tangent<T> {
+impl<T: Scalar> MotionDerivative<T> {
     fn none() -> Self {
         let zero = Vector3::zeros();
         Self { omega: zero, alpha: zero, acceleration: zero }
