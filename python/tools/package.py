@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import tarfile
+import time
 import venv
 import zipfile
 from pathlib import Path
@@ -109,7 +110,7 @@ def try_out(found: Path) -> None:
     shutil.rmtree(FOLDER / "bare", ignore_errors=True)
     shutil.rmtree(FOLDER / "work", ignore_errors=True)
     (FOLDER / "work").mkdir()
-    begun = os.times()
+    begun, used = time.monotonic(), sum(os.times()[2:4])
     bare = environment("bare", found)
     (lines,) = re.findall(
         r"^```python\n(.*?)^```", (ROOT / "python/README.md").read_text("utf-8"), re.S | re.M
@@ -120,10 +121,9 @@ def try_out(found: Path) -> None:
     simulated = ("simulate", "planar-2", "-o", "log.csv", "--seconds", "60", "--rate", "100")
     call(command, *simulated, folder=FOLDER / "work")
     call(command, "fit", "log.csv", "-o", "model.json", folder=FOLDER / "work")
-    now = os.times()
-    seconds = now.elapsed - begun.elapsed
-    # The clock counts what others do on the machine too; Windows does not tell processor time.
-    busy = now.children_user + now.children_system - begun.children_user - begun.children_system
+    seconds = time.monotonic() - begun
+    # The clock counts what others do on the machine too, but Windows tells no processor time.
+    busy = sum(os.times()[2:4]) - used or seconds
     print(f"installed and used in {seconds:.1f} s, {busy:.1f} s of a processor")
     if busy > LONGEST_START:
         sys.exit(f"that takes longer than {LONGEST_START} s")

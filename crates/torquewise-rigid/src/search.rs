@@ -198,7 +198,8 @@ pub struct Found {
 }
 
 /// Learns chains from rows: random starts until three come within 2 % of the lowest residual, whatever
-/// their geometry, or all are made; the best four are refined. The same seed gives the same chains at any number of threads.
+/// their geometry, or all are made; the best four are refined. The same seed gives the same chains at
+/// any number of threads.
 ///
 /// # Errors
 /// [`ChainError::TooFewRows`], [`ChainError::Singular`] if no start can be fitted, or

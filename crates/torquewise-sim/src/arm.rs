@@ -6,11 +6,12 @@ use crate::spatial::{Body, Pose, is_positive_semidefinite, placement, pose};
 use nalgebra::{Unit, Vector3};
 use std::f64::consts::PI;
 use torquewise_motion::unfit_joint_name;
+use torquewise_rigid::geometry::GRAVITY;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Geometry, JointKind, JointKinds, Kinematics};
 
 /// Gravity \[m/s²\] where none is given: along −z of the world.
-pub(crate) const STANDARD_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
+pub(crate) const STANDARD_GRAVITY: [f64; 3] = [0.0, 0.0, -GRAVITY];
 
 /// A joint and the body it moves, in the frame J that moves with it.
 #[derive(Clone, Debug)]

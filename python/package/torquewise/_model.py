@@ -204,10 +204,10 @@ class Model(Exported):
     ) -> list[Trajectory]:
         """The torque of each trajectory of a log: a list of dicts with t, q, dq, ddq and tau_hat.
 
-        Each becomes a table by its ``to_frame()``. A filter takes some rows at both ends of each; `t` says which are left.
-        outside_range is True where a joint leaves the range of the log that the model is of. Where the
-        log has torque, tau is it, filtered as the motion. With `parts`, inertia, coriolis, gravity and
-        friction too; with `interval`, a percentage, tau_low and tau_high.
+        Each becomes a table by its ``to_frame()``. A filter takes some rows at both ends of each; `t`
+        says which are left. outside_range is True where a joint leaves the range of the log that the
+        model is of. Where the log has torque, tau is it, filtered as the motion. With `parts`, inertia,
+        coriolis, gravity and friction too; with `interval`, a percentage, tau_low and tau_high.
         """
         log = read_log(log, **options)
         found: list[Trajectory] = log.trajectories(model=self)
