@@ -14,6 +14,7 @@ use torquewise::FitOptions;
 use torquewise::dynamics::Noise;
 use torquewise::identify::PatternPlan;
 use torquewise::identify::plan::KnownGeometry;
+use torquewise::model::JointKinds;
 use torquewise::urdf::known_geometry;
 
 /// A word that an option may have, and its help.
@@ -184,6 +185,12 @@ pub(crate) fn fitting<T: FromStr>(
     expected: &'static str,
 ) -> impl Fn(&str) -> Result<T, String> + Clone {
     move |text| parsed(text, is_fit, expected)
+}
+
+/// A letter for each joint.
+pub(crate) fn kinds_of_joints() -> impl Fn(&str) -> Result<String, String> + Clone {
+    let is_read = |kinds: &String| JointKinds::read(kinds).is_some();
+    fitting(is_read, "expected r or p for each joint, as r,r,p,r")
 }
 
 /// The same, or none for `auto`.

@@ -1,10 +1,9 @@
 //! How terms are selected and fitted, and which friction is looked for.
 
-use crate::arguments::{Word, choice, fitting};
+use crate::arguments::{Word, choice, fitting, kinds_of_joints};
 use crate::error::{CliError, Result};
 use clap::Args;
 use serde::Serialize;
-use torquewise::model::JointKinds;
 
 pub(crate) const FRICTION: [Word<&str>; 4] = [
     ("none", "None", "none"),
@@ -41,10 +40,9 @@ pub(crate) struct SelectionArguments {
     #[arg(long, value_name = "X")]
     #[arg(value_parser = fitting(|x: &f64| *x >= 0.0 && x.is_finite(), "expected a number that is zero or more"))]
     threshold: Option<f64>,
-    /// Which joints turn and which slide, base to tip, as r,r,p,r or RRPR, for --library chain; found
-    /// in the log without
-    #[arg(help_heading = "Learned chain", long, value_name = "KINDS")]
-    #[arg(value_parser = fitting(|kinds: &String| JointKinds::read(kinds).is_some(), "expected r or p for each joint, as r,r,p,r"))]
+    /// Which joints turn and which slide, base to tip, as r,r,p,r or RRPR; without, a chain finds them
+    /// in the log, and in a library all turn
+    #[arg(help_heading = "Method", long, value_name = "KINDS", value_parser = kinds_of_joints())]
     kinds: Option<String>,
     /// Joints that a spring or a weight is known to balance, for --library chain; others are looked
     /// for

@@ -77,10 +77,13 @@ impl SumSettings {
             None => "Chain".to_owned(),
         };
         let library = |it: &Self| quoted(&it.library.as_ref().map(|library| library.kind));
+        let kinds =
+            |it: &Self| it.library.as_ref().map_or_else(String::new, |own| own.kinds.to_string());
         let pairs = [
             ("joints", self.joints.join(", "), other.joints.join(", ")),
             ("method", regression(self), regression(other)),
             ("library", library(self), library(other)),
+            ("kinds", kinds(self), kinds(other)),
             ("patterns", quoted(&self.patterns), quoted(&other.patterns)),
             ("signals", self.signals.clone(), other.signals.clone()),
             ("filters", quoted(&self.filtered), quoted(&other.filtered)),

@@ -145,6 +145,7 @@ fn doubts(found: &Reconstruction) -> Vec<String> {
         }
         Warning::ConstantTorque { joint } => Some(format!("the torque of {joint} never changes")),
         Warning::Repeated => Some("a log was given twice".to_owned()),
+        Warning::NotPhysical(_) => Some("M(q) is not positive definite".to_owned()),
         _ => None,
     });
     let geometry = found.model.training.geometry_found.as_ref().filter(|found| !found.is_certain());

@@ -81,6 +81,8 @@ pub enum Warning {
     },
     /// Two logs hold the same rows.
     Repeated,
+    /// M(q) is not positive definite within the range of the log, and where.
+    NotPhysical(String),
     /// The fit to all rows leaves far more than the search did on a sample.
     Refit {
         /// Residual of the fit over that of the search, geometric mean of the joints.
@@ -112,9 +114,6 @@ const NOTHING: f64 = 1e-3;
 
 /// Fewer rows may be alike by chance, as of an arm at rest.
 const TOLD_ROWS: usize = 8;
-
-/// A library that leaves this part of a joint's torque has explained little.
-const LITTLE: f64 = 0.5;
 
 impl Warning {
     /// Whether it is a note: no reason to doubt the model.
@@ -175,7 +174,7 @@ impl Warning {
             let residuals = joints.iter().zip(&chosen.residual);
             let (joint, &residual) = residuals.max_by(|a, b| a.1.total_cmp(b.1))?;
             let (library, joint) = (curve.name.clone(), joint.clone());
-            (residual > LITTLE).then_some(Self::Unexplained { library, joint, residual })
+            (!chosen.suffices()).then_some(Self::Unexplained { library, joint, residual })
         });
         missing.map(Self::NoOrder).chain(unexplained).collect()
     }
@@ -275,8 +274,8 @@ impl fmt::Display for Warning {
             ),
             Self::Sliding { kinds } => write!(
                 f,
-                "joints seem to move as {kinds} (r turns, p slides), and a library of terms has those \
-                 of joints that turn alone: learn a chain instead"
+                "joints seem to move as {kinds} (r turns, p slides), and were taken to turn: say their \
+                 kinds, or learn a chain"
             ),
             Self::NoOrder(pattern) => write!(
                 f,
@@ -314,6 +313,11 @@ impl fmt::Display for Warning {
                 f,
                 "two logs hold the same rows, which count twice: errors come out too small; give each \
                  log once"
+            ),
+            Self::NotPhysical(flaw) => write!(
+                f,
+                "{flaw}, within the range of the log: simulation and computed torque go wrong there, \
+                 and export refuses the model; record more motion, or fit a chain"
             ),
             Self::Refit { ratio } => write!(
                 f,
@@ -380,12 +384,7 @@ mod tests {
         let range =
             |joint: &str| Warning::Excitation(Finding::Range { joint: joint.into(), range: 0.1 });
         let mut warnings = vec![range("joint1"), range("joint2")];
-        let choice = Choice {
-            what: "kind of joint2".into(),
-            chosen: "revolute".into(),
-            rule: String::new(),
-            from: Vec::new(),
-        };
+        let choice = Choice { what: "kind of joint2".into(), ..Choice::default() };
         let model = Model { choices: vec![choice], ..model() };
 
         Warning::retain_founded(&mut warnings, &model);

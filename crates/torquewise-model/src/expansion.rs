@@ -14,7 +14,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// What a function may be of one joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Basis {
+pub(crate) enum Basis {
     /// 1, cos, sin, cos 2, sin 2 … of a joint that turns, up to a harmonic.
     Harmonics(usize),
     /// 1, q, q² of a joint that slides, up to a power, at most 2.
@@ -100,18 +100,15 @@ fn grids(
     let (kinds, mut grids) = (geometry.kinds(), Vec::new());
     if wanted(Place::Potential) {
         let value = |q: &[f64]| kinematics.potential_energy(q, inertial);
-        let bases = turns.iter().enumerate().map(|(joint, turns)| match kinds.of(joint) {
-            JointKind::Revolute => Basis::Harmonics(*turns),
-            JointKind::Prismatic => Basis::Powers(1),
-        });
+        let of_joint = |(joint, turns): (usize, &usize)| Basis::new(kinds.of(joint), *turns);
+        let bases = turns.iter().enumerate().map(of_joint);
         grids.push((Place::Potential, Grid::of(bases.collect(), value)));
     }
     // The first joint of a chain moves the whole arm: M does not depend on it.
     let own = |joint: usize| usize::from(joint > 0);
-    let of_joint = |(joint, turns): (usize, &usize)| match kinds.of(joint) {
-        JointKind::Revolute => Basis::Harmonics(2 * (turns - 1 + own(joint))),
-        JointKind::Prismatic => Basis::Powers(2 * own(joint)),
-    };
+    // A joint that slides is not coupled: its `turns` are 1.
+    let of_joint =
+        |(joint, turns): (usize, &usize)| Basis::new(kinds.of(joint), 2 * (turns - 1 + own(joint)));
     let bases: Vec<Basis> = turns.iter().enumerate().map(of_joint).collect();
     let first = grids.len();
     let mut places = vec![None; n * n];
@@ -207,8 +204,16 @@ fn digits(bases: &[Basis], mut place: usize) -> Vec<usize> {
 }
 
 impl Basis {
+    /// The functions of a joint up to a degree.
+    pub(crate) fn new(kind: JointKind, degree: usize) -> Self {
+        match kind {
+            JointKind::Revolute => Self::Harmonics(degree),
+            JointKind::Prismatic => Self::Powers(degree),
+        }
+    }
+
     /// How many functions it is of, as many as points.
-    fn size(self) -> usize {
+    pub(crate) fn size(self) -> usize {
         match self {
             Self::Harmonics(most) => 2 * most + 1,
             Self::Powers(most) => most + 1,
@@ -224,7 +229,7 @@ impl Basis {
     }
 
     /// A term times one of the functions.
-    fn factor(self, term: Term, joint: usize, digit: usize) -> Term {
+    pub(crate) fn factor(self, term: Term, joint: usize, digit: usize) -> Term {
         if digit == 0 {
             return term;
         }

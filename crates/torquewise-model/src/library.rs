@@ -1,7 +1,9 @@
 //! The candidates: the product library F₁·F₂ and the energy library.
 
 use crate::energy::{EnergyTerm, Place};
+use crate::expansion::Basis;
 use crate::term::{Kind, Term, Trig};
+use torquewise_rigid::JointKind;
 
 /// Degree in the velocities and in the accelerations of a group of motion functions F₂.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,17 +38,22 @@ impl Degree {
     }
 }
 
-/// F₁ (11) without repeats (E2): per joint sinᵃ·cosᵇ with a ∈ {0, 1}, at most `order` factors.
-pub fn angle_functions(n_joints: usize, order: u8) -> Vec<Term> {
-    let mut functions = vec![(Term::one(n_joints), 0)];
-    for joint in 0..n_joints {
+/// F₁ (11) without repeats (E2), at most `order` factors: sinᵃ·cosᵇ of a joint that turns, a ∈ {0, 1},
+/// and q or q² of one that slides (E26).
+pub fn angle_functions(kinds: &[JointKind], order: u8) -> Vec<Term> {
+    let mut functions = vec![(Term::one(kinds.len()), 0)];
+    for (joint, &kind) in kinds.iter().enumerate() {
+        let (first, most, cosines) = match kind {
+            JointKind::Revolute => (Trig::Sin, 1, order),
+            JointKind::Prismatic => (Trig::Position, MOST_POWER, 0),
+        };
         let mut longer = Vec::new();
         for (term, used) in functions {
-            for sines in 0..=1.min(order - used) {
-                for cosines in 0..=order - used - sines {
-                    let grown = term.clone().times(Trig::Sin, joint, 1, sines);
+            for power in 0..=most.min(order - used) {
+                for cosines in 0..=cosines.min(order - used - power) {
+                    let grown = term.clone().times(first, joint, 1, power);
                     let grown = grown.times(Trig::Cos, joint, 1, cosines);
-                    longer.push((grown, used + sines + cosines));
+                    longer.push((grown, used + power + cosines));
                 }
             }
         }
@@ -55,6 +62,9 @@ pub fn angle_functions(n_joints: usize, order: u8) -> Vec<Term> {
     functions.sort_by_key(|(_, used)| *used);
     functions.into_iter().map(|(term, _)| term).collect()
 }
+
+/// The energy of a chain holds no higher power of the position of a joint that slides.
+const MOST_POWER: u8 = 2;
 
 /// The powers of all monomials of exactly one degree.
 fn monomials(n: usize, degree: u8) -> Vec<Vec<u8>> {
@@ -78,8 +88,8 @@ fn monomials(n: usize, degree: u8) -> Vec<Vec<u8>> {
 /// - `degrees`: which groups of F₂
 ///
 /// Sizes for three joints, N₁ = 4: 129 times 28 for all of F₂ up to N₂ = 2.
-pub fn product_library(n_joints: usize, trig_order: u8, degrees: &[Degree]) -> Vec<Term> {
-    let angles = angle_functions(n_joints, trig_order);
+pub fn product_library(kinds: &[JointKind], trig_order: u8, degrees: &[Degree]) -> Vec<Term> {
+    let (n_joints, angles) = (kinds.len(), angle_functions(kinds, trig_order));
     // F₂ (12): monomials in q̇ and q̈.
     let mut motions = Vec::new();
     for degree in degrees {
@@ -94,44 +104,58 @@ pub fn product_library(n_joints: usize, trig_order: u8, degrees: &[Degree]) -> V
     angles.iter().flat_map(|angle| motions.iter().map(|motion| product(angle, motion))).collect()
 }
 
-/// The energy library (E4): every function that M(q) and V(q) of a serial arm of revolute joints
-/// can hold, which is Σ_{i<j} 3^{j−i} 5^{n−j} + Σᵢ 5^{n−i} + 3ⁿ − 1 of them.
+/// The energy library (E4): every function that M(q) and V(q) of a serial arm can hold (E26), of
+/// revolute joints Σ_{i<j} 3^{j−i} 5^{n−j} + Σᵢ 5^{n−i} + 3ⁿ − 1 of them.
 ///
-/// - `interaction`: how many joint angles a function may depend on; `None` for no limit
-pub fn energy_library(n_joints: usize, interaction: Option<usize>) -> Vec<EnergyTerm> {
-    let limit = interaction.unwrap_or(n_joints);
+/// - `interaction`: how many joint positions a function may depend on; `None` for no limit
+pub fn energy_library(kinds: &[JointKind], interaction: Option<usize>) -> Vec<EnergyTerm> {
+    let limit = interaction.unwrap_or(kinds.len());
     let mut library = Vec::new();
-    for function in harmonic_functions(&vec![1; n_joints], limit).into_iter().skip(1) {
-        library.push(EnergyTerm { place: Place::Potential, function });
-    }
-    for i in 0..n_joints {
-        for j in i..n_joints {
-            // Mᵢⱼ is independent of the joints up to i, linear in those between, and quadratic in
-            // those beyond j.
-            let harmonics = (0..n_joints).map(|k| i8::from(k > i) + i8::from(k > j));
-            for function in harmonic_functions(&harmonics.collect::<Vec<_>>(), limit) {
-                library.push(EnergyTerm { place: Place::Inertia(i, j), function });
-            }
-        }
+    for (place, bases) in parts(kinds) {
+        // A constant of V is no torque.
+        let constants = usize::from(place == Place::Potential);
+        let functions = functions(&bases, limit).into_iter().skip(constants);
+        library.extend(functions.map(|function| EnergyTerm { place, function }));
     }
     library
 }
 
+/// V(q) and each entry of M(q), with what may stand there of each joint: V is linear in all, Mᵢⱼ
+/// independent of the joints up to i, linear in those between, and quadratic in those beyond j.
+fn parts(kinds: &[JointKind]) -> impl Iterator<Item = (Place, Vec<Basis>)> {
+    let n = kinds.len();
+    let bases = move |degree: &dyn Fn(usize) -> usize| -> Vec<Basis> {
+        kinds.iter().enumerate().map(|(joint, &kind)| Basis::new(kind, degree(joint))).collect()
+    };
+    let inertia = move |(i, j)| {
+        let degree = move |joint: usize| usize::from(joint > i) + usize::from(joint > j);
+        (Place::Inertia(i, j), bases(&degree))
+    };
+    let entries = (0..n).flat_map(move |i| (i..n).map(move |j| (i, j)));
+    std::iter::once((Place::Potential, bases(&|_| 1))).chain(entries.map(inertia))
+}
+
 /// How many terms [`product_library`] lists, told without listing them; at most `usize::MAX`.
-pub fn product_library_size(n_joints: usize, trig_order: u8, degrees: &[Degree]) -> usize {
-    // Of one joint: 1, and a sine or none with cosines, two of each order above.
-    let of_joint = |order: usize| if order == 0 { 1 } else { 2 };
+pub fn product_library_size(kinds: &[JointKind], trig_order: u8, degrees: &[Degree]) -> usize {
+    // Of one joint: 1, and a sine or none with cosines, two of each order above; or 1, q and q².
+    let of_joint = |kind: JointKind, order: usize| match kind {
+        _ if order == 0 => 1,
+        JointKind::Revolute => 2,
+        JointKind::Prismatic => usize::from(order <= MOST_POWER.into()),
+    };
     let mut of_order = vec![0_usize; usize::from(trig_order) + 1];
     of_order[0] = 1;
-    for _ in 0..n_joints {
-        of_order = (0..of_order.len())
-            .map(|order| saturating((0..=order).map(|own| (of_order[order - own], of_joint(own)))))
-            .collect();
+    for &kind in kinds {
+        let grown = |order: usize| {
+            saturating((0..=order).map(|own| (of_order[order - own], of_joint(kind, own))))
+        };
+        of_order = (0..of_order.len()).map(grown).collect();
     }
     let angles = saturating(of_order.into_iter().map(|count| (count, 1)));
-    let motions = degrees.iter().map(|degree| {
-        (n_monomials(n_joints, degree.velocity), n_monomials(n_joints, degree.acceleration))
-    });
+    let n = kinds.len();
+    let motions = degrees
+        .iter()
+        .map(|degree| (n_monomials(n, degree.velocity), n_monomials(n, degree.acceleration)));
     angles.saturating_mul(saturating(motions))
 }
 
@@ -148,47 +172,35 @@ fn n_monomials(n: usize, degree: u8) -> usize {
 }
 
 /// How many terms [`energy_library`] lists, told without listing them; at most `usize::MAX`.
-pub fn energy_library_size(n_joints: usize, interaction: Option<usize>) -> usize {
-    let limit = interaction.unwrap_or(n_joints).min(n_joints);
-    // By how many angles a function has: of each joint two for each of its harmonics.
-    let functions = |harmonics: &dyn Fn(usize) -> usize| {
-        let mut of_angles = vec![0_usize; limit + 1];
-        of_angles[0] = 1;
-        for joint in 0..n_joints {
-            for angles in (1..=limit).rev() {
-                let more = of_angles[angles - 1].saturating_mul(2 * harmonics(joint));
-                of_angles[angles] = of_angles[angles].saturating_add(more);
+pub fn energy_library_size(kinds: &[JointKind], interaction: Option<usize>) -> usize {
+    let limit = interaction.unwrap_or(kinds.len()).min(kinds.len());
+    // By how many positions a function depends on.
+    let count = |(_, bases): (Place, Vec<Basis>)| {
+        let mut of_positions = vec![0_usize; limit + 1];
+        of_positions[0] = 1;
+        for basis in bases {
+            for positions in (1..=limit).rev() {
+                let more = of_positions[positions - 1].saturating_mul(basis.size() - 1);
+                of_positions[positions] = of_positions[positions].saturating_add(more);
             }
         }
-        saturating(of_angles.into_iter().map(|count| (count, 1)))
+        saturating(of_positions.into_iter().map(|count| (count, 1)))
     };
-    let mut size = functions(&|_| 1) - 1;
-    for i in 0..n_joints {
-        for j in i..n_joints {
-            let harmonics = |k: usize| usize::from(k > i) + usize::from(k > j);
-            size = size.saturating_add(functions(&harmonics));
-        }
-    }
-    size
+    parts(kinds).map(count).fold(0, usize::saturating_add) - 1
 }
 
 fn saturating(products: impl Iterator<Item = (usize, usize)>) -> usize {
     products.fold(0, |sum: usize, (a, b)| sum.saturating_add(a.saturating_mul(b)))
 }
 
-/// Products over the joints of {1, cos kq, sin kq : k ≤ harmonics of the joint}, the constant
-/// first, of at most `limit` joints.
-fn harmonic_functions(harmonics: &[i8], limit: usize) -> Vec<Term> {
-    let mut functions = vec![Term::one(harmonics.len())];
-    for (joint, &largest) in harmonics.iter().enumerate() {
+/// Products over the joints of one function of each, the constant first, of at most `limit` joints.
+fn functions(bases: &[Basis], limit: usize) -> Vec<Term> {
+    let mut functions = vec![Term::one(bases.len())];
+    for (joint, basis) in bases.iter().enumerate() {
         let mut longer = Vec::new();
         for term in functions {
             if term.factors.len() < limit {
-                for multiple in 1..=largest {
-                    for trig in [Trig::Cos, Trig::Sin] {
-                        longer.push(term.clone().times(trig, joint, multiple, 1));
-                    }
-                }
+                longer.extend((1..basis.size()).map(|k| basis.factor(term.clone(), joint, k)));
             }
             longer.push(term);
         }
@@ -202,27 +214,34 @@ fn harmonic_functions(harmonics: &[i8], limit: usize) -> Vec<Term> {
 mod tests {
     use super::*;
 
+    const THREE: [JointKind; 3] = [JointKind::Revolute; 3];
+
     #[test]
     fn a13_libraries_are_counted_as_they_are_listed() {
-        for n in 1..=4 {
+        use JointKind::{Prismatic as P, Revolute as R};
+        let all: [&[JointKind]; 6] = [&[R], &[P], &[R, R], &[R, P, R], &[P; 3], &[R; 4]];
+        for kinds in all {
             for order in 1..=4 {
                 for degrees in [Degree::up_to(2), vec![Degree::of(Kind::Coriolis)]] {
-                    let listed = product_library(n, order, &degrees).len();
-                    assert_eq!(product_library_size(n, order, &degrees), listed, "{n} {order}");
+                    let listed = product_library(kinds, order, &degrees).len();
+                    let counted = product_library_size(kinds, order, &degrees);
+                    assert_eq!(counted, listed, "{kinds:?} {order}");
                 }
-                let listed = energy_library(n, Some(order.into())).len();
-                assert_eq!(energy_library_size(n, Some(order.into())), listed, "{n} {order}");
+                let listed = energy_library(kinds, Some(order.into())).len();
+                let counted = energy_library_size(kinds, Some(order.into()));
+                assert_eq!(counted, listed, "{kinds:?} {order}");
             }
-            assert_eq!(energy_library_size(n, None), energy_library(n, None).len(), "{n}");
+            let listed = energy_library(kinds, None).len();
+            assert_eq!(energy_library_size(kinds, None), listed, "{kinds:?}");
         }
-        assert_eq!(product_library_size(1000, 255, &Degree::up_to(255)), usize::MAX);
+        assert_eq!(product_library_size(&[R; 1000], 255, &Degree::up_to(255)), usize::MAX);
     }
 
     #[test]
     fn product_libraries_have_the_sizes_of_the_method() {
-        let whole = product_library(3, 4, &Degree::up_to(2));
+        let whole = product_library(&THREE, 4, &Degree::up_to(2));
         let steps = [(Kind::Gravity, 2), (Kind::Coriolis, 4), (Kind::Inertia, 4)]
-            .map(|(kind, order)| product_library(3, order, &[Degree::of(kind)]).len());
+            .map(|(kind, order)| product_library(&THREE, order, &[Degree::of(kind)]).len());
 
         assert_eq!(whole.len(), 3612);
         assert_eq!(steps, [25, 774, 387]);
@@ -230,15 +249,16 @@ mod tests {
 
     #[test]
     fn energy_libraries_have_the_sizes_of_the_method() {
-        let sizes: Vec<usize> = (3..=6).map(|n| energy_library(n, None).len()).collect();
+        let sizes: Vec<usize> =
+            (3..=6).map(|n| energy_library(&[JointKind::Revolute; 6][..n], None).len()).collect();
 
         assert_eq!(sizes, [84, 410, 2013, 9947]);
     }
 
     #[test]
     fn no_candidate_comes_twice() {
-        let mut terms = product_library(3, 3, &Degree::up_to(2));
-        let mut energies = energy_library(4, Some(2));
+        let mut terms = product_library(&THREE, 3, &Degree::up_to(2));
+        let mut energies = energy_library(&[JointKind::Revolute; 4], Some(2));
         let before = (terms.len(), energies.len());
 
         terms.sort();

@@ -45,7 +45,7 @@ pub struct Stage {
 }
 
 /// What was chosen on held-out data, and from what.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Choice {
     /// What there was to choose, such as `friction`.
@@ -88,6 +88,9 @@ pub struct TrainingFilter {
 pub struct Training {
     /// Rows of the log.
     pub rows: usize,
+    /// Which of its joints slide, of a model without a chain.
+    #[serde(default, skip_serializing_if = "JointKinds::all_turn")]
+    pub kinds: JointKinds,
     /// RMS of the residual torque of each joint \[N·m\], n.
     pub residual_rms: Vec<f64>,
     /// Standard deviation of the torque of each joint \[N·m\], n.
@@ -268,7 +271,7 @@ impl Model {
 
     /// Which of its joints turn and which slide.
     pub fn kinds(&self) -> JointKinds {
-        self.chain.as_ref().map(|chain| chain.kinds.clone()).unwrap_or_default()
+        self.chain.as_ref().map_or(&self.training.kinds, |chain| &chain.kinds).clone()
     }
 
     /// Number of coefficients, those of friction included.

@@ -20,10 +20,10 @@ const SEED: u64 = 20;
 /// The energies of an arm: each function of the energy library \[E4\] that M(q) or V(q) holds, with
 /// its coefficient in SI units.
 ///
-/// Exact up to rounding, since the library holds all that a serial arm of revolute joints can need.
+/// Exact up to rounding, since the library holds all that a serial arm can need.
 /// Checked against: Pinocchio, by way of the arm, and the reference arm's known 23 terms.
 pub(crate) fn true_energies(arm: &Arm) -> BTreeMap<EnergyTerm, f64> {
-    energies_in(arm, energy_library(arm.n_joints(), None))
+    energies_in(arm, energy_library(&arm.kinds().all(arm.n_joints()), None))
 }
 
 /// The energies of an arm in a library that holds them.
@@ -55,7 +55,7 @@ pub(crate) fn energies_in(arm: &Arm, library: Vec<EnergyTerm>) -> BTreeMap<Energ
 pub(crate) fn true_products(arm: &Arm) -> Vec<f64> {
     let n = arm.n_joints();
     let rest = vec![0.0; n];
-    let weights = project(&angle_functions(n, TRIG_ORDER), |q| {
+    let weights = project(&angle_functions(&arm.kinds().all(n), TRIG_ORDER), |q| {
         let (mut values, mass) = (arm.gravity_torque(q), arm.mass_matrix(q));
         values.extend((0..n * n).map(|place| mass[(place / n, place % n)]));
         // What grows with the speeds of two joints, or of one: it is quadratic in them.

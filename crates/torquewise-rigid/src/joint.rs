@@ -121,9 +121,14 @@ impl JointKinds {
         (0..n).map(own).collect::<Vec<_>>().into()
     }
 
+    /// Those of n joints, each.
+    pub fn all(&self, n: usize) -> Vec<JointKind> {
+        (0..n).map(|joint| self.of(joint)).collect()
+    }
+
     /// `rrpr`: the letters of n joints.
     pub fn letters(&self, n: usize) -> String {
-        (0..n).map(|joint| self.of(joint).letter()).collect()
+        self.all(n).into_iter().map(JointKind::letter).collect()
     }
 
     /// Those that [`JointKind::read_all`] reads.

@@ -2,7 +2,7 @@
 
 use crate::candidates::{Candidates, Group};
 use crate::noise::NoiseFloor;
-use crate::rows::fill_friction;
+use crate::rows::fill_in;
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -94,7 +94,7 @@ impl<'a> ActiveSet<'a> {
                     shifted.angles += faer::Scale(sign) * angles;
                     let mut moved = shifted.variables.subcols_mut(0, rates.ncols());
                     moved += faer::Scale(sign) * rates;
-                    fill_friction(&mut shifted, self.friction);
+                    fill_in(&mut shifted, self.friction);
                     let noisy = self.rows(&shifted, coefficients)?;
                     block.add_noisy(noisy.as_ref(), 0.5 / draws as f64);
                 }

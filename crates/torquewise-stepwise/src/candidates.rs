@@ -7,7 +7,7 @@ use torquewise_model::harmonic::waves_of;
 use torquewise_model::library::{
     Degree, energy_library, energy_library_size, product_library, product_library_size,
 };
-use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term};
+use torquewise_model::{EnergyTerm, FrictionTerm, JointKind, Kind, Place, Term, Trig};
 use torquewise_motion::Pattern;
 use torquewise_regression::atom::{Atom, Monomial, Wave};
 use torquewise_regression::design::{AtomSum, Design};
@@ -45,20 +45,20 @@ pub struct Group {
 }
 
 impl Candidates {
-    /// Lists the library of a plan for n joints, with laws of friction, which every step is asked
-    /// for.
+    /// Lists the library of a plan for joints that turn or slide, with laws of friction, which every
+    /// step is asked for.
     ///
-    /// Values of the laws join the variables of a row: q̇, q̈, then one per law.
+    /// The variables of a row are q̇, q̈, q as it is, for joints that slide, then one per law.
     ///
     /// # Errors
     /// [`IdentifyError::LibraryTooLarge`] if its sums would not fit into memory.
     pub fn new(
-        n_joints: usize,
+        kinds: &[JointKind],
         library: LibraryKind,
         regression: Regression,
         mut friction: Vec<FrictionTerm>,
     ) -> Result<Self, IdentifyError> {
-        let terms = Terms::new(n_joints, library, regression)?;
+        let (n_joints, terms) = (kinds.len(), Terms::new(kinds, library, regression)?);
         if matches!(terms, Terms::Torque(_)) {
             // Every joint has a constant among its own terms.
             friction.retain(|term| term.law != FrictionLaw::Offset);
@@ -68,19 +68,20 @@ impl Candidates {
             Terms::Energy(terms) => columns_of_energies(terms, n_joints, friction.len()),
         };
         let n_equations = equations.len();
+        let n_variables = SIGNALS * n_joints + friction.len();
         for (equation, columns) in equations.iter_mut().enumerate() {
             // In one equation per joint each law loads its joints, in the one equation of all joints
             // it stands bare.
             columns.extend(friction.iter().enumerate().map(|(place, law)| {
                 let weight = if n_equations > 1 { law.shaft[equation] } else { 1.0 };
-                let mut powers = vec![0; 2 * n_joints + friction.len()];
-                powers[2 * n_joints + place] = 1;
+                let mut powers = vec![0; n_variables];
+                powers[SIGNALS * n_joints + place] = 1;
                 let (wave, monomial) = (Wave::one(n_joints), Monomial { powers });
                 if weight == 0.0 { Vec::new() } else { vec![Atom { weight, wave, monomial }] }
             }));
         }
         check_size(terms.len() + friction.len(), n_equations)?;
-        let design = Design::new(n_joints, 2 * n_joints + friction.len(), &equations)?;
+        let design = Design::new(n_joints, n_variables, &equations)?;
         let offered = Pattern::ALL.map(|pattern| {
             // Slow motion tells dry friction; what it said of the rest would be far off elsewhere.
             let is_asked = |law: &FrictionTerm| {
@@ -149,38 +150,59 @@ impl Candidates {
     }
 }
 
+/// Orders and degrees of the parts of a product library, one after the other.
+fn product_parts((gravity, trig): (u8, u8), regression: Regression) -> Vec<(u8, Vec<Degree>)> {
+    let of = |kind| vec![Degree::of(kind)];
+    match regression {
+        Regression::OneShot => vec![(trig, Degree::up_to(2))],
+        Regression::Stepwise => vec![
+            (gravity, of(Kind::Gravity)),
+            (trig, of(Kind::Coriolis)),
+            (trig, of(Kind::Inertia)),
+        ],
+    }
+}
+
+/// Fails where the sums of a library would not fit into memory, before its terms are listed.
+///
+/// # Errors
+/// [`IdentifyError::LibraryTooLarge`]
+pub fn check_library(
+    kinds: &[JointKind],
+    library: LibraryKind,
+    regression: Regression,
+) -> Result<(), IdentifyError> {
+    match library {
+        LibraryKind::Energy { interaction } => {
+            check_size(energy_library_size(kinds, interaction.or(Some(1))), kinds.len())
+        }
+        LibraryKind::Product { gravity_order, trig_order } => {
+            let parts = product_parts((gravity_order, trig_order), regression);
+            let sizes = parts.iter().map(|(order, own)| product_library_size(kinds, *order, own));
+            check_size(sizes.fold(0, usize::saturating_add), 1)
+        }
+    }
+}
+
 impl Terms {
     /// Lists the terms of a library, unless their sums are too large.
     fn new(
-        n_joints: usize,
+        kinds: &[JointKind],
         library: LibraryKind,
         regression: Regression,
     ) -> Result<Self, IdentifyError> {
+        check_library(kinds, library, regression)?;
         match library {
             LibraryKind::Energy { interaction } => {
-                let least = interaction.unwrap_or(1);
-                check_size(energy_library_size(n_joints, Some(least)), n_joints)?;
                 let fits =
-                    |order: &usize| energy_library_size(n_joints, Some(*order)) <= MOST_CANDIDATES;
-                let largest = || (2..=n_joints).take_while(fits).last().unwrap_or(1);
+                    |order: &usize| energy_library_size(kinds, Some(*order)) <= MOST_CANDIDATES;
+                let largest = || (2..=kinds.len()).take_while(fits).last().unwrap_or(1);
                 let order = interaction.unwrap_or_else(largest);
-                Ok(Self::Energy(energy_library(n_joints, Some(order))))
+                Ok(Self::Energy(energy_library(kinds, Some(order))))
             }
             LibraryKind::Product { gravity_order, trig_order } => {
-                let of = |kind| vec![Degree::of(kind)];
-                // Orders and degrees of the parts, one after the other.
-                let parts = match regression {
-                    Regression::OneShot => vec![(trig_order, Degree::up_to(2))],
-                    Regression::Stepwise => vec![
-                        (gravity_order, of(Kind::Gravity)),
-                        (trig_order, of(Kind::Coriolis)),
-                        (trig_order, of(Kind::Inertia)),
-                    ],
-                };
-                let size =
-                    |(order, own): &(u8, Vec<Degree>)| product_library_size(n_joints, *order, own);
-                check_size(parts.iter().map(size).fold(0, usize::saturating_add), 1)?;
-                let terms = parts.iter().map(|(order, own)| product_library(n_joints, *order, own));
+                let parts = product_parts((gravity_order, trig_order), regression);
+                let terms = parts.iter().map(|(order, own)| product_library(kinds, *order, own));
                 Ok(Self::Torque(terms.flatten().collect()))
             }
         }
@@ -229,9 +251,12 @@ fn check_size(candidates: usize, equations: usize) -> Result<(), IdentifyError> 
     Err(IdentifyError::LibraryTooLarge { candidates, gigabytes, limit })
 }
 
+/// q̇, q̈ and q, the variables of each row beside laws of friction.
+pub(crate) const SIGNALS: usize = 3;
+
 /// The columns of torque terms: one equation that serves all joints.
 ///
-/// - `laws`: variables of a row beside q̇ and q̈
+/// - `laws`: variables of a row beside q̇, q̈ and q
 pub(crate) fn columns_of_terms(terms: &[Term], laws: usize) -> Vec<Vec<AtomSum>> {
     vec![terms.iter().map(|term| column(&[(1.0, term.clone())], laws)).collect()]
 }
@@ -250,10 +275,17 @@ pub(crate) fn columns_of_energies(
 /// A sum of terms as a sum of harmonic × monomial.
 fn column(sum: &[(f64, Term)], laws: usize) -> AtomSum {
     let atoms = sum.iter().flat_map(|(weight, term)| {
-        let none = std::iter::repeat_n(0, laws);
-        let powers = term.dq.iter().chain(&term.ddq).copied().chain(none).collect();
+        let (positions, turns): (Vec<_>, Vec<_>) =
+            term.factors.iter().cloned().partition(|own| own.function == Trig::Position);
+        let power = |joint: usize| -> u8 {
+            let own = positions.iter().filter(|factor| factor.multiples[joint] != 0);
+            own.map(|factor| factor.power).sum()
+        };
+        let slides = (0..term.n_joints()).map(power).chain(std::iter::repeat_n(0, laws));
+        let powers = term.dq.iter().chain(&term.ddq).copied().chain(slides).collect();
         let monomial = Monomial { powers };
-        waves_of(*weight, term).into_iter().map(move |(weight, wave)| Atom {
+        let turns = Term { factors: turns, ..term.clone() };
+        waves_of(*weight, &turns).into_iter().map(move |(weight, wave)| Atom {
             weight,
             wave,
             monomial: monomial.clone(),

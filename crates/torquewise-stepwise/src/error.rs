@@ -1,7 +1,7 @@
 //! What can keep a log from becoming a model.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
-use torquewise_model::ModelError;
+use torquewise_model::{JointKinds, ModelError};
 use torquewise_motion::{MotionError, ReadError};
 use torquewise_regression::SparseError;
 
@@ -81,4 +81,14 @@ pub enum IdentifyError {
         "check that its units are rad, s and N·m and that every signal is measured"
     ))]
     Sparse(#[from] SparseError),
+}
+
+impl IdentifyError {
+    /// Fails unless kinds are those of as many joints as a log has.
+    pub(crate) fn check_kinds(kinds: &JointKinds, joints: &[String]) -> Result<(), Self> {
+        if kinds.fit(joints.len()) {
+            return Ok(());
+        }
+        Err(Self::Kinds { kinds: kinds.to_string(), joints: joints.join(", ") })
+    }
 }

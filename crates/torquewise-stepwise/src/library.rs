@@ -12,8 +12,8 @@ use crate::rows::{PatternSums, clear_of_reversals, samples_of};
 use crate::survey::survey;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
+use torquewise_model::{FrictionTerm, JointKinds};
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
 use torquewise_regression::SparseError;
 use torquewise_regression::row_sums::{PreparedDesign, RowAdder, RowSums};
@@ -23,6 +23,8 @@ use torquewise_regression::row_sums::{PreparedDesign, RowAdder, RowSums};
 pub struct SummedLibrary {
     /// Candidates.
     pub kind: LibraryKind,
+    /// Which joints turn and which slide.
+    pub kinds: JointKinds,
     /// One-shot or stepwise: one sum over all rows, or one for each pattern.
     pub regression: Regression,
     /// Laws of friction among the candidates. They follow from the speeds of all logs together, so
@@ -54,14 +56,16 @@ impl SummedLibrary {
         watch: Watch<'_>,
     ) -> Result<(Self, Vec<Choice>), IdentifyError> {
         let LibraryOptions { library: kind, regression, friction, .. } = *options;
+        let kinds = options.kinds.clone();
+        IdentifyError::check_kinds(&kinds, recording.joints())?;
         if friction == FrictionKind::None {
-            return Ok((Self { kind, regression, friction: Vec::new() }, Vec::new()));
+            return Ok((Self { kind, kinds, regression, friction: Vec::new() }, Vec::new()));
         }
         Progress::Survey.tell(watch)?;
         let survey = survey(recording)?;
         survey.sample.require_tau()?;
         let (friction, choices) = choose_laws(&survey, options)?;
-        Ok((Self { kind, regression, friction }, choices))
+        Ok((Self { kind, kinds, regression, friction }, choices))
     }
 
     /// Its candidates for n joints.
@@ -69,8 +73,8 @@ impl SummedLibrary {
     /// # Errors
     /// [`IdentifyError::LibraryTooLarge`] if its sums would not fit into memory.
     pub fn basis(&self, n_joints: usize) -> Result<Basis, IdentifyError> {
-        let laws = self.friction.clone();
-        let candidates = Candidates::new(n_joints, self.kind, self.regression, laws)?;
+        let (kinds, laws) = (self.kinds.all(n_joints), self.friction.clone());
+        let candidates = Candidates::new(&kinds, self.kind, self.regression, laws)?;
         let prepared = PreparedDesign::cheaper(&candidates.design, n_joints, USUAL_ROWS);
         Ok(Basis { candidates, prepared })
     }

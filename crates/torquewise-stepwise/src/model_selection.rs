@@ -9,9 +9,9 @@ use crate::rows::{clear_of_reversals, samples_of};
 use crate::step::{self, Step, of_joint};
 use crate::survey::Survey;
 use rayon::prelude::*;
-use torquewise_model::FrictionTerm;
 use torquewise_model::library::energy_library_size;
 use torquewise_model::model::Choice;
+use torquewise_model::{FrictionTerm, JointKind};
 use torquewise_regression::SparseError;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::row_sums::{PreparedDesign, RowAdder};
@@ -23,6 +23,7 @@ use torquewise_regression::select::criterion::Criterion;
 pub(crate) struct ModelSelection<'a> {
     survey: &'a Survey,
     options: &'a LibraryOptions,
+    kinds: Vec<JointKind>,
     pub(crate) library: LibraryKind,
     pub(crate) friction: Vec<FrictionTerm>,
     pub(crate) selector: Selector,
@@ -126,7 +127,8 @@ fn is_short(survey: &Survey) -> bool {
 impl<'a> ModelSelection<'a> {
     fn start(survey: &'a Survey, options: &'a LibraryOptions, friction: Vec<FrictionTerm>) -> Self {
         let (library, selector) = (options.library, options.selector.clone());
-        Self { survey, options, library, friction, selector, choices: Vec::new() }
+        let kinds = options.kinds.all(survey.joints.len());
+        Self { survey, options, kinds, library, friction, selector, choices: Vec::new() }
     }
 
     /// Candidates of a library with laws of friction, ready to be judged.
@@ -135,8 +137,7 @@ impl<'a> ModelSelection<'a> {
         library: LibraryKind,
         laws: Vec<FrictionTerm>,
     ) -> Result<CrossValidation<'a>, IdentifyError> {
-        let (n, regression) = (self.survey.joints.len(), self.options.regression);
-        let candidates = Candidates::new(n, library, regression, laws)?;
+        let candidates = Candidates::new(&self.kinds, library, self.options.regression, laws)?;
         CrossValidation::new(self.survey, candidates)
     }
 
@@ -154,10 +155,10 @@ impl<'a> ModelSelection<'a> {
         if self.options.library != (LibraryKind::Energy { interaction: None }) {
             return Ok(None);
         }
-        let n = self.survey.joints.len();
+        let n = self.kinds.len();
         let (mut trials, mut validations) = (Vec::<CvScore>::new(), Vec::new());
         for order in 1..=n {
-            let size = energy_library_size(n, Some(order)) + self.friction.len();
+            let size = energy_library_size(&self.kinds, Some(order)) + self.friction.len();
             if order > 1 && size > MOST_CANDIDATES {
                 break;
             }

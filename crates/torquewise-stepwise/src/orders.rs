@@ -1,7 +1,7 @@
 //! Residual against the order of the library, and the orders a recording asks for (Fig. 5 of the
 //! paper).
 
-use crate::candidates::{columns_of_energies, columns_of_terms};
+use crate::candidates::{SIGNALS, columns_of_energies, columns_of_terms};
 use crate::error::IdentifyError;
 use crate::patterns::{PatternPlan, find_patterns};
 use crate::rows::{PatternSums, samples_of};
@@ -13,7 +13,7 @@ use serde::Serialize;
 use torquewise_model::library::{
     Degree, energy_library, energy_library_size, product_library, product_library_size,
 };
-use torquewise_model::{Kind, Term};
+use torquewise_model::{JointKind, JointKinds, Kind, Term};
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
 use torquewise_regression::SparseError;
 use torquewise_regression::design::{AtomSum, Design};
@@ -21,8 +21,10 @@ use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::row_sums::{PreparedDesign, RowAdder};
 
 /// What is tried.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OrderPlan {
+    /// Which joints turn and which slide.
+    pub kinds: JointKinds,
     /// Largest N₁.
     pub trig_order: u8,
     /// Largest N₁ of the whole library, which grows fastest.
@@ -36,7 +38,8 @@ pub struct OrderPlan {
 impl Default for OrderPlan {
     /// N₁ up to 5, and up to 4 for the whole library, interaction up to 4.
     fn default() -> Self {
-        Self { trig_order: 5, whole_order: 4, interaction: 4, patterns: PatternPlan::default() }
+        let (kinds, patterns) = (JointKinds::default(), PatternPlan::default());
+        Self { kinds, trig_order: 5, whole_order: 4, interaction: 4, patterns }
     }
 }
 
@@ -53,6 +56,13 @@ pub struct OrderPoint {
     pub residual: Vec<f64>,
     /// The same on the rows that were fitted, which is what Fig. 5 shows, n.
     pub fitted: Vec<f64>,
+}
+
+impl OrderPoint {
+    /// Whether it explains more than half of the torque of each joint.
+    pub fn suffices(&self) -> bool {
+        self.residual.iter().all(|residual| *residual <= 0.5)
+    }
 }
 
 /// The residual of one library against its order.
@@ -98,14 +108,16 @@ pub fn orders(
     if let Some(joint) = survey.torque_std.iter().position(|&std| std == 0.0) {
         return Err(IdentifyError::ConstantTorque(survey.joints[joint].clone()));
     }
+    IdentifyError::check_kinds(&plan.kinds, &survey.joints)?;
     let patterns = find_patterns(&survey, &plan.patterns)?;
     let (n, rows) = (survey.joints.len(), survey.rows);
-    let mut ladders = vec![whole_ladder(n, plan.whole_order)?];
+    let kinds = &plan.kinds.all(n);
+    let mut ladders = vec![whole_ladder(kinds, plan.whole_order)?];
     for &pattern in &patterns.present {
-        ladders.push(step_ladder(n, plan.trig_order, pattern)?);
+        ladders.push(step_ladder(kinds, plan.trig_order, pattern)?);
     }
     let interaction = u8::try_from(plan.interaction.min(n)).unwrap_or(u8::MAX);
-    ladders.push(energy_ladder(n, interaction)?);
+    ladders.push(energy_ladder(kinds, interaction)?);
     let prepared: Vec<PreparedDesign> =
         ladders.iter().map(|ladder| PreparedDesign::cheaper(&ladder.design, n, rows)).collect();
     // Pieces of one size, or one half would get all the remainders.
@@ -145,13 +157,13 @@ fn feasible(largest: u8, size: impl Fn(u8) -> usize) -> u8 {
 }
 
 /// One-shot SINDy: N₁ at N₂ ≤ 1, then at N₂ ≤ 2.
-fn whole_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
+fn whole_ladder(kinds: &[JointKind], largest: u8) -> Result<Ladder, IdentifyError> {
     let degrees = Degree::up_to(2);
-    let largest = feasible(largest, |order| product_library_size(n, order, &degrees));
-    let terms = product_library(n, largest, &degrees);
+    let largest = feasible(largest, |order| product_library_size(kinds, order, &degrees));
+    let terms = product_library(kinds, largest, &degrees);
     let rungs = (1..=2).flat_map(|motion| (1..=largest).map(move |order| (order, motion)));
     let equations = columns_of_terms(&terms, 0);
-    Ladder::new(n, ("SINDy", None), &equations, rungs, |column, order, motion| {
+    Ladder::new(kinds.len(), ("SINDy", None), &equations, rungs, |column, order, motion| {
         let Term { dq, ddq, .. } = &terms[column];
         trig_order(&terms[column]) <= order && dq.iter().chain(ddq).sum::<u8>() <= motion
     })
@@ -159,31 +171,39 @@ fn whole_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
 
 /// One step: its own part of the library at N₁, beside the parts of the steps before at the
 /// largest.
-fn step_ladder(n: usize, largest: u8, pattern: Pattern) -> Result<Ladder, IdentifyError> {
-    let kinds = &[Kind::Gravity, Kind::Coriolis, Kind::Inertia][..=pattern as usize];
-    let own = kinds[kinds.len() - 1];
+fn step_ladder(
+    kinds: &[JointKind],
+    largest: u8,
+    pattern: Pattern,
+) -> Result<Ladder, IdentifyError> {
+    let parts = &[Kind::Gravity, Kind::Coriolis, Kind::Inertia][..=pattern as usize];
+    let own = parts[parts.len() - 1];
     // What an order adds to the step before shows only if the step before is not short of it.
-    let degrees: Vec<Degree> = kinds.iter().map(|&kind| Degree::of(kind)).collect();
+    let degrees: Vec<Degree> = parts.iter().map(|&kind| Degree::of(kind)).collect();
     let (before, added) = degrees.split_at(degrees.len() - 1);
     let size = |order: u8| {
-        let earlier = product_library_size(n, order.min(BEFORE), before);
-        earlier.saturating_add(product_library_size(n, order, added))
+        let earlier = product_library_size(kinds, order.min(BEFORE), before);
+        earlier.saturating_add(product_library_size(kinds, order, added))
     };
     let largest = feasible(largest, size);
-    let mut terms = product_library(n, largest.min(BEFORE), before);
-    terms.extend(product_library(n, largest, added));
+    let mut terms = product_library(kinds, largest.min(BEFORE), before);
+    terms.extend(product_library(kinds, largest, added));
     let (equations, rungs) = (columns_of_terms(&terms, 0), (1..=largest).map(|order| (order, 0)));
-    Ladder::new(n, (pattern.name(), Some(pattern)), &equations, rungs, |column, order, _| {
-        terms[column].kind() != own || trig_order(&terms[column]) <= order
-    })
+    Ladder::new(
+        kinds.len(),
+        (pattern.name(), Some(pattern)),
+        &equations,
+        rungs,
+        |column, order, _| terms[column].kind() != own || trig_order(&terms[column]) <= order,
+    )
 }
 
-fn energy_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
-    let largest = feasible(largest, |order| energy_library_size(n, Some(order.into())));
-    let terms = energy_library(n, Some(largest.into()));
-    let equations = columns_of_energies(&terms, n, 0);
+fn energy_ladder(kinds: &[JointKind], largest: u8) -> Result<Ladder, IdentifyError> {
+    let largest = feasible(largest, |order| energy_library_size(kinds, Some(order.into())));
+    let terms = energy_library(kinds, Some(largest.into()));
+    let equations = columns_of_energies(&terms, kinds.len(), 0);
     let rungs = (1..=largest).map(|order| (order, 0));
-    Ladder::new(n, ("energy", None), &equations, rungs, |column, order, _| {
+    Ladder::new(kinds.len(), ("energy", None), &equations, rungs, |column, order, _| {
         terms[column].function.interaction() <= usize::from(order)
     })
 }
@@ -201,7 +221,7 @@ impl Ladder {
         rungs: impl Iterator<Item = (u8, u8)>,
         fits: impl Fn(usize, u8, u8) -> bool,
     ) -> Result<Self, IdentifyError> {
-        let design = Design::new(n, 2 * n, equations)?;
+        let design = Design::new(n, SIGNALS * n, equations)?;
         let all = 0..design.n_columns();
         let columns =
             |order, motion| all.clone().filter(|&column| fits(column, order, motion)).collect();

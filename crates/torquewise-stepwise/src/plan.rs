@@ -2,6 +2,7 @@
 
 use crate::friction::FrictionKind;
 use serde::{Deserialize, Serialize};
+use torquewise_model::JointKinds;
 use torquewise_regression::select::Selector;
 use torquewise_regression::select::criterion::Criterion;
 use torquewise_regression::select::stlsq::Stlsq;
@@ -46,6 +47,8 @@ pub enum Regression {
 pub struct LibraryOptions {
     /// Candidates.
     pub library: LibraryKind,
+    /// Which joints turn and which slide; none is looked for.
+    pub kinds: JointKinds,
     /// One-shot or stepwise.
     pub regression: Regression,
     /// Friction beside M, C and G (17).
@@ -65,6 +68,7 @@ impl Default for LibraryOptions {
     fn default() -> Self {
         Self {
             library: LibraryKind::Energy { interaction: None },
+            kinds: JointKinds::default(),
             regression: Regression::Stepwise,
             friction: FrictionKind::None,
             selector: Selector::Criterion(Criterion::default()),

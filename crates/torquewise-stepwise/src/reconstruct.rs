@@ -44,9 +44,9 @@ pub fn reconstruct(
 
     // Library of candidates (4) (13), and what the options leave open, chosen on held-out rows.
     let mut basis = sums.library.basis(survey.joints.len())?;
-    let SummedLibrary { kind: library, regression, friction } = &sums.library;
-    let mut options =
-        LibraryOptions { library: *library, regression: *regression, ..options.clone() };
+    let SummedLibrary { kind: library, kinds, regression, friction } = &sums.library;
+    let (library, kinds, regression) = (*library, kinds.clone(), *regression);
+    let mut options = LibraryOptions { library, kinds, regression, ..options.clone() };
     let chosen = select_model(survey, &options, (friction, &sums.choices))?;
     let ModelSelection { library, selector, choices, .. } = chosen;
     options.selector = selector;
@@ -85,7 +85,8 @@ pub fn reconstruct(
     let missing = Pattern::ALL.into_iter().filter(is_missing).collect();
     let dependent: BTreeSet<usize> =
         refitted.iter().flat_map(|group| group.dependent.iter().copied()).collect();
-    let (model, steps) = found.finish(survey, &refitted);
+    let (mut model, steps) = found.finish(survey, &refitted);
+    model.training.kinds = options.kinds;
     Ok(LibraryFit {
         model,
         patterns,

@@ -1,5 +1,6 @@
-//! Rows of a motion as samples of a regression: q as angles, q̇, q̈ and friction as variables.
+//! Rows of a motion as samples of a regression: q as angles; q̇, q̈, q and friction as variables.
 
+use crate::candidates::SIGNALS;
 use faer::Mat;
 use std::borrow::Cow;
 use torquewise_model::FrictionTerm;
@@ -14,12 +15,12 @@ pub(crate) fn samples_of(
     friction: &[FrictionTerm],
 ) -> Result<Samples, MotionError> {
     let n = motion.n_joints();
-    let mut variables = Mat::zeros(motion.n_rows(), 2 * n + friction.len());
+    let mut variables = Mat::zeros(motion.n_rows(), SIGNALS * n + friction.len());
     variables.subcols_mut(0, n).copy_from(motion.dq());
     variables.subcols_mut(n, n).copy_from(motion.ddq());
     let (angles, responses) = (motion.q().to_owned(), motion.require_tau()?.to_owned());
     let mut samples = Samples { angles, variables, responses };
-    fill_friction(&mut samples, friction);
+    fill_in(&mut samples, friction);
     Ok(samples)
 }
 
@@ -46,16 +47,17 @@ pub(crate) fn clear_of_reversals<'a>(
     Cow::Owned(motion.select(&(0..motion.n_rows()).filter(clear).collect::<Vec<_>>()))
 }
 
-/// Values of friction at the speeds of each row, in the last variables.
-pub(crate) fn fill_friction(samples: &mut Samples, friction: &[FrictionTerm]) {
+/// What follows from the other variables: positions, and friction at the speeds of each row.
+pub(crate) fn fill_in(samples: &mut Samples, friction: &[FrictionTerm]) {
     let n = samples.angles.ncols();
+    samples.variables.subcols_mut(2 * n, n).copy_from(&samples.angles);
     let mut speeds = vec![0.0; n];
     for row in 0..samples.n_rows() {
         for (joint, speed) in speeds.iter_mut().enumerate() {
             *speed = samples.variables[(row, joint)];
         }
         for (place, law) in friction.iter().enumerate() {
-            samples.variables[(row, 2 * n + place)] = law.value(&speeds);
+            samples.variables[(row, SIGNALS * n + place)] = law.value(&speeds);
         }
     }
 }
@@ -97,7 +99,7 @@ impl<'a> PatternSums<'a> {
         let empty = |columns| Mat::zeros(BLOCK_ROWS, columns);
         let block = Samples {
             angles: empty(n_joints),
-            variables: empty(2 * n_joints + friction),
+            variables: empty(SIGNALS * n_joints + friction),
             responses: empty(n_joints),
         };
         Self { pattern, block, held: 0, piece, sums, next: 0 }

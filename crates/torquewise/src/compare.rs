@@ -5,8 +5,11 @@ use crate::fit::{FitResult, fit_plan};
 use crate::observe::{NOBODY, Observer, Watched};
 use crate::options::FitOptions;
 use serde::Serialize;
+use torquewise_identify::Method;
+use torquewise_identify::plan::LibraryOptions;
 use torquewise_identify::score::{Scores, score};
 use torquewise_motion::Recording;
+use torquewise_stepwise::candidates::check_library;
 
 /// Both methods.
 #[derive(Debug, Serialize)]
@@ -50,6 +53,12 @@ pub fn compare(
     observer: Observer<'_>,
 ) -> Result<Comparison> {
     let [stepwise, sindy] = options.plans_to_compare()?;
+    // Neither is fitted where the other could not be.
+    for plan in [&stepwise, &sindy] {
+        if let Method::Library(LibraryOptions { library, kinds, regression, .. }) = &plan.method {
+            check_library(&kinds.all(train.joints().len()), *library, *regression)?;
+        }
+    }
     let contend = |plan| -> Result<Contender> {
         let fit = fit_plan(train, None, plan, observer)?;
         let scores = score(&fit.model, &Watched::new(test, NOBODY, "predicting", None))?;

@@ -6,6 +6,7 @@ use crate::evaluate::{Evaluation, evaluate};
 use crate::log::{Filter, Log, Rows, Source};
 use crate::observe::{Event, NOBODY, Observer, Watched};
 use crate::options::{Facts, FitOptions, Library};
+use crate::physics::MassMatrix;
 use crate::prepared::Prepared;
 use crate::summary::repairs_note;
 use std::ops::Deref;
@@ -13,9 +14,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use torquewise_identify::bandwidth::{Tuned, tune};
 use torquewise_identify::disagreement::disagreements;
+use torquewise_identify::excitation::Finding;
 use torquewise_identify::reconstruct::reconstruct_from;
 use torquewise_identify::verdict::{Grade, Verdict, judge};
 use torquewise_identify::{IdentifyError, Method, Plan, Reconstruction, Warning, reconstruct};
+use torquewise_model::{Kind, Term};
 use torquewise_motion::Recording;
 use torquewise_stepwise::Progress;
 use torquewise_stepwise::progress::Watch;
@@ -66,13 +69,14 @@ impl<'a> Fit<'a> {
     /// if the observer broke, and those of reading and fitting, each with what to do.
     pub fn run(self) -> Result<FitResult> {
         self.options.check()?;
-        self.run_as_open().map(FitResult::judged)
+        self.run_as_open()?.judged()
     }
 
     /// What is fitted where the library is open, without a verdict.
     fn run_as_open(&self) -> Result<FitResult> {
         let mut fit = self.run_as(&self.options)?;
-        if fit.model.chain.is_some() {
+        // Nor does a chain explain a torque that never changes.
+        if fit.model.chain.is_some() || fit.model.training.torque_std.contains(&0.0) {
             return Ok(fit);
         }
         let look = |progress: Watch<'_>| fit.found.first_look(self.options.seed, progress);
@@ -82,8 +86,12 @@ impl<'a> Fit<'a> {
             seen => seen.map(|(seen, ..)| seen).unwrap_or_default(),
         };
         let is_useful = |fit: &FitResult| fit.verdict().grade != Grade::Unusable;
-        let suffices = is_useful(&fit);
-        if seen.kinds.all_turn() && seen.may_slide.is_empty() && suffices {
+        let suffices = is_useful(&fit) && MassMatrix::of(&fit.model)?.positive_definite;
+        // Without gravity it is an arm of upright axes, or what is logged is not all of its torque.
+        let weighs =
+            |(_, term): &(f64, Term)| term.kind() == Kind::Gravity && !term.factors.is_empty();
+        let is_settled = suffices && fit.model.equations().iter().flatten().any(weighs);
+        if seen.kinds.all_turn() && seen.may_slide.is_empty() && is_settled {
             return Ok(fit);
         }
         let chain = FitOptions { library: Some(Library::Chain), ..self.options.clone() };
@@ -93,7 +101,15 @@ impl<'a> Fit<'a> {
                 Ok(chain) if !chain.model.kinds().all_turn() || !suffices && is_useful(&chain) => {
                     return Ok(chain);
                 }
-                Ok(_) => return Ok(fit),
+                Ok(chain) => {
+                    let of_torque = |own: &Warning| {
+                        let Warning::Excitation(own) = own else { return false };
+                        matches!(own, Finding::Weightless | Finding::Gains { .. })
+                    };
+                    let told = chain.found.warnings.into_iter().filter(of_torque);
+                    fit.found.warnings.extend(told);
+                    return Ok(fit);
+                }
                 // What seems to slide is said of the terms below.
                 Err(_) => {}
             }
@@ -157,9 +173,11 @@ impl Deref for FitResult {
 
 impl FitResult {
     /// The same with its verdict in the model.
-    pub(crate) fn judged(mut self) -> Self {
+    pub(crate) fn judged(mut self) -> Result<Self> {
+        let flaw = MassMatrix::of(&self.found.model)?.flaw();
+        self.found.warnings.extend(flaw.map(Warning::NotPhysical));
         self.found.model.training.verdict = Some(self.verdict());
-        self
+        Ok(self)
     }
 
     /// Whether the model may be used, and why.

@@ -253,7 +253,6 @@ impl FitOptions {
             ("threshold", self.threshold.is_some(), !chain, Remedy::Terms),
             ("n_bootstrap", self.n_bootstrap.is_some(), !chain, Remedy::Terms),
             ("urdf", self.geometry.is_some(), chain, Remedy::Chain),
-            ("kinds", self.slides(), chain, Remedy::Chain),
             ("counterbalance", !self.counterbalanced.is_empty(), chain, Remedy::Chain),
             ("refine", self.refine.is_some(), chain, Remedy::Chain),
         ];
@@ -293,6 +292,7 @@ impl FitOptions {
         };
         Method::Library(LibraryOptions {
             library,
+            kinds: self.kinds.clone().unwrap_or_default().into(),
             regression,
             friction: self.friction.unwrap_or(usual.friction),
             selector: self.selector(usual.selector),

@@ -56,15 +56,6 @@ impl MassMatrix {
     pub fn flaw(&self) -> Option<String> {
         (!self.positive_definite).then(|| eigenvalue_at(self.smallest_eigenvalue, &self.q))
     }
-
-    /// The same with what follows from it.
-    pub fn warning(&self) -> Option<String> {
-        let flaw = self.flaw()?;
-        Some(format!(
-            "{flaw}, within the range of the log: simulation and computed torque go wrong there, \
-             and export refuses the model; record more motion, or fit a chain"
-        ))
-    }
 }
 
 impl PhysicsCheck {

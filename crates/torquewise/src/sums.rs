@@ -83,7 +83,7 @@ pub fn solve_sums(
         Solution::Model(found) => {
             let mut fit = FitResult { found: *found, log: None, seconds, step_seconds };
             fit.found.model.training.filter = filter;
-            Solved::Model(Box::new(fit.judged()))
+            Solved::Model(Box::new(fit.judged()?))
         }
     })
 }

@@ -309,6 +309,7 @@ class Stepwise(_Estimator):
         noise_correction: bool = True,
         seed: int = 0,
         rate: float = 100.0,
+        kinds: str | None = None,
     ):
         self.library = library
         self.friction = friction
@@ -321,6 +322,7 @@ class Stepwise(_Estimator):
         self.noise_correction = noise_correction
         self.seed = seed
         self.rate = rate
+        self.kinds = kinds
 
 
 class Chain(_Estimator):
@@ -371,9 +373,11 @@ class OneShot(_Estimator):
         threshold: float | None = None,
         seed: int = 0,
         rate: float = 100.0,
+        kinds: str | None = None,
     ):
         self.trig_order = trig_order
         self.select = select
         self.threshold = threshold
         self.seed = seed
         self.rate = rate
+        self.kinds = kinds

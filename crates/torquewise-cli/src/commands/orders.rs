@@ -1,6 +1,6 @@
 //! `orders`: the held-out residual at each order of the libraries, and the chosen orders.
 
-use crate::arguments::PatternArguments;
+use crate::arguments::{PatternArguments, kinds_of_joints};
 use crate::error::Result;
 use crate::files::{check_files, write_whole};
 use crate::outcome::Outcome;
@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use torquewise::identify::Warning;
 use torquewise::log::Rows;
-use torquewise::model::number;
+use torquewise::model::{JointKinds, number};
 use torquewise::observe::Watched;
 use torquewise::report::{chart_figure, order_charts};
 use torquewise::stepwise::orders::{OrderCurve, OrderPlan, OrderPoint, orders};
@@ -46,6 +46,9 @@ pub(crate) struct Arguments {
     #[arg(help_heading = "Orders", long, value_name = "K", default_value_t = 4)]
     #[arg(value_parser = clap::value_parser!(u8).range(1..=16))]
     interaction: u8,
+    /// Which joints turn and which slide, base to tip, as r,r,p,r or RRPR [default: all turn]
+    #[arg(long, value_name = "KINDS", value_parser = kinds_of_joints())]
+    kinds: Option<String>,
     #[command(flatten)]
     patterns: PatternArguments,
     #[command(flatten)]
@@ -58,7 +61,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let log = arguments.filter.signals.open(&arguments.logs)?;
     log.files.require_tau()?;
     let logs = arguments.filter.prepare(&log, Rows::Filtered)?;
+    let kinds = arguments.kinds.as_deref().and_then(JointKinds::read).unwrap_or_default();
     let plan = OrderPlan {
+        kinds,
         trig_order: arguments.trig_order,
         whole_order: arguments.whole_order,
         interaction: arguments.interaction.into(),
@@ -92,6 +97,7 @@ fn curve_json(curve: &OrderCurve) -> Value {
             "candidates": point.candidates,
             "residual_percent": percent(&point.residual),
             "fitted_percent": percent(&point.fitted),
+            "suffices": point.suffices(),
         })
     };
     json!({
@@ -113,7 +119,8 @@ fn curve_text(curve: &OrderCurve, joints: &[String]) -> String {
         cells.extend(whole.then(|| point.motion_order.to_string()));
         cells.push(point.candidates.to_string());
         cells.extend(point.residual.iter().map(|residual| number(100.0 * residual)));
-        cells.extend((place == curve.chosen).then(|| "<- chosen".to_owned()));
+        let mark = if point.suffices() { "<- chosen" } else { "<- best, and of little use" };
+        cells.extend((place == curve.chosen).then(|| mark.to_owned()));
         table.row(&point.order.to_string(), cells);
     }
     format!(

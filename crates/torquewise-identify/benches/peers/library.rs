@@ -1,6 +1,6 @@
 //! The whole library of SINDy, three joints: least squares, STLSQ, the path of the LASSO.
 
-use crate::trial::{N, grams, moves, select_each, timed, write, write_motion, write_terms};
+use crate::trial::{KINDS, N, grams, moves, select_each, timed, write, write_motion, write_terms};
 use faer::Mat;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -35,7 +35,7 @@ pub(crate) fn run(folder: &Path) -> Value {
 fn sindy(motion: &Motion, order: u8, folder: &Path) -> (usize, Value) {
     let library = LibraryKind::Product { gravity_order: 2, trig_order: order };
     let candidates =
-        Candidates::new(N, library, Regression::OneShot, Vec::new()).expect("a library");
+        Candidates::new(&KINDS, library, Regression::OneShot, Vec::new()).expect("a library");
     let p = candidates.len();
     let route = PreparedDesign::cheaper(&candidates.design, N, ROWS).route();
     let columns: Vec<usize> = (0..p).collect();

@@ -1,6 +1,6 @@
 //! Time over the number of rows: a small library, least squares and STLSQ.
 
-use crate::trial::{N, grams, moves, select_each, timed, write_motion, write_terms};
+use crate::trial::{KINDS, grams, moves, select_each, timed, write_motion, write_terms};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use torquewise_identify::LibraryKind;
@@ -17,7 +17,7 @@ pub(crate) fn run(folder: &Path) -> Value {
     let motion = moves(ROWS);
     let library = LibraryKind::Product { gravity_order: 1, trig_order: 1 };
     let candidates =
-        Candidates::new(N, library, Regression::OneShot, Vec::new()).expect("a library");
+        Candidates::new(&KINDS, library, Regression::OneShot, Vec::new()).expect("a library");
     let columns: Vec<usize> = (0..candidates.len()).collect();
     write_motion(&folder.join("many.f64"), &motion);
     write_terms(&folder.join("many.txt"), &candidates, &columns);

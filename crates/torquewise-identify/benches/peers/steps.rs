@@ -1,6 +1,6 @@
 //! The paper's method, three joints: three regressions in turn, each on the rows of its pattern.
 
-use crate::trial::{N, errors, fitted, moves, test, write, write_motion, write_terms};
+use crate::trial::{KINDS, errors, fitted, moves, test, write, write_motion, write_terms};
 use serde_json::{Value, json};
 use std::path::Path;
 use torquewise_identify::plan::LibraryOptions;
@@ -13,8 +13,8 @@ const ROWS: usize = 20_000;
 pub(crate) fn run(folder: &Path) -> Value {
     let (motion, test) = (moves(ROWS), test());
     let options = LibraryOptions { bags: 0, ..LibraryOptions::product() };
-    let candidates =
-        Candidates::new(N, options.library, options.regression, Vec::new()).expect("a library");
+    let candidates = Candidates::new(&KINDS, options.library, options.regression, Vec::new())
+        .expect("a library");
     let (found, seconds) = fitted(&motion, &options.into());
 
     write_motion(&folder.join("steps.f64"), &motion);

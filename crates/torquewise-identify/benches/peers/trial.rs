@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
 use torquewise_identify::{Plan, Reconstruction, UNWATCHED, reconstruct, score};
-use torquewise_model::Model;
+use torquewise_model::{JointKind, Model};
 use torquewise_motion::{BLOCK_ROWS, Motion};
 use torquewise_regression::normal_equations::{KeptColumns, NormalEquations};
 use torquewise_regression::row_sums::{PreparedDesign, RowAdder};
@@ -18,6 +18,7 @@ use torquewise_stepwise::candidates::{Candidates, Terms};
 
 /// Joints of the arm of all tasks.
 pub(crate) const N: usize = 3;
+pub(crate) const KINDS: [JointKind; N] = [JointKind::Revolute; N];
 /// Samples per second of all logs \[Hz\].
 const RATE: f64 = 100.0;
 

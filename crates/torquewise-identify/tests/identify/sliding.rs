@@ -3,7 +3,7 @@
 
 use crate::chain::{NOISE, linear, rubbing, sines};
 use crate::support::{chain, executed, fit, percent, states_of};
-use torquewise_identify::plan::{ChainOptions, FrictionKind};
+use torquewise_identify::plan::{ChainOptions, FrictionKind, LibraryOptions};
 use torquewise_identify::{IdentifyError, Plan, Reconstruction, UNWATCHED, reconstruct};
 use torquewise_model::{JointKinds, from_json, to_json};
 use torquewise_sim::Arm;
@@ -85,4 +85,25 @@ fn arms_that_turn_alone_are_not_said_to_slide() {
 
         assert!(found.model.kinds().all_turn(), "{name}: {:?}", found.model.choices);
     }
+}
+
+#[test]
+fn libraries_of_slides_hold_their_powers() {
+    let arm = Arm::builtin("scara-4").unwrap();
+    let motion = sines(&arm, 20.0, 5);
+    let given = |options: LibraryOptions| -> Plan {
+        LibraryOptions { kinds: arm.kinds(), bags: 0, ..options }.into()
+    };
+
+    let energies = fit(&motion, &given(LibraryOptions::default()));
+    let read = from_json(&to_json(&energies.model).unwrap()).unwrap();
+    let all_turn = fit(&motion, &LibraryOptions { bags: 0, ..LibraryOptions::default() }.into());
+    let mut short = LibraryOptions::product();
+    short.kinds = JointKinds::read("RRP").unwrap();
+    let refused = reconstruct(&motion, &short.into(), UNWATCHED).unwrap_err();
+
+    assert_eq!((&read, kinds_of(&energies).as_str()), (&energies.model, "rrpr"));
+    let errors = [&energies, &all_turn].map(|found| elsewhere(found, &arm));
+    assert!(errors[0] < 1e-6 && errors[1] > 1e-3, "{errors:?}");
+    assert!(matches!(refused, IdentifyError::Kinds { .. }), "{refused}");
 }

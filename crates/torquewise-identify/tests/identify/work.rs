@@ -2,6 +2,7 @@
 
 use torquewise_identify::LibraryKind;
 use torquewise_identify::plan::Regression;
+use torquewise_model::JointKind;
 use torquewise_regression::design::Design;
 use torquewise_regression::moments::MomentPlan;
 use torquewise_regression::row_sums::{PreparedDesign, Route};
@@ -11,7 +12,12 @@ const N_RESPONSES: usize = 3;
 
 /// The one-shot SINDy library of three joints, N₁ = 4, N₂ ≤ 2.
 fn sindy() -> Design {
-    let candidates = Candidates::new(3, LibraryKind::PRODUCT, Regression::OneShot, Vec::new());
+    let candidates = Candidates::new(
+        &[JointKind::Revolute; 3],
+        LibraryKind::PRODUCT,
+        Regression::OneShot,
+        Vec::new(),
+    );
     candidates.expect("a library that fits into memory").design
 }
 

@@ -12,6 +12,7 @@ use torquewise_model::friction::FrictionLaw;
 use torquewise_model::library::energy_library_size;
 use torquewise_regression::design::Design;
 use torquewise_regression::samples::Samples;
+use torquewise_rigid::JointKind;
 use torquewise_stepwise::candidates::Candidates;
 use torquewise_stepwise::{LibraryKind, Regression};
 
@@ -50,19 +51,23 @@ pub(crate) enum Stage {
 }
 
 impl Library {
-    pub(crate) fn new(limits: &[Bounds], interaction: Option<usize>) -> Result<Self> {
-        let n = limits.len();
+    pub(crate) fn new(
+        kinds: &[JointKind],
+        limits: &[Bounds],
+        interaction: Option<usize>,
+    ) -> Result<Self> {
+        let n = kinds.len();
         let mut order = interaction.unwrap_or(INTERACTION).clamp(1, n.max(1));
-        if interaction.is_none() && energy_library_size(n, Some(order)) > EASY_COLUMNS {
+        if interaction.is_none() && energy_library_size(kinds, Some(order)) > EASY_COLUMNS {
             order = 1;
         }
         // Before they are listed, which might take all memory.
-        let columns = energy_library_size(n, Some(order)).saturating_add(3 * n);
+        let columns = energy_library_size(kinds, Some(order)).saturating_add(3 * n);
         if columns > MOST_COLUMNS {
             return Err(SimError::TooManyColumns { columns, limit: MOST_COLUMNS });
         }
         let kind = LibraryKind::Energy { interaction: Some(order) };
-        let candidates = Candidates::new(n, kind, Regression::Stepwise, Vec::new())?;
+        let candidates = Candidates::new(kinds, kind, Regression::Stepwise, Vec::new())?;
         let [gravity, coriolis, _] = candidates.offered;
         let mut library = Self {
             design: candidates.design,
@@ -114,8 +119,9 @@ impl Library {
     /// root of the seconds it stands for.
     pub(crate) fn rows(&self, states: &States) -> Result<Mat<f64>> {
         let (m, n, at) = (states.seconds.len(), self.design.n_equations(), &states.at);
-        let variables = Mat::from_fn(m, 2 * n, |row, column| {
-            if column < n { at[row].dq[column] } else { at[row].ddq[column - n] }
+        let variables = Mat::from_fn(m, 3 * n, |row, column| {
+            let State { q, dq, ddq } = &at[row];
+            [dq, ddq, q][column / n][column % n]
         });
         let angles = Mat::from_fn(m, n, |row, joint| at[row].q[joint]);
         let samples = Samples { angles, variables, responses: Mat::zeros(m, 0) };
@@ -168,12 +174,13 @@ fn reference(limits: &[Bounds]) -> States {
 mod tests {
     use super::*;
 
+    const TURN: [JointKind; 3] = [JointKind::Revolute; 3];
     const LIMITS: [Bounds; 3] =
         [Bounds { position: [-2.0, 2.0], velocity: 1.0, acceleration: 2.0 }; 3];
 
     #[test]
     fn every_column_has_size_one_over_the_limits() {
-        let library = Library::new(&LIMITS, Some(3)).unwrap();
+        let library = Library::new(&TURN, &LIMITS, Some(3)).unwrap();
 
         let rows = library.rows(&reference(&LIMITS)).unwrap();
 
@@ -185,7 +192,7 @@ mod tests {
 
     #[test]
     fn a_share_has_the_columns_of_the_whole() {
-        let library = Library::new(&LIMITS, None).unwrap();
+        let library = Library::new(&TURN, &LIMITS, None).unwrap();
         let share = library.share(Stage::Standstill { dwell: 0.5, creep: true });
         let states = reference(&LIMITS);
 
@@ -203,11 +210,11 @@ mod tests {
 
     #[test]
     fn many_joints_get_a_lower_order_and_too_many_columns_are_refused() {
-        let seven = [LIMITS[0]; 7];
+        let (turn, seven) = ([JointKind::Revolute; 7], [LIMITS[0]; 7]);
 
-        assert_eq!(Library::new(&seven, None).unwrap().interaction, 1);
+        assert_eq!(Library::new(&turn, &seven, None).unwrap().interaction, 1);
         for order in [3, 16] {
-            let refused = Library::new(&seven, Some(order)).unwrap_err();
+            let refused = Library::new(&turn, &seven, Some(order)).unwrap_err();
             assert!(matches!(refused, SimError::TooManyColumns { .. }), "{refused}");
         }
     }

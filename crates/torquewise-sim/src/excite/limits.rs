@@ -3,6 +3,7 @@
 use crate::Arm;
 use crate::error::{Result, SimError, check_between};
 use std::f64::consts::PI;
+use torquewise_rigid::JointKind;
 
 /// What a joint may do at most.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -28,6 +29,8 @@ impl Bounds {
 pub struct Limits {
     /// Name of the joint.
     pub joint: String,
+    /// Whether it turns or slides.
+    pub kind: JointKind,
     /// What the arm can do.
     pub arm: Bounds,
     /// What the plan keeps to.
@@ -122,10 +125,10 @@ pub fn limits(arm: &Arm, wishes: &Wishes) -> Result<Vec<Limits>> {
     let turns = arm.ranges();
     let mut all = Vec::with_capacity(joints.len());
     for (i, (joint, known)) in joints.iter().zip(arm.limits()).enumerate() {
-        let mut assumed = Vec::new();
+        let (kind, mut assumed) = (arm.kinds().of(i), Vec::new());
         let limit = velocities[i].or(known.velocity).unwrap_or_else(|| {
             assumed.push("velocity");
-            if arm.kinds().slides(i) { ASSUMED_SLIDE } else { ASSUMED_VELOCITY }
+            if kind.turns() { ASSUMED_VELOCITY } else { ASSUMED_SLIDE }
         });
         check_rate("velocity", joint, limit)?;
         let velocity = wishes.speed_scale * limit;
@@ -156,6 +159,7 @@ pub fn limits(arm: &Arm, wishes: &Wishes) -> Result<Vec<Limits>> {
             return Err(SimError::Range { joint: joint.clone(), lower, upper });
         }
         all.push(Limits {
+            kind,
             joint: joint.clone(),
             arm: Bounds {
                 position: known.position.unwrap_or(ranges[i].unwrap_or([-PI, PI])),

@@ -12,6 +12,7 @@ use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use torquewise_motion::stats::whole;
+use torquewise_rigid::JointKind;
 
 /// What is to be planned.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,10 +113,11 @@ pub fn excite(
     let home = home(limits, plan)?;
     plan.check()?;
     let joints: Vec<String> = limits.iter().map(|limits| limits.joint.clone()).collect();
+    let kinds: Vec<JointKind> = limits.iter().map(|limits| limits.kind).collect();
     let bounds: Vec<Bounds> = limits.iter().map(|limits| limits.planned).collect();
     let slowed = torques.map(|torques| torques.slowed(&bounds, &home)).transpose()?;
     let (speed, bounds) = slowed.unwrap_or((1.0, bounds));
-    let library = Library::new(&bounds, plan.interaction)?;
+    let library = Library::new(&kinds, &bounds, plan.interaction)?;
     let setting = Setting { plan, joints: &joints, bounds: &bounds, home: &home, torques, library };
 
     let rounds = match plan.tries {
