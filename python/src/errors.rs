@@ -10,6 +10,7 @@ use torquewise::logs::LogError as Logs;
 
 create_exception!(torquewise, TorquewiseError, PyValueError, "What torquewise cannot do, and why.");
 create_exception!(torquewise, LogError, TorquewiseError, "A log that cannot be read or used.");
+create_exception!(torquewise, ColumnError, LogError, "Columns that a profile is to name.");
 create_exception!(torquewise, FitError, TorquewiseError, "A log that no model can be fitted to.");
 create_exception!(
     torquewise,
@@ -52,6 +53,7 @@ pub(crate) fn raised(error: Error) -> PyErr {
         Error::Log(Logs::Read { source, .. }) if source.kind() == ErrorKind::NotFound => {
             PyFileNotFoundError::new_err(text)
         }
+        Error::Log(Logs::NoColumn { .. }) => ColumnError::new_err(text),
         Error::Log(_) | Error::Motion(_) | Error::Read(_) => LogError::new_err(text),
         Error::Model(_) => ModelError::new_err(text),
         _ => FitError::new_err(text),

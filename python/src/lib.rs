@@ -29,7 +29,9 @@ mod _core {
     #[pymodule_export]
     use crate::control::control;
     #[pymodule_export]
-    use crate::errors::{FitError, Interrupted, LogError, ModelError, TorquewiseError, UsageError};
+    use crate::errors::{
+        ColumnError, FitError, Interrupted, LogError, ModelError, TorquewiseError, UsageError,
+    };
     #[pymodule_export]
     use crate::fit::{Fit, fit, keywords};
     #[pymodule_export]

@@ -311,7 +311,8 @@ impl Model {
     /// Whether the model is physics, at random states: JSON, and a warning if it is not.
     #[pyo3(signature = (states=STATES))]
     fn _check(&self, py: Python<'_>, states: usize) -> PyResult<(String, Option<String>)> {
-        let found = py.detach(|| PhysicsCheck::of(&self.model, states)).map_err(model_error)?;
+        let model = Arc::clone(&self.model);
+        let found = work(py, None, move |_| Ok(PhysicsCheck::of(&model, states)?))?;
         Ok((json(&found)?, found.warning()))
     }
 

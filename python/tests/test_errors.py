@@ -88,8 +88,11 @@ def test_columns_that_are_not_understood_get_a_profile(tmp_path):
     rows = np.column_stack([t, np.sin(t), np.cos(t)])
     path = tmp_path / "robot.csv"
     np.savetxt(path, rows, delimiter=",", header="time,pos_1,torque_1", comments="")
-    with pytest.raises(torquewise.LogError, match=r"columns = .*pos_"):
+    with pytest.raises(torquewise.ColumnError, match=r"columns = .*pos_"):
         torquewise.inspect(path)
+    with pytest.raises(torquewise.ColumnError, match="has no column") as refused:
+        torquewise.fit(path)
+    assert "columns =" not in str(refused.value)
 
 
 def test_all_exceptions_are_of_one_family():
@@ -100,6 +103,7 @@ def test_all_exceptions_are_of_one_family():
         torquewise.UsageError,
     ):
         assert issubclass(own, torquewise.TorquewiseError) and issubclass(own, ValueError)
+    assert issubclass(torquewise.ColumnError, torquewise.LogError)
     assert issubclass(torquewise.Interrupted, KeyboardInterrupt)
 
 

@@ -6,6 +6,7 @@ import pickle
 import signal
 import threading
 import time
+from datetime import date
 
 import numpy as np
 import pytest
@@ -216,8 +217,9 @@ def test_a_change_is_found_and_nobody_else_is_accused(client, logs, tmp_path):
 
     (change,) = found.changes
     assert (change.robot, change.joint, change.parameter) == ("robot1", "joint3", "viscous")
-    assert change.since == "07" and change.percent == pytest.approx(20.0, abs=4.0)
-    assert "viscous friction +" in str(change) and "since 07" in repr(found)
+    assert (change.since, change.when) == ("07", "week 07")
+    assert change.percent == pytest.approx(20.0, abs=4.0)
+    assert "viscous friction +" in str(change) and "since week 07" in repr(found)
     assert sorted(found.models) == ["robot0", "robot1", "robot2"]
     mine = torquewise.fit(logs[:14], progress=False, **OPTIONS).model
     assert found.models["robot0"] == mine
@@ -226,7 +228,9 @@ def test_a_change_is_found_and_nobody_else_is_accused(client, logs, tmp_path):
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names == {"model.json", "models", "files.csv", "drift.parquet", "fleet.html"}
     page = (tmp_path / "out/fleet.html").read_text()
-    assert "robot1" in page and "viscous" in page and "<svg" in page
+    for shown in ("robot1", "viscous", "<svg", "week 07", torquewise.__version__, "library="):
+        assert shown in page
+    assert f"{date.today():%Y-%m-%d}" in page
     assert found.table().num_rows == 42 * 3 * 4
 
 

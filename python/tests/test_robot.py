@@ -182,7 +182,7 @@ def test_a_push_is_found_and_free_motion_is_quiet(chain):
     (contact,) = [own for own in found.contacts if own["factor"] > 2]
     assert contact["joint"] == chain.joints[1] and contact["begin"] == pytest.approx(15.0, abs=0.05)
     assert found.external.shape == (len(found.t), 3) and (found.thresholds > 0).all()
-    assert found.plot().axes
+    assert found.plot().axes and found.blind == []
 
 
 def test_a_report_is_a_page_for_a_notebook(fit, test, tmp_path):

@@ -171,12 +171,15 @@ fn unresolved(joint: &JointGeometry) -> Option<String> {
     let lengths = [(joint.distance_to_previous_m, "from"), (joint.along_previous_m, "along")];
     let lengths = lengths.into_iter().filter_map(|(found, how)| Some((found?, how)));
     let least_certain = lengths.max_by(|a, b| a.0.std_error.total_cmp(&b.0.std_error));
-    let (Estimated { value, std_error }, how) = least_certain?;
+    // Of the first axis and of slides there is a direction alone.
+    let size = |(Estimated { value, std_error }, how): (Estimated, &str)| {
+        format!("{} ± {} m {how} the one before", number(value), number(std_error))
+    };
+    let size = least_certain.map_or_else(|| "its direction at least".to_owned(), size);
     (!joint.resolved).then(|| {
-        let (value, error) = (number(value), number(std_error));
         format!(
-            "not resolved by the log: where this axis lies, {value} ± {error} m {how} the one before: a \
-             length may be wrong where the torque is not"
+            "not resolved by the log: where this axis lies, {size}: a length may be wrong where the \
+             torque is not"
         )
     })
 }

@@ -26,6 +26,8 @@ pub struct Thresholds {
     pub false_alarms_per_hour: f64,
     /// Time of free motion that they come from \[s\].
     pub seconds: f64,
+    /// Joints of which only a contact tells that is larger than usual torque.
+    pub blind: Vec<String>,
     #[serde(skip)]
     spreads: Vec<Spread>,
     /// Of the spread, n.
@@ -85,6 +87,8 @@ const MOST_ROWS: usize = 65_536;
 const MOST_UNSEEN: f64 = 3.0;
 /// So many half-lives of an observer pass before it is believed.
 const SETTLING: f64 = 5.0;
+/// A threshold above so many times the spread of the torque that was trained on sees few contacts.
+const BLIND: f64 = 2.0;
 
 /// External torques of a recording, row by row.
 ///
@@ -193,7 +197,10 @@ impl Thresholds {
             spreads.iter().zip(&multiples).map(|(spread, k)| k * of(spread)).collect()
         };
         let (torque, at_rest) = (times(&|spread| spread.whole), times(&Spread::at_rest));
-        Ok(Self { torque, at_rest, false_alarms_per_hour, seconds, spreads, multiples })
+        let trained = model.joints.iter().zip(&model.training.torque_std).zip(&torque);
+        let blind = trained.filter(|((_, std), most)| **most > BLIND * **std);
+        let blind = blind.map(|((name, _), _)| name.clone()).collect();
+        Ok(Self { torque, at_rest, false_alarms_per_hour, seconds, blind, spreads, multiples })
     }
 
     /// Of each joint \[N·m\], n, in the motion of a row.

@@ -14,6 +14,11 @@ const TIMES: f64 = 20.0;
 /// No value of q, q̇, q̈ or τ below this is absurd \[rad, rad/s, rad/s², N·m\].
 const LEAST: [f64; 4] = [std::f64::consts::TAU, 5.0, 100.0, 10.0];
 
+/// Nothing of a joint moves or pulls by as much, and within one row \[rad, rad/s, –, N·m\].
+const IMPOSSIBLE: [f64; 4] = [50.0, 100.0, f64::INFINITY, 1e5];
+/// Where more than this part of a stretch is so, it is in another unit.
+const OTHER_UNIT: f64 = 0.25;
+
 /// Rows on each side that a position is compared with: more than are absurd.
 pub(crate) const NEAR: usize = LONGEST + 1;
 
@@ -50,12 +55,54 @@ pub(crate) fn absurd(x: &[f64], signal: Signal) -> Vec<usize> {
     runs.flatten().copied().collect()
 }
 
+/// Rows of a column, ascending, however many beside each other, with values that no joint has and that
+/// come or go from one row to the next.
+pub(crate) fn impossible(x: &[f64], signal: Signal) -> Vec<usize> {
+    if x.len() < LEAST_ROWS {
+        return Vec::new();
+    }
+    let most = IMPOSSIBLE[signal as usize];
+    let mut sorted = x.to_vec();
+    let median = *sorted.select_nth_unstable_by(x.len() / 2, f64::total_cmp).1;
+    let beyond: Vec<usize> = (0..x.len()).filter(|row| (x[*row] - median).abs() >= most).collect();
+    if beyond.len() as f64 > OTHER_UNIT * x.len() as f64 {
+        return Vec::new();
+    }
+    let is_step = |row: usize| row > 0 && row < x.len() && (x[row] - x[row - 1]).abs() >= most;
+    let runs = beyond.chunk_by(|a, b| a + 1 == *b);
+    let runs = runs.filter(|run| is_step(run[0]) || is_step(run[run.len() - 1] + 1));
+    runs.flatten().copied().collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn sine() -> Vec<f64> {
         (0..600).map(|row| (0.05 * f64::from(row)).sin()).collect()
+    }
+
+    #[test]
+    fn what_no_joint_does_is_impossible_however_long_it_lasts_unless_the_unit_is_another() {
+        let with = |rows: std::ops::Range<usize>, value: f64, factor: f64| {
+            let mut x: Vec<f64> = sine().iter().map(|x| factor * x).collect();
+            x[rows].fill(value);
+            x
+        };
+        let rows = |rows: std::ops::Range<usize>| rows.collect::<Vec<usize>>();
+        let cases: [(_, _, Vec<usize>); 7] = [
+            (with(100..105, 1e3, 1.0), Signal::Q, rows(100..105)),
+            (with(100..110, -1e3, 1.0), Signal::Dq, rows(100..110)),
+            (with(570..600, 2e5, 40.0), Signal::Tau, rows(570..600)),
+            (with(0..0, 0.0, 57.3), Signal::Q, Vec::new()),
+            (with(0..0, 0.0, 500.0), Signal::Dq, Vec::new()),
+            (with(100..300, 1e3, 1.0), Signal::Dq, Vec::new()),
+            (with(300..310, 20.0, 0.0), Signal::Q, Vec::new()),
+        ];
+
+        for (case, (x, signal, expected)) in cases.into_iter().enumerate() {
+            assert_eq!(impossible(&x, signal), expected, "case {case}");
+        }
     }
 
     #[test]

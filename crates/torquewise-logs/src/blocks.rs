@@ -1,6 +1,6 @@
 //! Blocks of signals: split at gaps, q̇ and q̈ completed if wanted, in fixed memory.
 
-use crate::absurd::{NEAR, absurd};
+use crate::absurd::{NEAR, absurd, impossible};
 use crate::error::{LogError, Result};
 use crate::gaps::UsualStep;
 use crate::signal_rows::{Origin, SignalRows};
@@ -117,19 +117,19 @@ impl Blocks {
         Ok(())
     }
 
-    /// Leaves out rows with absurd values, but for the last ones, of which not all that stands beside
+    /// Leaves out rows with absurd values, the impossible alone of signals to be filtered, but for the last ones, of which not all that stands beside
     /// them is known.
     fn screen(&mut self) {
         let all = self.columns[0].len();
         let end = all.saturating_sub(if self.screens && !self.at_end_of_file { NEAR } else { 0 });
         let mapping = &self.rows.mapping;
         let mut gone: Vec<usize> = Vec::new();
-        let signals = self.columns.iter().skip(1).filter(|_| self.screens);
-        for (place, column) in signals.enumerate() {
+        for (place, column) in self.columns.iter().skip(1).enumerate() {
             let (signal, joint) =
                 (mapping.present[place / mapping.n_joints], place % mapping.n_joints);
-            let own = absurd(column, signal).into_iter();
-            for row in own.filter(|row| (self.screened..end).contains(row)) {
+            let mut own = impossible(column, signal);
+            own.extend(if self.screens { absurd(column, signal) } else { Vec::new() });
+            for row in own.into_iter().filter(|row| (self.screened..end).contains(row)) {
                 let name = format!("{}{}", signal.name(), joint + 1);
                 let first = || (self.origins[row].number, name, column[row]);
                 self.first_absurd.get_or_insert_with(first);

@@ -16,6 +16,7 @@ from typing import Any as _Any
 
 from ._control import Tracking, control
 from ._core import (
+    ColumnError,
     FitError,
     FrictionState,
     Interrupted,
@@ -41,6 +42,7 @@ if _TYPE_CHECKING:
 
 __all__ = [
     "Chain",
+    "ColumnError",
     "Contacts",
     "Evaluation",
     "Fit",

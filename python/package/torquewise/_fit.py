@@ -215,7 +215,8 @@ def fit(log: Any = None, *, progress: Progress = None, **options: Unpack[FitOpti
     urdf, lock, gravity
         File with the joint axes, its joints that are held at 0, direction of gravity at its base.
     kinds
-        Which joints turn and which slide, base to tip, as ``"r,r,p,r"``; found in the log without.
+        Which joints turn and which slide, base to tip, as ``"r,r,p,r"``; without, a chain finds them
+        in the log, and in a library all turn.
     counterbalance
         Joints that a spring or a weight balances.
     refine

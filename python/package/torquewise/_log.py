@@ -191,14 +191,12 @@ def inspect(
     """
     try:
         log = read_log(log, **options)
-    except _core.LogError as error:
+    except _core.ColumnError as error:
         logs = list(log) if isinstance(log, (list, tuple)) else [log]
-        if "has no column" not in str(error) or not all(
-            isinstance(own, (str, os.PathLike)) for own in logs
-        ):
+        if not all(isinstance(own, (str, os.PathLike)) for own in logs):
             raise
         toml, reasons, _ = _core.suggest([os.fspath(own) for own in logs])
-        raise _core.LogError(
+        raise _core.ColumnError(
             f"{error}\n\nA profile for it, to be saved, corrected and given as profile=…:\n\n{toml}\n"
             + "\n".join(f"- {reason}" for reason in reasons)
         ) from None

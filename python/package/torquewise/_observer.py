@@ -33,6 +33,8 @@ class Contacts:
     """Beyond which it is taken for a contact, at each time [N·m], m×n."""
     seconds: float
     """Time of free motion that the thresholds come from [s]."""
+    blind: list[str]
+    """Joints whose contacts go unseen: more free motion, or a better model, lowers the threshold."""
     contacts: list[dict[str, Any]]
     """A dict each: begin, end [s], joint, torque [N·m], factor of the threshold."""
 
@@ -81,6 +83,7 @@ def contacts(
         external=rows[:, 1 : n + 1],
         thresholds=rows[:, n + 1 :],
         seconds=thresholds["seconds"],
+        blind=thresholds["blind"],
         contacts=json.loads(found),
     )
 

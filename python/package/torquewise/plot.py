@@ -170,7 +170,7 @@ def contacts(found: Contacts, *, points: int = 4000, ax: Any = None) -> Any:
 
 
 def arm(model: Model, *, ax: Any = None) -> Any:
-    """Axes of the joints where they were learned to lie, at q = 0; for models of a chain.
+    """Axes of the joints where they were learned to lie, at q = 0; for models of a chain. Dashed: not resolved.
 
     `ax`: one with ``projection="3d"``.
     """
@@ -186,10 +186,10 @@ def arm(model: Model, *, ax: Any = None) -> Any:
         raise ValueError('ax: expected one of three dimensions (projection="3d")')
     figure, space = ax.figure, ax
     space.plot(*np.vstack([np.zeros(3), points]).T, color="0.5", lw=3, marker="o", ms=4)
-    for name, point, way in zip(model.joints, points, ways):
-        end = point + 0.2 * size * way
-        space.plot(*np.vstack([point, end]).T, color=_COLORS[1], lw=2)
-        space.text(*end, name, fontsize=8)
+    for own, point, way in zip(axes, points, ways):
+        end, style = point + 0.2 * size * way, "-" if own["resolved"] else ":"
+        space.plot(*np.vstack([point, end]).T, color=_COLORS[1], lw=2, ls=style)
+        space.text(*end, own["joint"], fontsize=8)
     middle, half = points.mean(axis=0), 0.75 * size
     space.set(
         xlim=(middle[0] - half, middle[0] + half),

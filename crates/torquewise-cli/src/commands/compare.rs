@@ -59,8 +59,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         let file = file.display();
         format!("{file} is in both: what is left of its own rows says nothing of others")
     });
+    let rubs = train.filter().is_some() && options.friction.is_none();
+    let of_friction = rubs.then(|| {
+        "both libraries are without friction, which the joints of a real arm have: --friction linear"
+            .to_owned()
+    });
     Ok(Outcome {
-        notes: trained.collect(),
+        notes: of_friction.into_iter().chain(trained).collect(),
         text: methods(joints, rows).text(),
         warnings: warnings.collect(),
         json: object(&compared),

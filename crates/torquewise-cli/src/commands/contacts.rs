@@ -49,8 +49,6 @@ pub(crate) struct Arguments {
     signals: SignalArguments,
 }
 
-/// A threshold beyond so many times the spread of its torque leaves a joint blind.
-const BLIND: f64 = 2.0;
 /// Contacts that are printed; the JSON has all.
 const MOST_PRINTED: usize = 30;
 
@@ -139,7 +137,7 @@ fn outcome(arguments: &Arguments, model: &Model, found: &Found, rows: usize) -> 
             text.extend([format!("and {} more: --json has all\n", found.len() - MOST_PRINTED)]);
         }
     }
-    let blind = blind(model, thresholds);
+    let blind = &thresholds.blind;
     let (seen, needed) = (thresholds.seconds, 3600.0 / thresholds.false_alarms_per_hour);
     let few = || format!("{seen:.0} s were seen for thresholds, {needed:.0} s have a false alarm");
     let note = (seen < needed).then(few);
@@ -156,7 +154,7 @@ fn outcome(arguments: &Arguments, model: &Model, found: &Found, rows: usize) -> 
         "rows": rows,
         "file": file,
     });
-    let (warnings, notes) = (unseen(arguments, &blind), note.into_iter().collect());
+    let (warnings, notes) = (unseen(arguments, blind), note.into_iter().collect());
     Outcome { text, json, warnings, notes, ..Outcome::default() }
 }
 
@@ -175,12 +173,4 @@ fn unseen(arguments: &Arguments, blind: &[String]) -> Vec<String> {
          trained on; {more}, or train a better model",
         blind.join(", ")
     )]
-}
-
-/// Joints of which only a contact tells that is larger than usual torque.
-fn blind(model: &Model, thresholds: &Thresholds) -> Vec<String> {
-    let joints = model.joints.iter().zip(&thresholds.torque).zip(&model.training.torque_std);
-    let is_blind =
-        |((name, most), std): ((&String, &f64), &f64)| (*most > BLIND * std).then(|| name.clone());
-    joints.filter_map(is_blind).collect()
 }

@@ -164,9 +164,6 @@ pub(crate) fn outcome(
     }
     let warnings = fit.warnings.iter().filter(|warning| !warning.is_remark());
     let mut warnings: Vec<String> = warnings.map(ToString::to_string).collect();
-    // What comes of joints at rest stands behind them.
-    let place = usize::from(at_rest.is_some());
-    warnings.splice(place..place, summary.mass_matrix.warning());
     warnings.extend(fit.log.iter().flat_map(Prepared::warnings));
     let (mut notes, mut json) = (fit.notes(), object(summary));
     let verdict = test.as_ref().map_or_else(|| fit.verdict(), |test| fit.verdict_with(test));
@@ -181,9 +178,6 @@ pub(crate) fn outcome(
         notes.extend(scores.notes);
     }
     let is_unusable = verdict.grade == Grade::Unusable;
-    if is_unusable {
-        warnings.push(format!("the model is {verdict}"));
-    }
     Outcome { text: text.concat(), json, warnings, notes, is_unusable }
 }
 

@@ -1,6 +1,6 @@
 /* The learned chain, moved by the log: forward kinematics, an orthographic view, a player. */
 function skeleton(figure, colour) {
-  const { joints, frames, slides, gravity, t, q } = JSON.parse(figure.querySelector("script").textContent);
+  const { joints, resolved, frames, slides, gravity, t, q } = JSON.parse(figure.querySelector("script").textContent);
   const [canvas, play, slider, clock] = ["canvas", "button", "input", "output"].map((tag) => figure.querySelector(tag));
   const pen = canvas.getContext("2d");
   const times = (m, v) => [0, 3, 6].map((r) => m[r] * v[0] + m[r + 1] * v[1] + m[r + 2] * v[2]);
@@ -69,11 +69,12 @@ function skeleton(figure, colour) {
     }
     const { time, angles } = state();
     const axes = axesAt(angles);
-    axes.slice(1).forEach(({ origin }, i) => line(axes[i].origin, origin, colour("measured"), 6));
+    const dash = (i) => resolved[i] ? [] : [9, 9];
+    axes.slice(1).forEach(({ origin }, i) => line(axes[i].origin, origin, colour("measured"), 6, dash(i + 1)));
     pen.font = "12px system-ui, sans-serif";
     const taken = [];
     axes.forEach(({ origin, axis }, i) => {
-      line(plus(origin, axis, -0.13 * reach), plus(origin, axis, 0.13 * reach), colour(`series-${i % 6}`), 3);
+      line(plus(origin, axis, -0.13 * reach), plus(origin, axis, 0.13 * reach), colour(`series-${i % 6}`), 3, dash(i));
       const [x, y] = view(plus(origin, axis, 0.16 * reach));
       /* Names of axes that meet stand below each other. */
       let low = y;

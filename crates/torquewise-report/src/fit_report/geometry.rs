@@ -4,7 +4,7 @@ use crate::fit_report::Findings;
 use crate::fit_report::clock::Clock;
 use crate::html::skeleton::{BodyFrame, Skeleton};
 use crate::html::{Item, Section, Table};
-use torquewise_model::learned::geometry;
+use torquewise_model::learned::{drives, geometry, joint_geometry, links};
 use torquewise_model::rigid_chain::RigidChain;
 use torquewise_model::selection::Selection;
 
@@ -17,9 +17,10 @@ pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
                    the origin of one to the axis of the next. Up is against gravity. Torque does \
                    not determine where along its axis a joint sits: each stands at the foot of \
                    that perpendicular, so links may look shorter than they are, and neither the \
-                   height of the base nor the tool is known."
+                   height of the base nor the tool is known. Dashed: not resolved by this log."
         .to_owned();
-    let rows = geometry(&findings.found.model, &Selection::default()).ok()?;
+    let (model, all) = (&findings.found.model, Selection::default());
+    let rows = geometry(model, &all).ok()?;
     let axes = Table {
         caption: "Where the axes lie at q = 0, and each seen from the joint before, with standard \
                   errors; without one where it is held at a right angle or at the origin before. The \
@@ -28,8 +29,21 @@ pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
             .into(),
         ..Table::of_text(rows)
     };
-    let items =
-        vec![Item::Skeleton { skeleton: skeleton(findings, chain)?, caption }, Item::Table(axes)];
+    let links = Table {
+        caption: "What torque determines of the links, – where it is not resolved: first moments \
+                  [kg·m] and moments of inertia about the origin of the joint [kg·m²]; mass, m·z \
+                  and Iyy are counted into the link before."
+            .into(),
+        ..Table::of_text(links(chain, &model.joints, &all).ok()?)
+    };
+    let drives = Table {
+        caption: "Rotors and springs, – where none is resolved.".into(),
+        ..Table::of_text(drives(chain, &model.joints, &all))
+    };
+    let skeleton = skeleton(findings, chain)?;
+    let mut items =
+        vec![Item::Skeleton { skeleton, caption }, Item::Table(axes), Item::Table(links)];
+    items.extend((!drives.rows.is_empty()).then_some(Item::Table(drives)));
     Some(Section { heading: "Geometry".into(), items })
 }
 
@@ -47,8 +61,10 @@ fn skeleton(findings: &Findings<'_>, chain: &RigidChain) -> Option<Skeleton> {
         origin: placement.origin.into(),
         rotation: std::array::from_fn(|k| placement.rotation[(k / 3, k % 3)]),
     });
+    let resolved = joint_geometry(&findings.found.model).ok()?;
     Some(Skeleton {
         joints: findings.joints().to_vec(),
+        resolved: resolved.into_iter().map(|own| own.resolved).collect(),
         frames: frames.collect(),
         gravity: placed.gravity(),
         slides: (0..n).map(|joint| chain.kinds.slides(joint)).collect(),

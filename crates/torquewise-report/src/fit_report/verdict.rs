@@ -79,12 +79,15 @@ fn worst_joint(findings: &Findings<'_>) -> Option<String> {
     }
     let errors = findings.found.model.training.held_out_errors().unwrap_or_default();
     let (joint, error) = errors.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
-    Some(format!(
-        "{} has the largest held-out error, {} %: record more of its motion, through its whole \
-         range and at several speeds.",
-        findings.joints()[joint],
-        significant(100.0 * error, DIGITS)
-    ))
+    let name = &findings.joints()[joint];
+    let is_told = |own: &Warning| matches!(own, Warning::Shape(shape) if shape.joint == *name);
+    let cure = if findings.found.warnings.iter().any(is_told) {
+        ""
+    } else {
+        ": record more of its motion, through its whole range and at several speeds"
+    };
+    let percent = significant(100.0 * error, DIGITS);
+    Some(format!("{name} has the largest held-out error, {percent} %{cure}."))
 }
 
 /// A message as a sentence of its own. A joint's name at its beginning stays as it is.

@@ -9,6 +9,8 @@ pub struct Skeleton {
     pub joints: Vec<String>,
     /// The frame of each joint in the one before, at zero; it turns about its z or slides along it, n.
     pub frames: Vec<BodyFrame>,
+    /// Whether the log tells where each axis lies, n; others are dashed.
+    pub resolved: Vec<bool>,
     /// Whether each joint slides, n.
     pub slides: Vec<bool>,
     /// Direction of gravity in the base.

@@ -36,11 +36,11 @@ impl Heading {
     }
 }
 
-const WORDS: [&str; 4] = ["joint", "direction", "on", "what"];
+const WORDS: [&str; 5] = ["joint", "direction", "link", "on", "what"];
 
 impl Table {
     /// Rows of text, headings first; columns of numbers are those of other names than `joint`,
-    /// `direction`, `on` and `what`.
+    /// `direction`, `link`, `on` and `what`.
     pub(crate) fn of_text(rows: Vec<Vec<String>>) -> Self {
         let mut rows = rows.into_iter();
         let column = |heading: String| {

@@ -172,7 +172,7 @@ def fit(
         )
         if by:
             good = {file.path for file in files if file.reason is None}
-            _by_robot(found, call, robots, keys, good, level)
+            _by_robot(found, call, robots, keys, good, by, level)
         return found
 
 
@@ -182,6 +182,7 @@ def _by_robot(
     robots: dict[Any, list[str]],
     keys: dict[str, tuple[Any, Any]],
     good: set[str],
+    by: Sequence[str],
     level: float,
 ) -> None:
     """Models of single robots, and what changed in their logs beside these."""
@@ -204,7 +205,8 @@ def _by_robot(
         found.readings[robot] = sorted(named, key=lambda pair: (pair[0], pair[1].path))
     scales = {robot: _drift.parameters(model) for robot, model in found.models.items()}
     joints = found.model.joints
-    found.changes = _drift.jumps(found.readings, joints, scales, level)
+    key = by[1] if len(by) > 1 else ""
+    found.changes = _drift.jumps(found.readings, joints, scales, level, key)
 
 
 class _Rounds:

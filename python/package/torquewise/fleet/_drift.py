@@ -122,13 +122,21 @@ class Change:
     """Of the parameter of the model, where that is known."""
     chance: float
     """That any of the fleet would show as much without a change, after Holm."""
+    key: str = ""
+    """That of time, such as ``week``."""
+
+    @property
+    def when(self) -> str:
+        """`since` with the key of time before it, unless it begins so."""
+        since = str(self.since)
+        return since if since.startswith(self.key) else f"{self.key} {since}"
 
     def __str__(self) -> str:
         by = f"{self.percent:+.0f} %" if self.percent is not None else f"{self.change:+.3g}"
         name = {"viscous": "viscous friction", "dry": "dry friction"}.get(
             self.parameter, self.parameter
         )
-        return f"robot {self.robot}, {self.joint}: {name} {by} since {self.since}"
+        return f"robot {self.robot}, {self.joint}: {name} {by} since {self.when}"
 
 
 def jumps(
@@ -136,12 +144,13 @@ def jumps(
     joints: Sequence[str],
     scales: dict[Any, np.ndarray],
     level: float,
+    key: str = "",
 ) -> list[Change]:
     """Changes that hardly are chance, of all robots.
 
     series: logs of each robot in the order of time, with what each is called. scales: of each robot,
     the parameters of its model, n×4, NaN where they are not known. level: chance that any of the fleet
-    is accused wrongly.
+    is accused wrongly. key: that of time.
     """
     found = []
     for robot, logs in series.items():
@@ -158,7 +167,8 @@ def jumps(
                 scale = scales.get(robot, np.full((len(joints), 4), np.nan))[joint, k] + before
                 percent = 100 * change / scale if np.isfinite(scale) and scale != 0 else None
                 when = told[place][0]
-                found.append(Change(robot, name, parameter, when, change, error, percent, chance))
+                change = Change(robot, name, parameter, when, change, error, percent, chance, key)
+                found.append(change)
     return _holm(found, level)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import datetime
 import html as escaped
 import io
 from pathlib import Path
@@ -74,6 +75,7 @@ def html(fleet: Fleet) -> str:
         f"<p class=lead>{len(fleet.models) or 1} robots, {fleet.rows:,} rows in {good} files, "
         f"{len(fleet.bad)} left out. The model of all is <b>{_text(fleet.verdict)}</b>."
         f" {_text('; '.join(fleet.because))}</p>",
+        _made(fleet),
         "<h2>What changed</h2>",
         _changes(fleet),
     ]
@@ -85,6 +87,13 @@ def html(fleet: Fleet) -> str:
     return _FRAME.replace("{body}", "\n".join(parts))
 
 
+def _made(fleet: Fleet) -> str:
+    """When the page was made, by what, and with which options."""
+    asked = ", ".join(f"{key}={own!r}" for key, own in sorted(fleet.plan.options.items()))
+    made = f"torquewise {_core.__version__}, {datetime.date.today():%Y-%m-%d}"
+    return f"<p>Made by {made}, with {_text(asked) or 'the usual options'}.</p>"
+
+
 def _changes(fleet: Fleet) -> str:
     if not fleet.readings:
         return "<p>Not looked for: robots were not told apart.</p>"
@@ -93,24 +102,22 @@ def _changes(fleet: Fleet) -> str:
     rows = []
     for own in fleet.changes:
         joint, k = fleet.model.joints.index(own.joint), PARAMETERS.index(own.parameter)
-        chart = _chart(
-            [
-                (reading.values[joint, k], reading.errors[joint, k])
-                for reading in _told(fleet, own.robot)
-            ]
-        )
+        told = _told(fleet, own.robot)
+        points = [(float(it.values[joint, k]), float(it.errors[joint, k])) for _, it in told]
+        ends = f"{_text(told[0][0])} … {_text(told[-1][0])}"
+        chart = f"{_chart(points)}<br><small>{ends}</small>"
         percent = "" if own.percent is None else f" ({own.percent:+.0f} %)"
         rows.append(
             f"<tr><td>{_text(own.robot)}<td>{_text(own.joint)}<td>{own.parameter}"
-            f"<td>{own.change:+.3g} ± {own.error:.1g} {_UNITS[k]}{percent}<td>{_text(own.since)}"
+            f"<td>{own.change:+.3g} ± {own.error:.1g} {_UNITS[k]}{percent}<td>{_text(own.when)}"
             f"<td>{own.chance:.1e}<td>{chart}"
         )
     head = "<tr><th>robot<th>joint<th>parameter<th>change<th>since<th>by chance<th>logs"
     return f"<table>{head}{''.join(rows)}</table>"
 
 
-def _told(fleet: Fleet, robot: Any) -> list[Reading]:
-    return [own for _, own in fleet.readings[robot] if own.reason is None]
+def _told(fleet: Fleet, robot: Any) -> list[tuple[Any, Reading]]:
+    return [(when, own) for when, own in fleet.readings[robot] if own.reason is None]
 
 
 def _robots(fleet: Fleet) -> str:
@@ -119,7 +126,7 @@ def _robots(fleet: Fleet) -> str:
     changed = {own.robot for own in fleet.changes}
     for robot in sorted(fleet.readings, key=str):
         told = _told(fleet, robot)
-        left = np.mean([own.rms for own in told], axis=0) if told else []
+        left = np.mean([own.rms for _, own in told], axis=0) if told else []
         cells = "".join(f"<td>{own:.3g}" for own in left)
         mark = " class=changed" if robot in changed else ""
         rows.append(f"<tr{mark}><td>{_text(robot)}<td>{len(told)}{cells}")
