@@ -89,7 +89,6 @@ fn requirements(file: &Path) -> Result<Vec<String>> {
     let own = project.get("dependencies");
     let suite = project.get("optional-dependencies").and_then(|extras| extras.get("test"));
     let checks = table.get("dependency-groups").and_then(|groups| groups.get("dev"));
-    let all =
-        [own, suite, checks].into_iter().flatten().filter_map(toml::Value::as_array).flatten();
-    Ok(all.filter_map(toml::Value::as_str).map(str::to_owned).collect())
+    let lists = [own, suite, checks].into_iter().flatten().filter_map(toml::Value::as_array);
+    Ok(lists.flatten().filter_map(toml::Value::as_str).map(str::to_owned).collect())
 }

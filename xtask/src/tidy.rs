@@ -68,13 +68,10 @@ fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
 
 /// Paths between backticks in a text that do not exist.
 fn missing_paths(root: &Path, text: &str) -> Vec<String> {
-    let quoted = text.split('`').skip(1).step_by(2);
     let is_path = |word: &&str| word.contains('/') && !word.contains([' ', '*', '…']);
-    quoted
-        .filter(is_path)
-        .filter(|path| !root.join(path).exists())
-        .map(|path| format!("ARCHITECTURE.md names {path}, which does not exist"))
-        .collect()
+    let quoted = text.split('`').skip(1).step_by(2).filter(is_path);
+    let missing = quoted.filter(|path| !root.join(path).exists());
+    missing.map(|path| format!("ARCHITECTURE.md names {path}, which does not exist")).collect()
 }
 
 fn read(file: &Path) -> Result<String> {

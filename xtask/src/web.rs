@@ -64,6 +64,7 @@ fn npm(root: &Path, words: &[&str]) -> Command {
 /// What is missing, and the packages of Debian that have it.
 fn lacking() -> Vec<(&'static str, &'static str)> {
     let by_debian = Path::new(SOURCES).exists() && is_there("wasm-ld-19");
+    let has_chromium = is_there(chromium());
     let has_node = node().is_some_and(|node| node >= LEAST_NODE) && is_there("npm");
     let needs = [
         (
@@ -73,11 +74,7 @@ fn lacking() -> Vec<(&'static str, &'static str)> {
         ),
         (is_there(clang()), "no clang, which compiles zstd to WebAssembly", "clang-19"),
         (has_node, "no Node.js 18 or newer with npm", "nodejs npm"),
-        (
-            is_there(chromium()),
-            "no Chromium: install it or name it in TORQUEWISE_CHROMIUM",
-            "chromium",
-        ),
+        (has_chromium, "no Chromium: install it or name it in TORQUEWISE_CHROMIUM", "chromium"),
     ];
     let lacks = needs.into_iter().filter(|(is_there, ..)| !is_there);
     lacks.map(|(_, what, packages)| (what, packages)).collect()

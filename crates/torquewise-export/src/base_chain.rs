@@ -75,13 +75,11 @@ impl BaseChain {
         let joints: Vec<Joint> =
             (0..n).map(|j| Joint::of(axes.direction(j), axes.place(j))).collect();
         // Frames turn along with the joint behind them; the last turns so that it has no offset.
-        let turns: Vec<f64> = (0..n)
-            .map(|j| joints.get(j + 1).map_or(-joints[j].after, |next| next.before))
-            .collect();
-        let mut bodies: Vec<Body> = Vec::with_capacity(n);
-        for (link, turn) in chain.links.iter().zip(&turns) {
-            bodies.push(turned(&Body::of(link), &about_z(-turn)));
-        }
+        let turn = |j: usize| joints.get(j + 1).map_or(-joints[j].after, |next| next.before);
+        let turns: Vec<f64> = (0..n).map(turn).collect();
+        let links = chain.links.iter().zip(&turns);
+        let mut bodies: Vec<Body> =
+            links.map(|(link, turn)| turned(&Body::of(link), &about_z(-turn))).collect();
         for j in (1..n).rev() {
             let twist = about_x(joints[j].twist);
             let moved = if axes.kinds().slides(j) {

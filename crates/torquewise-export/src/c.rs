@@ -41,17 +41,14 @@ impl Language for C {
     fn statements(&self, body: &Body, role: Role, program: &Program) -> Vec<String> {
         let (real, f) = self.real();
         let signals = role.signals();
-        let read = body.read(&signals, "state->");
-        let mut lines: Vec<String> =
-            read.into_iter().map(|(name, from)| format!("const {real} {name} = {from};")).collect();
+        let named = |(name, value): &(String, String)| format!("const {real} {name} = {value};");
+        let mut lines: Vec<String> = body.read(&signals, "state->").iter().map(named).collect();
         for angle in &body.angles {
             let j = angle.joint + 1;
             lines.extend(angle.sin.then(|| format!("const {real} s{j} = sin{f}(q{j});")));
             lines.extend(angle.cos.then(|| format!("const {real} c{j} = cos{f}(q{j});")));
         }
-        let steps = body.steps.iter();
-        lines
-            .extend(steps.map(|(step, expression)| format!("const {real} {step} = {expression};")));
+        lines.extend(body.steps.iter().map(named));
         let result = match role {
             Role::Function(quantity) | Role::After(quantity) => quantity.result(),
             Role::Step => "state->x",

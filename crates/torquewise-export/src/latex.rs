@@ -7,12 +7,8 @@ use torquewise_model::{Form, Model, print};
 /// A document that compiles by itself: energies and what follows from them, or the torque of each
 /// joint.
 pub fn to_latex(model: &Model, version: &str) -> String {
-    let names: Vec<String> = model
-        .joints
-        .iter()
-        .enumerate()
-        .map(|(joint, name)| format!("${}$ {}", joint + 1, escaped(name)))
-        .collect();
+    let name = |(joint, name): (usize, &String)| format!("${joint}$ {}", escaped(name));
+    let names: Vec<String> = (1..).zip(&model.joints).map(name).collect();
     let (equations, derived) = match model.form {
         Form::Energy(_) => (print::latex_energies(model), DERIVED),
         Form::Torque(_) => (print::latex(model, &Selection::default()), ""),
@@ -52,10 +48,7 @@ fn escaped(text: &str) -> String {
             '\\' => escaped.push_str("\\textbackslash{}"),
             '~' => escaped.push_str("\\textasciitilde{}"),
             '^' => escaped.push_str("\\textasciicircum{}"),
-            '&' | '%' | '$' | '#' | '_' | '{' | '}' => {
-                escaped.push('\\');
-                escaped.push(letter);
-            }
+            '&' | '%' | '$' | '#' | '_' | '{' | '}' => escaped.extend(['\\', letter]),
             letter if letter.is_control() => escaped.push(' '),
             ' '..='~' | 'À'..='Ö' | 'Ø'..='ö' | 'ø'..='ÿ' => escaped.push(letter),
             // What the fonts of a plain pdflatex lack stops it.

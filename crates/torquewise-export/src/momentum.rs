@@ -10,8 +10,8 @@ pub(crate) fn coriolis_matrix(graph: &Graph, coriolis: &[Id]) -> Vec<Id> {
     let (n, half) = (coriolis.len(), graph.constant(0.5));
     let mut matrix = vec![half; n * n];
     for column in 0..n {
-        for (row, slope) in rates(graph, coriolis, Along::Velocity(column)).into_iter().enumerate()
-        {
+        let slopes = rates(graph, coriolis, Along::Velocity(column));
+        for (row, slope) in slopes.into_iter().enumerate() {
             matrix[row * n + column] = graph.mul(half, slope);
         }
     }
@@ -21,10 +21,8 @@ pub(crate) fn coriolis_matrix(graph: &Graph, coriolis: &[Id]) -> Vec<Id> {
 /// p = M(q) q̇ and Cᵀq̇ − G − F, the part of ṗ that is neither τ nor external (E16); 2n.
 pub(crate) fn momentum(graph: &Graph, parts: &Parts, friction: &[Id]) -> Vec<Id> {
     let n = friction.len();
-    let mut momentum = Vec::with_capacity(2 * n);
-    for row in parts.matrix.chunks_exact(n) {
-        momentum.push(graph.sum(&products(graph, row, Input::Dq)));
-    }
+    let product = |row| graph.sum(&products(graph, row, Input::Dq));
+    let mut momentum: Vec<Id> = parts.matrix.chunks_exact(n).map(product).collect();
     // Cᵀq̇ = Ṁq̇ − Cq̇.
     let turning = rates(graph, &momentum, Along::Motion);
     let held = turning.into_iter().zip(held(graph, parts, friction));

@@ -28,28 +28,23 @@ pub(crate) fn near(model: &Model, nominal: &[Option<Inertial>]) -> Result<Model,
         let n_known = PER_BODY * chain.links.len() + chain.drives.len();
         let learned = &learned[..n_known];
         let hessian = information(chain, learned)?;
-        let right: Vec<f64> = (0..n_known)
-            .map(|i| (0..n_known).map(|j| hessian[(i, j)] * learned[j]).sum())
-            .collect();
+        let product = |i| (0..n_known).map(|j| hessian[(i, j)] * learned[j]).sum();
+        let right: Vec<f64> = (0..n_known).map(product).collect();
         let cost = Quadratic { hessian: &hessian, right: &right };
         // Bodies of the file, or as learned; rotors as learned.
         let body = |(own, file): (&Inertial, &Option<Inertial>)| {
             file.filter(|file| is_feasible(file)).unwrap_or(*own)
         };
         let rotor = |(k, drive): (usize, &Drive)| match drive {
-            Drive::Rotor { inertia, .. } if *inertia > 0.0 => Some(Positive {
-                least: 0.0,
-                terms: vec![(PER_BODY * chain.links.len() + k, 1.0)],
-                nominal: *inertia,
-                weight: 1.0,
-            }),
+            Drive::Rotor { inertia, .. } if *inertia > 0.0 => {
+                let terms = vec![(PER_BODY * chain.links.len() + k, 1.0)];
+                Some(Positive { least: 0.0, terms, nominal: *inertia, weight: 1.0 })
+            }
             _ => None,
         };
-        let prior = Prior {
-            bodies: chain.links.iter().zip(nominal).map(body).collect(),
-            positive: chain.drives.iter().enumerate().filter_map(rotor).collect(),
-            small: Vec::new(),
-        };
+        let bodies = chain.links.iter().zip(nominal).map(body).collect();
+        let positive = chain.drives.iter().enumerate().filter_map(rotor).collect();
+        let prior = Prior { bodies, positive, small: Vec::new() };
         if let Ok(found) = minimise(cost, &prior, WEIGHT, learned) {
             *chain = chain.at(&found, 0);
         }
@@ -62,15 +57,12 @@ pub(crate) fn near(model: &Model, nominal: &[Option<Inertial>]) -> Result<Model,
 fn information(chain: &RigidChain, at: &[f64]) -> Result<Mat<f64>, ModelError> {
     let (p, links) = (at.len(), PER_BODY * chain.links.len());
     let axes = chain.axes()?;
-    let columns: Vec<Vec<f64>> = (0..p)
-        .map(|k| {
-            let mut unit = vec![0.0; p];
-            unit[k] = 1.0;
-            let mut column = base_parameters(&axes, &unit[..links]);
-            column.extend_from_slice(&unit[links..]);
-            column
-        })
-        .collect();
+    let column = |k: usize| {
+        let mut unit = vec![0.0; p];
+        unit[k] = 1.0;
+        [base_parameters(&axes, &unit[..links]), unit[links..].to_vec()].concat()
+    };
+    let columns: Vec<Vec<f64>> = (0..p).map(column).collect();
     let is_noticed = |row: &usize| columns.iter().any(|column| column[*row].abs() > 1e-9);
     let noticed: Vec<usize> = (0..p).filter(is_noticed).collect();
     let r = noticed.len();

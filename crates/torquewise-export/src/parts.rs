@@ -54,10 +54,7 @@ pub(crate) fn from_energies(
         let node = polynomial(graph, monomials, order);
         match place {
             Place::Potential => potential = node,
-            Place::Inertia(i, j) => {
-                matrix[i * n + j] = node;
-                matrix[j * n + i] = node;
-            }
+            Place::Inertia(i, j) => (matrix[i * n + j], matrix[j * n + i]) = (node, node),
         }
     }
     let gravity = slopes(graph, &[(potential, graph.constant(1.0))], n);
@@ -146,14 +143,10 @@ fn equation(graph: &Graph, sum: Sum, order: Order, grouping: Grouping) -> Id {
         };
         groups.entry(group).or_default().push(Monomial::new(weight, powers));
     }
-    let parts: Vec<Monomial> = groups
-        .into_iter()
-        .map(|(group, monomials)| {
-            let angles = polynomial(graph, monomials, order);
-            Monomial::new(angles, group.into_iter().collect())
-        })
-        .collect();
-    polynomial(graph, parts, order)
+    let part = |(group, monomials): (Vec<(Id, u32)>, _)| {
+        Monomial::new(polynomial(graph, monomials, order), group.into_iter().collect())
+    };
+    polynomial(graph, groups.into_iter().map(part).collect(), order)
 }
 
 /// F(q, q̇), n: each shaft loads the joints that turn it (17), where gears press harder under load

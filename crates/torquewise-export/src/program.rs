@@ -139,11 +139,8 @@ impl Memory {
         let own = friction(graph, &model.friction, &parts.gravity, &elements);
         let torque = sums(graph, &parts.torque, &own);
         let accelerations = factors.accelerations(graph, parts, &own);
-        let after = vec![
-            (Quantity::Torque, torque),
-            (Quantity::Friction, own.clone()),
-            (Quantity::ForwardDynamics, accelerations),
-        ];
+        let quantities = [Quantity::Torque, Quantity::Friction, Quantity::ForwardDynamics];
+        let after = quantities.into_iter().zip([torque, own.clone(), accelerations]).collect();
         Some((Self { states: next_states(graph, &elements), after }, own))
     }
 
@@ -246,23 +243,16 @@ impl Program {
 
     /// What a user has to know of this model, in ASCII.
     pub(crate) fn remarks(&self) -> Vec<String> {
-        let mut remarks = Vec::new();
-        if !self.symmetric {
-            remarks.push(
-                "Each joint was fitted on its own: entry (i, j) of M is the torque of joint"
-                    .to_owned(),
-            );
-            remarks.push(
-                "i per unit acceleration of joint j at rest, and M is not symmetric.".to_owned(),
-            );
-        }
-        if self.steps == 0 {
-            remarks.push("The model was not found step by step: step1 is gravity.".to_owned());
-        }
+        let apart = !self.symmetric;
         let is_zero = |root: &Id| self.graph.value(*root) == Some(0.0);
-        if self.roots(Quantity::Friction).iter().all(is_zero) {
-            remarks.push("The model has no friction.".to_owned());
-        }
+        let known = [
+            (apart, "Each joint was fitted on its own: entry (i, j) of M is the torque of joint"),
+            (apart, "i per unit acceleration of joint j at rest, and M is not symmetric."),
+            (self.steps == 0, "The model was not found step by step: step1 is gravity."),
+            (self.roots(Quantity::Friction).iter().all(is_zero), "The model has no friction."),
+        ];
+        let known = known.into_iter().filter(|(holds, _)| *holds);
+        let mut remarks: Vec<String> = known.map(|(_, remark)| remark.to_owned()).collect();
         let Training { filter, q_range, dq_peak, .. } = &self.training;
         if let Some(filter) = filter {
             let [hz, ms] = [filter.cutoff_hz, 1e3 * filter.delay.abs()].map(number);
@@ -278,9 +268,8 @@ impl Program {
             let [low, high, peak] = [q[0], q[1], *peak].map(number);
             format!("  q{joint} from {low} to {high}, |dq{joint}| up to {peak}")
         }));
-        remarks.push(
-            "Derived from measurements: bound what it commands before it drives an arm.".to_owned(),
-        );
+        let derived = "Derived from measurements: bound what it commands before it drives an arm.";
+        remarks.push(derived.to_owned());
         remarks
     }
 
@@ -291,11 +280,10 @@ impl Program {
 
     pub(crate) fn check_precision(&self, precision: Precision) -> Result<()> {
         let mut constants = (0..self.graph.len()).filter_map(|id| self.graph.value(id));
-        match constants.find(|constant| constant.abs() > f64::from(f32::MAX)) {
-            Some(constant) if precision == Precision::Single => {
-                Err(ExportError::NotSingle { constant })
-            }
-            _ => Ok(()),
+        let large = constants.find(|constant| constant.abs() > f64::from(f32::MAX));
+        match large.filter(|_| precision == Precision::Single) {
+            Some(constant) => Err(ExportError::NotSingle { constant }),
+            None => Ok(()),
         }
     }
 }

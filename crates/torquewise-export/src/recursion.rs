@@ -101,16 +101,13 @@ impl<'a> Recursion<'a> {
             };
             for i in (0..=j).rev() {
                 let effort = wrench.effort(&self.chain.links[i]);
-                matrix[i * n + j] = effort;
-                matrix[j * n + i] = effort;
+                (matrix[i * n + j], matrix[j * n + i]) = (effort, effort);
                 wrench = self.carried(i, &wrench);
             }
             beyond = self.shifted(j, &all);
         }
         // ΓᵀMΓ: rows, then columns.
-        for row in matrix.chunks_exact_mut(n) {
-            self.load(row);
-        }
+        matrix.chunks_exact_mut(n).for_each(|row| self.load(row));
         for j in 0..n {
             let mut column: Vec<Id> = (0..n).map(|i| matrix[i * n + j]).collect();
             self.load(&mut column);
@@ -211,39 +208,17 @@ impl<'a> Recursion<'a> {
     fn turning(&self, moments: &Moments, moved: &Moved) -> Vector {
         let Moments { xx, zz, xy, xz, yz } = *moments;
         let [[_, u_xy, u_xz], [u_yx, _, u_yz], [u_zx, u_zy, _]] = moved.spread;
-        let [x, y, z] = moved.omega;
-        let graph = self.graph;
+        let ([x, y, z], alpha, graph) = (moved.omega, moved.alpha, self.graph);
         let squares =
             [(y, z), (z, x), (x, y)].map(|(a, b)| graph.sub(graph.mul(a, a), graph.mul(b, b)));
         let products = [(y, z), (x, z), (x, y)].map(|(a, b)| graph.mul(a, b));
-        [
-            self.weighted([
-                (xx, moved.alpha[0]),
-                (zz, products[0]),
-                (-xy, u_zx),
-                (xz, u_yx),
-                (yz, squares[0]),
-            ]),
-            self.weighted([
-                (0.0, moved.alpha[1]),
-                (xx - zz, products[1]),
-                (xy, u_zy),
-                (-yz, u_xy),
-                (xz, squares[1]),
-            ]),
-            self.weighted([
-                (zz, moved.alpha[2]),
-                (-xx, products[2]),
-                (-xz, u_yz),
-                (yz, u_xz),
-                (xy, squares[2]),
-            ]),
-        ]
-    }
-
-    fn weighted(&self, parts: [(f64, Id); 5]) -> Id {
-        let part = |(weight, node)| self.graph.mul(self.graph.constant(weight), node);
-        self.graph.sum(&parts.map(part))
+        let rows = [
+            [(xx, alpha[0]), (zz, products[0]), (-xy, u_zx), (xz, u_yx), (yz, squares[0])],
+            [(0.0, alpha[1]), (xx - zz, products[1]), (xy, u_zy), (-yz, u_xy), (xz, squares[1])],
+            [(zz, alpha[2]), (-xx, products[2]), (-xz, u_yz), (yz, u_xz), (xy, squares[2])],
+        ];
+        let part = |(weight, node)| graph.mul(graph.constant(weight), node);
+        rows.map(|parts| graph.sum(&parts.map(part)))
     }
 
     fn with(&self, link: &BaseLink, beyond: &Composite) -> Composite {
@@ -265,9 +240,8 @@ impl<'a> Recursion<'a> {
         let first = self.plus(&turned_first, &self.scaled(0.5 * body.mass, &by));
         let columns = body.moments.map(|column| self.outward(joint, &column));
         let rows = [0, 1, 2].map(|i| columns.map(|column| column[i]));
-        let turned = rows.map(|row| self.outward(joint, &row));
+        let mut moments = rows.map(|row| self.outward(joint, &row));
         let along = [0, 1, 2].map(|i| graph.mul(by[i], first[i]));
-        let mut moments = turned;
         for i in 0..3 {
             // The tensor is symmetric: entries below the diagonal are those above.
             for j in i..3 {
@@ -278,7 +252,7 @@ impl<'a> Recursion<'a> {
                     let [left, right] = [graph.mul(by[i], first[j]), graph.mul(by[j], first[i])];
                     graph.neg(graph.add(left, right))
                 };
-                moments[i][j] = graph.add(turned[i][j], shift);
+                moments[i][j] = graph.add(moments[i][j], shift);
                 moments[j][i] = moments[i][j];
             }
         }

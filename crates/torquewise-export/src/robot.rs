@@ -187,12 +187,9 @@ fn unresolved(joint: &JointGeometry) -> Option<String> {
 /// What is drawn from the origin of a link to that of the next.
 fn bar(end: &Vector3<f64>) -> Value {
     let turn = between(&Vector3::z(), end);
-    context! {
-        end => numbers((*end).into()),
-        middle => numbers((end / 2.0).into()),
-        rpy => numbers(turn.euler_angles().into()),
-        length => numbers([end.norm()]),
-    }
+    let (length, middle) = (numbers([end.norm()]), numbers((end / 2.0).into()));
+    let (end, rpy) = (numbers((*end).into()), numbers(turn.euler_angles().into()));
+    context! { end, middle, rpy, length }
 }
 
 /// Rotors and friction of each joint, those of shared shafts, and what is left out.

@@ -15,14 +15,7 @@ impl Language for Rust {
     }
 
     fn name(&self, function: Function) -> String {
-        String::from(match function {
-            Function::Tanh => "F::tanh",
-            Function::Exp => "F::exp",
-            Function::Sign => "sign",
-            Function::Positive => "positive",
-            Function::Abs => "abs",
-            Function::Reciprocal => "1.0/",
-        })
+        ["F::tanh", "F::exp", "sign", "positive", "abs", "1.0/"][function as usize].into()
     }
 
     fn quoted(&self, text: &str) -> String {
@@ -30,9 +23,9 @@ impl Language for Rust {
     }
 
     fn statements(&self, body: &Body, role: Role, program: &Program) -> Vec<String> {
+        let named = |(name, value): &(String, String)| format!("let {name} = {value};");
         let read = body.read(&role.signals(), "self.");
-        let mut lines: Vec<String> =
-            read.into_iter().map(|(name, from)| format!("let {name} = {from};")).collect();
+        let mut lines: Vec<String> = read.iter().map(named).collect();
         for &Angle { joint, sin, cos } in &body.angles {
             let j = joint + 1;
             let name = |held: bool, letter: char| {
@@ -40,8 +33,7 @@ impl Language for Rust {
             };
             lines.push(format!("let ({}, {}) = F::sin_cos(q{j});", name(sin, 's'), name(cos, 'c')));
         }
-        let steps = body.steps.iter();
-        lines.extend(steps.map(|(step, expression)| format!("let {step} = {expression};")));
+        lines.extend(body.steps.iter().map(named));
         lines.extend(body.listed("", role.columns(program.n_joints())));
         lines
     }

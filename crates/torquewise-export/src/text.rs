@@ -240,9 +240,8 @@ impl Body {
 
     /// Makes a step of a node, so that others may call it by name.
     fn name(&mut self, id: Id, texts: &mut HashMap<Id, Text>) {
-        let Some(text) = texts.get_mut(&id).filter(|text| text.level != Level::Name) else {
-            return;
-        };
+        let unnamed = texts.get_mut(&id).filter(|text| text.level != Level::Name);
+        let Some(text) = unnamed else { return };
         let name = format!("t{}", self.steps.len() + 1);
         let named = Text { text: name.clone(), level: Level::Name };
         self.steps.push((name, std::mem::replace(text, named).text));
@@ -286,16 +285,13 @@ pub(crate) fn signal_of(input: Input) -> (&'static str, usize) {
 
 fn joined(node: &Node, texts: &HashMap<Id, Text>, language: &impl Language) -> Text {
     let at = |id: &Id, level| texts[id].at(level);
+    // Before its sign an operand of the same level needs no brackets, behind it one of `of_b`.
+    let signed =
+        |a, level, sign, b, of_b| (level, format!("{}{sign}{}", at(a, level), at(b, of_b)));
     let (level, text) = match node {
-        Node::Add(a, b) => {
-            (Level::Sum, format!("{} + {}", at(a, Level::Sum), at(b, Level::Product)))
-        }
-        Node::Sub(a, b) => {
-            (Level::Sum, format!("{} - {}", at(a, Level::Sum), at(b, Level::Product)))
-        }
-        Node::Mul(a, b) => {
-            (Level::Product, format!("{}*{}", at(a, Level::Product), at(b, Level::Call)))
-        }
+        Node::Add(a, b) => signed(a, Level::Sum, " + ", b, Level::Product),
+        Node::Sub(a, b) => signed(a, Level::Sum, " - ", b, Level::Product),
+        Node::Mul(a, b) => signed(a, Level::Product, "*", b, Level::Call),
         Node::Neg(a) => (Level::Product, format!("-{}", at(a, Level::Product))),
         Node::Call(function, a) => {
             let is_reciprocal = *function == Function::Reciprocal;

@@ -68,8 +68,7 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
     let geometry = model.chain.as_ref().ok_or(ExportError::NoChain)?.axes()?;
     let chain = model.chain.as_ref().and_then(|chain| chain.robot.as_ref());
     let names = chain.map_or(&model.joints, |names| &names.joints);
-    let down = None;
-    let chain = UrdfChain::of_joints(text, names, locked, down)?;
+    let chain = UrdfChain::of_joints(text, names, locked, None)?;
     let base = torquewise_rigid::geometry::PER_BASE;
     let pairs = || chain.geometry.parameters()[base..].iter().zip(&geometry.parameters()[base..]);
     let kinds = [&chain.geometry, &geometry].map(Geometry::kinds);
@@ -93,11 +92,8 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
     for (joint, own) in chain.joints.iter().zip(&robot.joints) {
         let (inertials, kept) = joint.distributed(&own.inertial);
         if !kept {
-            left_out.push(format!(
-                "the masses of {}: {} carries them",
-                joint.links[1..].join(", "),
-                joint.links[0]
-            ));
+            let (first, others) = (&joint.links[0], joint.links[1..].join(", "));
+            left_out.push(format!("the masses of {others}: {first} carries them"));
         }
         bodies.extend(inertials);
         dynamics.push((joint.name.clone(), own.losses.dynamics));

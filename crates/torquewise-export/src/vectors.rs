@@ -63,8 +63,7 @@ pub fn test_vectors(model: &Model, rows: usize, seed: u64) -> Result<String> {
 
 fn header(n: usize) -> String {
     let mut names = Vec::new();
-    let signals = ["q", "dq", "ddq"].into_iter();
-    for signal in signals {
+    for signal in ["q", "dq", "ddq"] {
         names.extend((1..=n).map(|joint| format!("{signal}{joint}")));
     }
     for quantity in Quantity::ALL {

@@ -153,9 +153,7 @@ impl Blocks {
         if let Some(&before) = self.columns[0].last().filter(|before| **before >= t) {
             return Err(LogError::TimeOrder { place: self.rows.place(), t, before });
         }
-        for (column, value) in self.columns.iter_mut().zip(row) {
-            column.push(*value);
-        }
+        self.columns.iter_mut().zip(row).for_each(|(column, value)| column.push(*value));
         self.origins.push(origin);
         Ok(())
     }

@@ -33,17 +33,10 @@ pub(crate) fn by_profile(
         let all = signal_slots(signal, parts, &columns);
         slots.extend(kept.iter().filter_map(|joint| all.get(*joint).cloned()));
     }
-    let named = kept.iter().filter_map(|joint| joints.get(*joint).cloned()).collect();
-    Ok(Mapping {
-        time,
-        ranges: Ranges { rows: profile.rows.clone(), seconds: profile.seconds.clone() },
-        joints: Some(named),
-        n_joints: kept.len(),
-        present,
-        chosen: build.chosen,
-        slots,
-        ..Mapping::default()
-    })
+    let joints = Some(kept.iter().filter_map(|joint| joints.get(*joint).cloned()).collect());
+    let ranges = Ranges { rows: profile.rows.clone(), seconds: profile.seconds.clone() };
+    let (n_joints, chosen) = (kept.len(), build.chosen);
+    Ok(Mapping { n_joints, present, chosen, time, slots, ranges, joints, ..Mapping::default() })
 }
 
 struct Build<'a> {
@@ -65,11 +58,10 @@ impl Build<'_> {
             Some(t) => (t.column.as_str(), t.unit.as_deref()),
             None if self.has("t") => ("t", None),
             None => {
-                return Err(LogError::unusable(
-                    self.file.display(),
-                    &format!(" has no clock, found {}", listed(self.names, 30)),
-                    "name its column as [t] column = \"…\" or give rate = … (Hz) in the profile",
-                ));
+                let problem = format!(" has no clock, found {}", listed(self.names, 30));
+                let help =
+                    "name its column as [t] column = \"…\" or give rate = … (Hz) in the profile";
+                return Err(LogError::unusable(self.file.display(), &problem, help));
             }
         };
         self.choose("t.column", column)?;
@@ -173,12 +165,10 @@ impl Build<'_> {
 fn kept(profile: &Profile, joints: &[String], file: &Path) -> Result<Vec<usize>> {
     let is_unknown = |name: &&String| !joints.contains(name);
     if let Some(unknown) = profile.leave_out.iter().find(is_unknown) {
-        return Err(LogError::ProfileKey {
-            profile: "profile".into(),
-            key: "leave_out".into(),
-            found: shown(unknown.as_bytes()),
-            expected: format!("one of the joints {}", joints.join(", ")),
-        });
+        let (profile, key) = ("profile".into(), "leave_out".into());
+        let expected = format!("one of the joints {}", joints.join(", "));
+        let found = shown(unknown.as_bytes());
+        return Err(LogError::ProfileKey { profile, key, found, expected });
     }
     let kept: Vec<_> =
         (0..joints.len()).filter(|joint| !profile.leave_out.contains(&joints[*joint])).collect();
@@ -207,9 +197,8 @@ fn signal_slots(signal: Signal, parts: Option<&SignalColumns>, columns: &[usize]
         None => f64::from(u8::from(joint == column)),
     };
     let slot = |joint| {
-        let terms = (0..columns.len())
-            .map(|column| (columns[column], coupling(joint, column) * column_factor(column)));
-        let terms = terms.filter(|(_, factor)| *factor != 0.0).collect();
+        let term = |column| (columns[column], coupling(joint, column) * column_factor(column));
+        let terms = (0..columns.len()).map(term).filter(|(_, factor)| *factor != 0.0).collect();
         Slot { terms, offset: of(&parts.offset, joint, 0.0) }
     };
     (0..columns.len()).map(slot).collect()

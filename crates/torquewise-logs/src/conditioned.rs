@@ -169,9 +169,8 @@ impl RawLogs {
     pub fn beside_raw_torque(&self) -> ReadResult<Option<Motion>> {
         let Some(cutoff) = self.conditioned.report.cutoff else { return Ok(None) };
         let delay = self.conditioned.settings.delay;
-        let Some(Band { motion, mut torques }) = self.band(cutoff, &[delay])? else {
-            return Ok(None);
-        };
+        let band = self.band(cutoff, &[delay])?;
+        let Some(Band { motion, mut torques }) = band else { return Ok(None) };
         let tau = torques.pop().map(|torque| torque.raw);
         Ok(Some(Motion::new(Signals { tau, ..motion.into_signals() })?))
     }

@@ -248,8 +248,8 @@ impl Logs {
     /// left out. Logs of one name add up.
     pub(crate) fn by_name(&self, all: impl Iterator<Item = Repairs>) -> BTreeMap<String, Repairs> {
         let mut by_name: BTreeMap<String, Repairs> = BTreeMap::new();
-        for (path, repairs) in self.paths.iter().zip(all).filter(|(_, repairs)| !repairs.is_none())
-        {
+        let repaired = self.paths.iter().zip(all).filter(|(_, repairs)| !repairs.is_none());
+        for (path, repairs) in repaired {
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             by_name.entry(name).or_default().add(&repairs);
         }
@@ -324,9 +324,8 @@ fn files_of(path: &Path) -> Result<Vec<PathBuf>> {
         return Ok(vec![path.to_owned()]);
     }
     let entries = std::fs::read_dir(path).map_err(LogError::read(path))?;
-    let mut files: Vec<PathBuf> = entries
-        .map(|entry| entry.map(|entry| entry.path()).map_err(LogError::read(path)))
-        .collect::<Result<_, _>>()?;
+    let files = entries.map(|entry| entry.map(|entry| entry.path()));
+    let mut files: Vec<_> = files.collect::<Result<_, _>>().map_err(LogError::read(path))?;
     files.retain(|file| is_bag(file));
     let number = |file: &PathBuf| -> u64 {
         let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -349,15 +348,11 @@ fn agreed_joints(sources: &[Source]) -> Result<Vec<String>> {
         return Err(LogError::JointCount { file, found, first: (&first.file).into(), expected });
     }
     let mut named = sources.iter().filter_map(|s| Some((&*s.file, s.joints.as_ref()?)));
-    let Some((first, expected)) = named.next() else {
-        return Ok(joints::numbered(expected));
-    };
-    match named.find(|(_, names)| *names != expected) {
-        Some((file, found)) => {
-            let (found, first, expected) = (found.join(", "), first.display(), expected.join(", "));
-            let problem = format!(" names its joints {found}, {first} names them {expected}");
-            Err(LogError::unusable(file.display(), &problem, "read logs of one arm together"))
-        }
-        None => Ok(expected.clone()),
+    let Some((first, expected)) = named.next() else { return Ok(joints::numbered(expected)) };
+    if let Some((file, found)) = named.find(|(_, names)| *names != expected) {
+        let (found, first, expected) = (found.join(", "), first.display(), expected.join(", "));
+        let problem = format!(" names its joints {found}, {first} names them {expected}");
+        return Err(LogError::unusable(file.display(), &problem, "read logs of one arm together"));
     }
+    Ok(expected.clone())
 }

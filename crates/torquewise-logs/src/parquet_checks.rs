@@ -137,19 +137,13 @@ fn page(input: &mut Opened, at: u64, left: u64) -> io::Result<Option<Page>> {
             _ => {}
         }
     });
-    let (Some(header), Ok(bytes), Ok(stored)) =
-        (header, u64::try_from(plain), u64::try_from(stored))
-    else {
-        return Ok(None);
-    };
+    let sizes = (header, u64::try_from(plain), u64::try_from(stored));
+    let (Some(header), Ok(bytes), Ok(stored)) = sizes else { return Ok(None) };
     // A value of a dictionary takes four bytes at least.
     let fits = values.is_none_or(|values| (0..=plain / 4).contains(&values));
     let length = header as u64 + stored;
-    Ok((fits && !is_text && length <= left).then_some(Page {
-        bytes,
-        is_dictionary: values.is_some(),
-        length,
-    }))
+    let page = Page { bytes, is_dictionary: values.is_some(), length };
+    Ok((fits && !is_text && length <= left).then_some(page))
 }
 
 /// Structures and lists within each other that are followed; Parquet itself needs ten.

@@ -40,8 +40,7 @@ impl Pieces {
 
     /// Pieces in which some joints move twice as far as in another, or more, and farthest; with these.
     pub(crate) fn of_most_motion(&self, other: &Raw) -> Vec<(&Raw, Vec<usize>)> {
-        let mut found: Vec<(&Raw, Vec<usize>)> =
-            self.all.iter().map(|piece| (piece, Vec::new())).collect();
+        let mut found: Vec<_> = self.all.iter().map(|piece| (piece, Vec::new())).collect();
         for joint in 0..other.joints.len() {
             let range = |piece: &Raw| {
                 let mut q = piece.of(Signal::Q)[joint].clone();

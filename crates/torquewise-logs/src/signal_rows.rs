@@ -78,17 +78,14 @@ impl SignalRows {
     }
 
     pub(crate) fn none_left(&self) -> LogError {
-        let file = self.place().file;
-        match self.number {
-            0 => LogError::NoRows { file },
-            found => {
-                let dropped = self.report.repairs.not_finite;
-                let problem =
-                    format!(": none of its {found} rows is left, {dropped} were not finite");
-                let help = "check rows and seconds of the profile, and the columns";
-                LogError::unusable(file.display(), &problem, help)
-            }
+        let (file, found) = (self.place().file, self.number);
+        if found == 0 {
+            return LogError::NoRows { file };
         }
+        let dropped = self.report.repairs.not_finite;
+        let problem = format!(": none of its {found} rows is left, {dropped} were not finite");
+        let help = "check rows and seconds of the profile, and the columns";
+        LogError::unusable(file.display(), &problem, help)
     }
 
     pub(crate) fn report(&self) -> ReadReport {
@@ -102,10 +99,8 @@ impl SignalRows {
     pub(crate) fn next(&mut self, row: &mut [f64]) -> Result<Option<Origin>> {
         loop {
             let last = self.mapping.ranges.rows.last();
-            if !self.reads_on && last.is_some_and(|[_, last]| self.number >= *last) {
-                return Ok(None);
-            }
-            if !self.rows.next(&mut self.raw)? {
+            let is_over = !self.reads_on && last.is_some_and(|[_, last]| self.number >= *last);
+            if is_over || !self.rows.next(&mut self.raw)? {
                 return Ok(None);
             }
             self.number += 1;

@@ -63,9 +63,8 @@ impl TableWriter {
         for (Column { name, kind }, values) in self.columns.iter().zip(values) {
             let (found, expected) = (values.name(), kind.name());
             if found != expected {
-                return misfit(format!(
-                    "column {name} is to hold {expected}, but {found} is given"
-                ));
+                let problem = format!("column {name} is to hold {expected}, but {found} is given");
+                return misfit(problem);
             }
             let found = values.len();
             if found != rows {

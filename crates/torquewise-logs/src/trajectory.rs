@@ -78,9 +78,7 @@ impl<'a> Trajectory<'a> {
                 let raw = std::mem::take(waiting);
                 self.begin(raw)
             }
-            Stretch::Running(conditioner, noise) => {
-                pushed(conditioner, noise.as_deref_mut(), block)
-            }
+            Stretch::Running(conditioner, noise) => pushed(conditioner, noise, block),
         }
     }
 
@@ -89,7 +87,7 @@ impl<'a> Trajectory<'a> {
         let plan = SignalPlan::new(&raw, self.settings)?;
         let mut noise = self.noise.map(|noise| Box::new(noise.lane(plan.clone())));
         let mut conditioner = Box::new(Conditioner::new(plan));
-        let done = pushed(&mut conditioner, noise.as_deref_mut(), raw)?;
+        let done = pushed(&mut conditioner, &mut noise, raw)?;
         self.stretch = Stretch::Running(conditioner, noise);
         Ok(done)
     }
@@ -107,9 +105,9 @@ impl<'a> Trajectory<'a> {
 
 fn pushed(
     conditioner: &mut Conditioner,
-    noise: Option<&mut NoiseLane>,
+    noise: &mut Option<Box<NoiseLane>>,
     raw: Raw,
 ) -> Result<Done, MotionError> {
-    let noise = noise.map_or_else(|| Ok(Vec::new()), |lane| lane.push(&raw))?;
+    let noise = noise.as_mut().map_or_else(|| Ok(Vec::new()), |lane| lane.push(&raw))?;
     Ok(Done { motions: conditioner.push(raw)?, noise })
 }

@@ -80,9 +80,7 @@ fn check(t: &[f64], x: MatRef<'_, f64>, degree: usize) -> Result<()> {
         return Err(MotionError::TooFewRows { rows, needed: degree + 1 });
     }
     MotionError::check_finite("t", ColRef::from_slice(t).as_mat())?;
-    if let Some(before) = t.windows(2).position(|pair| pair[1] <= pair[0]) {
-        return Err(MotionError::TimeOrder { row: before + 1 });
-    }
+    MotionError::check_order(t)?;
     MotionError::check_finite("x", x)
 }
 
@@ -108,9 +106,8 @@ impl Stencil {
         let half_width = 0.5 * (t[t.len() - 1] - t[0]);
         self.u.clear();
         self.u.extend(t.iter().map(|t| (t - at) / half_width));
-        for (values, first) in
-            [(&mut self.weights, 0.0), (&mut self.previous, 0.0), (&mut self.current, 1.0)]
-        {
+        let all = [&mut self.weights, &mut self.previous, &mut self.current];
+        for (values, first) in all.into_iter().zip([0.0, 0.0, 1.0]) {
             values.clear();
             values.resize(t.len(), first);
         }

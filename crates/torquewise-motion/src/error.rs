@@ -83,6 +83,18 @@ impl MotionError {
         place.map_or(Ok(()), |(joint, row)| Err(Self::NotFinite { signal, joint, row }))
     }
 
+    /// Refuses numbers of which one is not finite.
+    pub(crate) fn check_numbers(values: &[f64]) -> Result<()> {
+        let row = values.iter().position(|x| !x.is_finite());
+        row.map_or(Ok(()), |row| Err(Self::NotFiniteAt { row }))
+    }
+
+    /// Refuses stamps that stand still or go back.
+    pub(crate) fn check_order(t: &[f64]) -> Result<()> {
+        let before = t.windows(2).position(|pair| pair[1] <= pair[0]);
+        before.map_or(Ok(()), |before| Err(Self::TimeOrder { row: before + 1 }))
+    }
+
     pub(crate) fn of(self, signal: &'static str, joint: &str) -> Self {
         Self::Joint { signal, joint: joint.to_owned(), source: Box::new(self) }
     }

@@ -114,15 +114,10 @@ mod tests {
     /// One joint that swings, a row each 10 ms.
     fn swing(rows: usize) -> Motion {
         let signal = |f: fn(f64) -> f64| Mat::from_fn(rows, 1, |row, _| f(0.01 * row as f64));
-        Motion::new(Signals {
-            joints: vec!["joint1".into()],
-            t: (0..rows).map(|row| 0.01 * row as f64).collect(),
-            q: signal(|t| 0.1 * (3.0 * t).sin()),
-            dq: signal(|t| 0.3 * (3.0 * t).cos()),
-            ddq: signal(|t| -0.9 * (3.0 * t).sin()),
-            tau: None,
-        })
-        .unwrap()
+        let t = (0..rows).map(|row| 0.01 * row as f64).collect();
+        let (q, dq) = (signal(|t| 0.1 * (3.0 * t).sin()), signal(|t| 0.3 * (3.0 * t).cos()));
+        let (joints, ddq) = (vec!["joint1".into()], signal(|t| -0.9 * (3.0 * t).sin()));
+        Motion::new(Signals { joints, t, q, dq, ddq, tau: None }).unwrap()
     }
 
     fn states(motion: &Motion) -> Vec<f64> {
@@ -135,13 +130,12 @@ mod tests {
         let motion = swing(3_000);
         let whole = states(&Path::new(1, &TRAVELS).follow(0, &motion));
         let (mut path, mut parts) = (Path::new(1, &TRAVELS), Vec::new());
-        motion
-            .read(&mut |trajectory, block| {
-                parts.extend(states(&path.follow(trajectory, block)));
-                Ok(())
-            })
-            .unwrap();
+        let read = motion.read(&mut |trajectory, block| {
+            parts.extend(states(&path.follow(trajectory, block)));
+            Ok(())
+        });
 
+        read.unwrap();
         assert_eq!(whole, parts);
     }
 

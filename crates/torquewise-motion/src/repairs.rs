@@ -81,10 +81,9 @@ pub fn counted(count: u64, noun: &str, what: &str) -> String {
 
 impl<'a> Sum<&'a Self> for Repairs {
     fn sum<I: Iterator<Item = &'a Self>>(all: I) -> Self {
-        all.fold(Self::default(), |mut sum, one| {
-            sum.add(one);
-            sum
-        })
+        let mut sum = Self::default();
+        all.for_each(|one| sum.add(one));
+        sum
     }
 }
 

@@ -1,7 +1,7 @@
 //! A library in coordinates, as sparse sums over numbered atoms.
 
 use crate::atom::{Atom, Monomial, Numbering, Wave};
-use crate::error::{SparseError, expect};
+use crate::error::{Result, expect};
 
 /// One candidate: a sum of atoms, empty where the column is zero in an equation.
 pub type AtomSum = Vec<Atom>;
@@ -29,11 +29,7 @@ impl Design {
     /// # Errors
     /// [`SparseError::Shape`] if equations differ in their number of columns or an atom in its
     /// number of angles or variables.
-    pub fn new(
-        n_angles: usize,
-        n_variables: usize,
-        equations: &[Vec<AtomSum>],
-    ) -> Result<Self, SparseError> {
+    pub fn new(n_angles: usize, n_variables: usize, equations: &[Vec<AtomSum>]) -> Result<Self> {
         let n_columns = equations.first().map_or(0, Vec::len);
         for columns in equations {
             expect("the columns of an equation", columns.len(), n_columns)?;
@@ -48,8 +44,7 @@ impl Design {
     fn numbered(n_angles: usize, n_variables: usize, equations: &[Vec<AtomSum>]) -> Self {
         let (mut waves, mut monomials) = (Numbering::new(), Numbering::new());
         let mut pair = |a: &Atom| (waves.place(&a.wave), monomials.place(&a.monomial));
-        let mut atoms: Vec<(usize, usize)> =
-            equations.iter().flatten().flatten().map(&mut pair).collect();
+        let mut atoms: Vec<_> = equations.iter().flatten().flatten().map(&mut pair).collect();
         atoms.sort_unstable();
         atoms.dedup();
         let mut numbered = |a: &Atom| Some((atoms.binary_search(&pair(a)).ok()?, a.weight));
@@ -77,12 +72,10 @@ impl Design {
             let (wave, monomial) = (self.waves[wave].clone(), self.monomials[monomial].clone());
             Atom { weight, wave, monomial }
         };
-        let column = |all: &[Vec<(usize, f64)>], j: usize| all[j].iter().map(spell).collect();
-        let equations: Vec<Vec<AtomSum>> = self
-            .equations
-            .iter()
-            .map(|all| columns.iter().map(|&j| column(all, j)).collect())
-            .collect();
+        let equation = |all: &Vec<Vec<(usize, f64)>>| -> Vec<AtomSum> {
+            columns.iter().map(|&j| all[j].iter().map(spell).collect()).collect()
+        };
+        let equations: Vec<_> = self.equations.iter().map(equation).collect();
         Self::numbered(self.n_angles, self.n_variables, &equations)
     }
 }

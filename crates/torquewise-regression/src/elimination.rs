@@ -76,8 +76,7 @@ impl Equations {
         let inverse = pick(&self.information).llt(Side::Lower).ok()?.inverse();
         let half = product(inverse.as_ref(), pick(&self.spread).as_ref());
 
-        let (mut coefficients, mut std_errors) = (Vec::new(), Vec::new());
-        let mut t_squared = Vec::new();
+        let [mut coefficients, mut std_errors, mut t_squared] = [const { Vec::new() }; 3];
         for (j, &column) in active.iter().enumerate() {
             let solved: f64 =
                 (0..size).map(|i| inverse[(j, i)] * self.right[active[i]] / length[i]).sum();

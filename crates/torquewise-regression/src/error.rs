@@ -1,6 +1,9 @@
 //! Errors of a regression problem.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
+/// What fails by [`SparseError`].
+pub type Result<T, E = SparseError> = std::result::Result<T, E>;
+
 /// Why a regression problem cannot be worked on.
 #[derive(Debug, thiserror::Error, miette::Diagnostic, PartialEq)]
 #[non_exhaustive]
@@ -26,6 +29,6 @@ pub enum SparseError {
     Clusters { clusters: usize, points: usize },
 }
 
-pub(crate) fn expect(what: &'static str, found: usize, expected: usize) -> Result<(), SparseError> {
+pub(crate) fn expect(what: &'static str, found: usize, expected: usize) -> Result<()> {
     if found == expected { Ok(()) } else { Err(SparseError::Shape { what, found, expected }) }
 }

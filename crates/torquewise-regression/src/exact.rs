@@ -1,6 +1,6 @@
 //! Exact sums: fixed point of 192 bits, the same bits in whatever order numbers are added.
 
-use crate::error::{SparseError, expect};
+use crate::error::{Result, SparseError, expect};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Sums of floating-point numbers without rounding.
@@ -37,7 +37,7 @@ impl ExactSums {
     /// # Errors
     /// [`SparseError::OutOfRange`] for a number that is not finite or too large,
     /// [`SparseError::Shape`] if there are more numbers than sums.
-    pub fn add(&mut self, first: usize, values: &[f64]) -> Result<(), SparseError> {
+    pub fn add(&mut self, first: usize, values: &[f64]) -> Result<()> {
         let own = self.entries.iter_mut().skip(first).zip(values);
         expect("numbers to be summed", values.len(), own.len())?;
         for (sum, &found) in own {
@@ -52,7 +52,7 @@ impl ExactSums {
     /// # Errors
     /// [`SparseError::Shape`] if the other has another number of sums,
     /// [`SparseError::OutOfRange`] if one becomes too large.
-    pub fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
+    pub fn merge(&mut self, other: &Self) -> Result<()> {
         expect("a table of sums", other.count(), self.count())?;
         for (sum, more) in self.entries.iter_mut().zip(&other.entries) {
             let too_large = || SparseError::OutOfRange { found: rounded(*more) };

@@ -1,7 +1,7 @@
 //! k-means: points shared out among centres, the best of several starts; how many centres there
 //! should be.
 
-use crate::error::SparseError;
+use crate::error::{Result, SparseError};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::cmp::Ordering;
@@ -37,11 +37,7 @@ pub struct Clustering<const D: usize> {
 /// # Errors
 /// [`SparseError::Clusters`] if `k` is no number of clusters for so many points,
 /// [`SparseError::NotFinite`].
-pub fn kmeans<const D: usize>(
-    points: &[[f64; D]],
-    k: usize,
-    seed: u64,
-) -> Result<Clustering<D>, SparseError> {
+pub fn kmeans<const D: usize>(points: &[[f64; D]], k: usize, seed: u64) -> Result<Clustering<D>> {
     if k == 0 || k > points.len() {
         return Err(SparseError::Clusters { clusters: k, points: points.len() });
     }
@@ -150,9 +146,7 @@ const SHAPELESS: f64 = 1.25;
 ///
 /// An empty curve gives 0, one without spread 1.
 pub fn elbow(inertias: &[f64]) -> usize {
-    let Some(&first) = inertias.first() else {
-        return 0;
-    };
+    let Some(&first) = inertias.first() else { return 0 };
     let part = |inertia: f64| (inertia / first).clamp(0.0, 1.0);
     let counted = || (1_u32..).zip(inertias);
     let falls = |(k, &inertia): (u32, &f64)| k > 1 && part(inertia) < f64::from(k).powf(-SHAPELESS);

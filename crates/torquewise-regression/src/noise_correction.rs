@@ -1,6 +1,6 @@
 //! Normal equations without what noise in the rows adds to them (E7).
 
-use crate::error::SparseError;
+use crate::error::{Result, SparseError};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Mat, Par, Side};
 
@@ -19,7 +19,7 @@ const LEAST_COLUMN: f64 = 1e-18;
 ///
 /// # Errors
 /// [`SparseError::NotSolvable`] if the decomposition fails.
-pub fn corrected(gram: &Mat<f64>, bias: &Mat<f64>) -> Result<Mat<f64>, SparseError> {
+pub fn corrected(gram: &Mat<f64>, bias: &Mat<f64>) -> Result<Mat<f64>> {
     let p = gram.ncols();
     if bias.norm_max() == 0.0 {
         return Ok(gram.clone());
@@ -28,9 +28,8 @@ pub fn corrected(gram: &Mat<f64>, bias: &Mat<f64>) -> Result<Mat<f64>, SparseErr
     let scale: Vec<f64> = (0..p).map(|j| gram[(j, j)].max(least).sqrt()).collect();
     let scaled = |x: &Mat<f64>, i: usize, j: usize| x[(i, j)] / (scale[i] * scale[j]);
     let ridged = |ridge: f64| {
-        let whole =
-            Mat::from_fn(p, p, |i, j| scaled(gram, i, j) + if i == j { ridge } else { 0.0 });
-        whole.llt(Side::Lower).ok()
+        let entry = |i, j| scaled(gram, i, j) + if i == j { ridge } else { 0.0 };
+        Mat::from_fn(p, p, entry).llt(Side::Lower).ok()
     };
     let failed = || SparseError::NotSolvable;
     let factor = DEPENDENT.into_iter().find_map(ridged).ok_or_else(failed)?;

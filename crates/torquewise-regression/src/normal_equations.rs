@@ -1,7 +1,7 @@
 //! Normal equations YᵀY and Yᵀy: all that least squares can know of rows, and what it makes of them.
 
 use crate::cholesky::{self, Solution};
-use crate::error::{SparseError, expect};
+use crate::error::{Result, SparseError, expect};
 use faer::Mat;
 
 /// Relative residual energy that rounding alone leaves in normal equations.
@@ -40,12 +40,8 @@ pub struct KeptColumns {
 impl NormalEquations {
     /// Those of no rows.
     pub fn zeros(n_columns: usize, n_responses: usize) -> Self {
-        Self {
-            gram: Mat::zeros(n_columns, n_columns),
-            cross: Mat::zeros(n_columns, n_responses),
-            energy: vec![0.0; n_responses],
-            rows: 0.0,
-        }
+        let [gram, cross] = [n_columns, n_responses].map(|columns| Mat::zeros(n_columns, columns));
+        Self { gram, cross, energy: vec![0.0; n_responses], rows: 0.0 }
     }
 
     /// Those of one response.
@@ -57,7 +53,7 @@ impl NormalEquations {
     ///
     /// # Errors
     /// As [`Self::checked`].
-    pub fn new(gram: Mat<f64>, cross: &[f64], energy: f64, rows: f64) -> Result<Self, SparseError> {
+    pub fn new(gram: Mat<f64>, cross: &[f64], energy: f64, rows: f64) -> Result<Self> {
         let cross = Mat::from_fn(cross.len(), 1, |j, _| cross[j]);
         Self { gram, cross, energy: vec![energy], rows }.checked()
     }
@@ -66,7 +62,7 @@ impl NormalEquations {
     ///
     /// # Errors
     /// As [`Self::checked`].
-    pub fn of_joined(sums: &Mat<f64>, rows: f64) -> Result<Self, SparseError> {
+    pub fn of_joined(sums: &Mat<f64>, rows: f64) -> Result<Self> {
         let p = sums.ncols() - 1;
         let cross: Vec<f64> = (0..p).map(|j| sums[(j, p)]).collect();
         Self::new(sums.submatrix(0, 0, p, p).to_owned(), &cross, sums[(p, p)], rows)
@@ -87,7 +83,7 @@ impl NormalEquations {
     /// # Errors
     /// [`SparseError::Shape`], [`SparseError::NotFinite`], or [`SparseError::Setting`] for an
     /// energy below zero or less than one row.
-    pub fn checked(mut self) -> Result<Self, SparseError> {
+    pub fn checked(mut self) -> Result<Self> {
         let columns = self.n_columns();
         expect("rows of the Gram matrix", self.gram.nrows(), columns)?;
         expect("the Gram matrix's row", self.gram.ncols(), columns)?;
@@ -119,7 +115,7 @@ impl NormalEquations {
     ///
     /// # Errors
     /// [`SparseError::Shape`] if the two were made for different designs.
-    pub fn add(&mut self, other: &Self, weight: f64) -> Result<(), SparseError> {
+    pub fn add(&mut self, other: &Self, weight: f64) -> Result<()> {
         expect("a Gram matrix", other.gram.ncols(), self.gram.ncols())?;
         expect("a cross product", other.cross.ncols(), self.cross.ncols())?;
         self.take(other, weight);
@@ -137,12 +133,9 @@ impl NormalEquations {
     /// The normal equations in some of the columns.
     pub fn restricted(&self, columns: &[usize]) -> Self {
         let p = columns.len();
-        Self {
-            gram: Mat::from_fn(p, p, |i, j| self.gram[(columns[i], columns[j])]),
-            cross: Mat::from_fn(p, self.cross.ncols(), |i, r| self.cross[(columns[i], r)]),
-            energy: self.energy.clone(),
-            rows: self.rows,
-        }
+        let gram = Mat::from_fn(p, p, |i, j| self.gram[(columns[i], columns[j])]);
+        let cross = Mat::from_fn(p, self.cross.ncols(), |i, r| self.cross[(columns[i], r)]);
+        Self { gram, cross, energy: self.energy.clone(), rows: self.rows }
     }
 
     /// The normal equations in some of the columns for what weights of all columns leave of a
@@ -218,7 +211,7 @@ impl NormalEquations {
     ///
     /// # Errors
     /// [`SparseError::Column`] if an active column is not below p.
-    pub fn refit(&self, active: &[usize]) -> Result<KeptColumns, SparseError> {
+    pub fn refit(&self, active: &[usize]) -> Result<KeptColumns> {
         let columns = self.n_columns();
         if let Some(&column) = active.iter().find(|&&j| j >= columns) {
             return Err(SparseError::Column { column, columns });
@@ -267,11 +260,9 @@ impl NormalEquations {
 /// The sum of normal equations that were made for one design, of which none may be another.
 impl<'a> std::iter::Sum<&'a NormalEquations> for NormalEquations {
     fn sum<I: Iterator<Item = &'a Self>>(mut all: I) -> Self {
-        let first = all.next().cloned().unwrap_or_else(|| Self::zeros(0, 1));
-        all.fold(first, |mut sum, own| {
-            sum.take(own, 1.0);
-            sum
-        })
+        let mut sum = all.next().cloned().unwrap_or_else(|| Self::zeros(0, 1));
+        all.for_each(|own| sum.take(own, 1.0));
+        sum
     }
 }
 
@@ -281,12 +272,9 @@ pub(crate) fn require(
     found: f64,
     valid: bool,
     expected: &'static str,
-) -> Result<(), SparseError> {
-    if found.is_finite() && valid {
-        Ok(())
-    } else {
-        Err(SparseError::Setting { setting, found, expected })
-    }
+) -> Result<()> {
+    let refused = || SparseError::Setting { setting, found, expected };
+    (found.is_finite() && valid).then_some(()).ok_or_else(refused)
 }
 
 /// Indices below `columns` whose weight is not zero.

@@ -2,7 +2,7 @@
 //! its parameters and its residual, both over the noise (E11). Their sums are exact, so that blocks
 //! and logs add up to the same bits in any order.
 
-use crate::error::SparseError;
+use crate::error::Result;
 use crate::exact::ExactSums;
 use crate::products::{add_gram, add_gram_of_equations};
 use faer::{Mat, MatRef};
@@ -175,7 +175,7 @@ impl NormalSums {
     ///
     /// # Errors
     /// [`SparseError::OutOfRange`] if a sum is not finite or too large.
-    pub fn add(&mut self, block: &BlockSums) -> Result<(), SparseError> {
+    pub fn add(&mut self, block: &BlockSums) -> Result<()> {
         let fold = block.fold % self.rows.len();
         self.sums.add(self.gram_at(fold), &packed(&block.gram))?;
         self.sums.add(self.gram_at(self.rows.len()), &packed(&block.bias))?;
@@ -195,7 +195,7 @@ impl NormalSums {
     ///
     /// # Errors
     /// [`SparseError::Shape`] if it is of other parameters, [`SparseError::OutOfRange`].
-    pub fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
+    pub fn merge(&mut self, other: &Self) -> Result<()> {
         self.sums.merge(&other.sums)?;
         self.rows.iter_mut().zip(&other.rows).for_each(|(rows, more)| *rows += more);
         self.blocks += other.blocks;
@@ -272,13 +272,12 @@ impl NormalSums {
     }
 
     fn rms(&self, mean: impl Fn([f64; PER_EQUATION]) -> f64) -> Vec<f64> {
-        (0..self.equations)
-            .map(|equation| {
-                let sum = |k| self.sums.value(self.energies() + PER_EQUATION * equation + k);
-                let mean = mean(std::array::from_fn(sum));
-                if mean.is_finite() { mean.max(0.0).sqrt() } else { 0.0 }
-            })
-            .collect()
+        let of = |equation| {
+            let sum = |k| self.sums.value(self.energies() + PER_EQUATION * equation + k);
+            let mean = mean(std::array::from_fn(sum));
+            if mean.is_finite() { mean.max(0.0).sqrt() } else { 0.0 }
+        };
+        (0..self.equations).map(of).collect()
     }
 }
 

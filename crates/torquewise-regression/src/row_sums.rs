@@ -2,7 +2,7 @@
 //! the same bits whatever the split, order or threads.
 
 use crate::design::Design;
-use crate::error::{SparseError, expect};
+use crate::error::{Result, expect};
 use crate::exact::ExactSums;
 use crate::moments::{MomentPlan, gather, responses_of};
 use crate::normal_equations::{NormalEquations, mirror_lower};
@@ -100,7 +100,7 @@ impl PreparedDesign {
         self.numbers(&mut self.zeros()).map(|part| part.len()).sum()
     }
 
-    fn add(&self, blocks: &[Samples], sums: &mut [Sums]) -> Result<(), SparseError> {
+    fn add(&self, blocks: &[Samples], sums: &mut [Sums]) -> Result<()> {
         for samples in blocks {
             samples.check(&self.design)?;
             expect("the responses of a block", samples.responses.ncols(), self.n_responses)?;
@@ -144,13 +144,13 @@ impl RowSums {
     ///
     /// # Errors
     /// [`SparseError::Shape`] if the two were made for different designs.
-    pub fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
+    pub fn merge(&mut self, other: &Self) -> Result<()> {
         self.sums.merge(&other.sums)?;
         self.rows += other.rows;
         Ok(())
     }
 
-    fn add(&mut self, prepared: &PreparedDesign, mut sums: Vec<Sums>) -> Result<(), SparseError> {
+    fn add(&mut self, prepared: &PreparedDesign, mut sums: Vec<Sums>) -> Result<()> {
         let mut first = 0;
         prepared.numbers(&mut sums).try_for_each(|part| {
             first += part.len();
@@ -226,7 +226,7 @@ impl<'a> RowAdder<'a> {
     ///
     /// # Errors
     /// [`SparseError`] if a block does not fit, or holds what is too large to be summed.
-    pub fn push(&mut self, samples: Samples) -> Result<(), SparseError> {
+    pub fn push(&mut self, samples: Samples) -> Result<()> {
         self.waiting.push(samples);
         if self.waiting.len() == self.most { self.drain() } else { Ok(()) }
     }
@@ -235,7 +235,7 @@ impl<'a> RowAdder<'a> {
     ///
     /// # Errors
     /// As [`Self::push`].
-    pub fn finish(mut self) -> Result<RowSums, SparseError> {
+    pub fn finish(mut self) -> Result<RowSums> {
         self.drain()?;
         if let Some(sums) = self.running {
             self.total.add(self.prepared, sums)?;
@@ -243,7 +243,7 @@ impl<'a> RowAdder<'a> {
         Ok(self.total)
     }
 
-    fn drain(&mut self) -> Result<(), SparseError> {
+    fn drain(&mut self) -> Result<()> {
         let prepared = self.prepared;
         if let Some(sums) = &mut self.running {
             prepared.add(&self.waiting, sums)?;

@@ -2,7 +2,7 @@
 
 use crate::atom::{Monomial, Phase, Wave};
 use crate::design::Design;
-use crate::error::{SparseError, expect};
+use crate::error::{Result, expect};
 use faer::Mat;
 use pulp::Arch;
 use std::collections::BTreeMap;
@@ -36,7 +36,7 @@ impl Samples {
     ///
     /// # Errors
     /// [`SparseError::Shape`] if the rows, angles or variables differ.
-    pub fn check(&self, design: &Design) -> Result<(), SparseError> {
+    pub fn check(&self, design: &Design) -> Result<()> {
         expect("the angles of a block", self.angles.ncols(), design.n_angles)?;
         expect("the variables of a block", self.variables.ncols(), design.n_variables)?;
         expect("the rows of the variables", self.variables.nrows(), self.n_rows())?;
@@ -155,7 +155,7 @@ impl Design {
     ///
     /// # Errors
     /// [`SparseError::Shape`] if the block does not fit the design.
-    pub fn columns(&self, samples: &Samples) -> Result<Vec<Mat<f64>>, SparseError> {
+    pub fn columns(&self, samples: &Samples) -> Result<Vec<Mat<f64>>> {
         samples.check(self)?;
         let rows = 0..samples.n_rows();
         let mut waves = Mat::zeros(rows.len(), self.waves.len());
@@ -169,9 +169,9 @@ impl Design {
                 let out = values.col_as_slice_mut(j);
                 for &(atom, weight) in entries {
                     let (wave, monomial) = self.atoms[atom];
-                    let (wave, monomial) =
-                        (waves.col_as_slice(wave), monomials.col_as_slice(monomial));
-                    for (out, (a, b)) in out.iter_mut().zip(wave.iter().zip(monomial)) {
+                    let monomial = monomials.col_as_slice(monomial);
+                    let factors = waves.col_as_slice(wave).iter().zip(monomial);
+                    for (out, (a, b)) in out.iter_mut().zip(factors) {
                         *out += weight * a * b;
                     }
                 }

@@ -4,7 +4,7 @@ pub mod lasso;
 pub mod stlsq;
 pub mod criterion;
 
-use crate::error::SparseError;
+use crate::error::Result;
 use crate::normal_equations::{KeptColumns, NormalEquations};
 
 /// A rule to choose columns.
@@ -24,7 +24,7 @@ impl Selector {
     ///
     /// # Errors
     /// Those of the selector.
-    pub fn select(&self, problem: &NormalEquations) -> Result<KeptColumns, SparseError> {
+    pub fn select(&self, problem: &NormalEquations) -> Result<KeptColumns> {
         match self {
             Self::Criterion(criterion) => criterion.select(problem),
             Self::Lasso(lasso) => lasso.select(problem),

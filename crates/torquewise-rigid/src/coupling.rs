@@ -54,10 +54,9 @@ impl Coupling {
     /// be listed with.
     pub fn is_sound(&self, n: usize) -> bool {
         let sound = |own: &Coupled| own.driver < own.joint && own.joint < n && own.ratio != 0;
-        let once =
-            |pair: &[Coupled]| (pair[0].joint, pair[0].driver) < (pair[1].joint, pair[1].driver);
+        let once = |a: &Coupled, b: &Coupled| (a.joint, a.driver) < (b.joint, b.driver);
         self.coupled.iter().all(sound)
-            && self.coupled.windows(2).all(once)
+            && self.coupled.is_sorted_by(once)
             && (0..n).all(|joint| self.multiples_of(joint) <= MOST_MULTIPLES)
     }
 

@@ -1,6 +1,9 @@
 //! Why a chain cannot be learned.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
+/// What fails by [`ChainError`].
+pub type Result<T, E = ChainError> = std::result::Result<T, E>;
+
 /// An error of this crate.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum ChainError {
@@ -18,4 +21,8 @@ pub enum ChainError {
     Stopped,
     #[error("a chain has 1 to {most} joints, not {joints}")]
     TooManyJoints { joints: usize, most: usize },
+}
+
+pub(crate) fn expect(what: &'static str, found: usize, expected: usize) -> Result<()> {
+    if found == expected { Ok(()) } else { Err(ChainError::Shape { what, found, expected }) }
 }

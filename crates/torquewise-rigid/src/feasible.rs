@@ -1,6 +1,6 @@
 //! The best physically consistent parameters of normal equations (E14).
 
-use crate::error::ChainError;
+use crate::error::{ChainError, Result};
 use crate::inertia::{Inertial, divergence, divergence_slopes};
 use crate::recursion::PER_BODY;
 use faer::{ColRef, Mat};
@@ -105,10 +105,8 @@ impl Prior {
     ) {
         for (body, nominal) in self.bodies.iter().enumerate() {
             let first = PER_BODY * body;
-            let Some((slope, curvature)) = divergence_slopes(&x[first..first + PER_BODY], nominal)
-            else {
-                continue;
-            };
+            let slopes = divergence_slopes(&x[first..first + PER_BODY], nominal);
+            let Some((slope, curvature)) = slopes else { continue };
             for i in 0..PER_BODY {
                 gradient[first + i] += strength * slope[i];
                 for j in 0..=i {
@@ -163,7 +161,7 @@ pub fn minimise(
     prior: &Prior,
     strength: f64,
     start: &[f64],
-) -> Result<Vec<f64>, ChainError> {
+) -> Result<Vec<f64>> {
     minima(cost, prior, &[strength], start).map(|mut found| found.swap_remove(0))
 }
 
@@ -176,7 +174,7 @@ pub fn minima(
     prior: &Prior,
     strengths: &[f64],
     start: &[f64],
-) -> Result<Vec<Vec<f64>>, ChainError> {
+) -> Result<Vec<Vec<f64>>> {
     // Where no prior counts.
     let least = Factored::new(cost.hessian.clone()).map(|factor| factor.solve(cost.right));
     let gain = least.map_or(f64::INFINITY, |least| cost.value(start) - cost.value(&least));
@@ -204,7 +202,7 @@ fn descend(
     prior: &Prior,
     (strength, before, near): (f64, Option<f64>, f64),
     mut x: Vec<f64>,
-) -> Result<Vec<f64>, ChainError> {
+) -> Result<Vec<f64>> {
     let value = |x: &[f64]| prior.value(x).map(|psi| cost.value(x) + strength * psi);
     let mut current = value(&x).ok_or(ChainError::Singular)?;
     for round in 0..ROUNDS {
@@ -238,12 +236,7 @@ fn descend(
 ///
 /// # Errors
 /// [`ChainError::Singular`] if it is not positive definite.
-pub fn curvature(
-    cost: Quadratic<'_>,
-    prior: &Prior,
-    strength: f64,
-    x: &[f64],
-) -> Result<Factored, ChainError> {
+pub fn curvature(cost: Quadratic<'_>, prior: &Prior, strength: f64, x: &[f64]) -> Result<Factored> {
     let mut hessian = cost.hessian.clone();
     prior.add_certainty(x, strength, &mut hessian);
     Factored::new(hessian)
@@ -256,7 +249,7 @@ fn newton_step(
     prior: &Prior,
     strengths: [f64; 2],
     x: &[f64],
-) -> Result<(Vec<f64>, f64), ChainError> {
+) -> Result<(Vec<f64>, f64)> {
     let hx = cost.hessian * ColRef::from_slice(x);
     let mut gradient: Vec<f64> = hx.iter().zip(cost.right).map(|(hx, b)| hx - b).collect();
     let mut hessian = cost.hessian.clone();
@@ -335,16 +328,9 @@ mod tests {
 
     #[test]
     fn a_log_that_says_nothing_leaves_the_nominal_arm() {
-        let prior = Prior {
-            bodies: vec![nominal()],
-            positive: vec![Positive {
-                least: 0.0,
-                terms: vec![(10, 1.0)],
-                nominal: 0.3,
-                weight: 1.0,
-            }],
-            small: vec![(11, 2.0)],
-        };
+        let rotor = Positive { least: 0.0, terms: vec![(10, 1.0)], nominal: 0.3, weight: 1.0 };
+        let (bodies, small) = (vec![nominal()], vec![(11, 2.0)]);
+        let prior = Prior { bodies, positive: vec![rotor], small };
         let hessian = Mat::zeros(12, 12);
         let mut start = plain_link(5.0, &Vector3::new(0.0, 0.1, 0.1), 0.2).to_vec();
         start.extend([2.0, 1.0]);

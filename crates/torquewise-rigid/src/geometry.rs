@@ -3,7 +3,7 @@
 mod choices;
 
 use crate::coupling::Coupling;
-use crate::error::ChainError;
+use crate::error::{Result, expect};
 use crate::joint::JointKinds;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -44,7 +44,7 @@ pub struct Placement {
 }
 
 /// How the frame of a joint moves per unit of one parameter of the geometry.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GeometryDerivative {
     /// The joint whose frame moves, counted from 0; all beyond it moves along.
     pub joint: usize,
@@ -82,13 +82,10 @@ impl Geometry {
     ///
     /// # Errors
     /// [`ChainError::Shape`] if their number is that of no chain.
-    pub fn new(parameters: &[f64]) -> Result<Self, ChainError> {
+    pub fn new(parameters: &[f64]) -> Result<Self> {
         let found = parameters.len();
         let joints = found.saturating_sub(PER_BASE) / PER_JOINT;
-        let expected = PER_BASE + PER_JOINT * joints;
-        if found != expected {
-            return Err(ChainError::Shape { what: "geometry", found, expected });
-        }
+        expect("geometry", found, PER_BASE + PER_JOINT * joints)?;
         Ok(Self { parameters: parameters.to_vec(), ..Self::straight(0) })
     }
 
@@ -219,8 +216,7 @@ impl Geometry {
 
     /// Acceleration of gravity \[m/s²\] in the base.
     pub fn gravity(&self) -> [f64; 3] {
-        let turned = turn([self.parameters[0], self.parameters[1]]) * Vector3::z();
-        (-GRAVITY * turned).into()
+        (-GRAVITY * axis(self.tilt())).into()
     }
 
     /// The same joints where things fall another way in the base, of any length but zero.
@@ -232,28 +228,20 @@ impl Geometry {
 
     /// How the frames move per unit of each parameter, in the order of [`Self::parameters`].
     pub fn derivatives(&self) -> Vec<GeometryDerivative> {
-        let zero = Vector3::zeros();
         let of_tilt = left_jacobian(self.tilt()).map(|rotation| GeometryDerivative {
-            joint: 0,
-            rotation: zero,
-            origin: zero,
             gravity: rotation.cross(&Vector3::from(self.gravity())),
+            ..GeometryDerivative::default()
         });
         let placements = self.placements();
         let of_joint = |joint: usize| {
+            let none = GeometryDerivative { joint, ..GeometryDerivative::default() };
             let Placement { rotation: turned, origin } = placements[joint];
-            let turns = left_jacobian(self.direction(joint)).map(|rotation| GeometryDerivative {
-                joint,
-                rotation,
-                origin: rotation.cross(&origin),
-                gravity: zero,
+            let turns = left_jacobian(self.direction(joint)).map(|rotation| {
+                let origin = rotation.cross(&origin);
+                GeometryDerivative { rotation, origin, ..none }
             });
-            let shifts = [Vector3::x(), Vector3::y()].map(|shift| GeometryDerivative {
-                joint,
-                rotation: zero,
-                origin: turned * shift,
-                gravity: zero,
-            });
+            let shifts = [Vector3::x(), Vector3::y()]
+                .map(|shift| GeometryDerivative { origin: turned * shift, ..none });
             turns.into_iter().chain(shifts)
         };
         of_tilt.into_iter().chain((1..self.n_joints()).flat_map(of_joint)).collect()
@@ -261,13 +249,11 @@ impl Geometry {
 
     /// The frame of each joint in the one before, at q = 0, n.
     pub fn placements(&self) -> Vec<Placement> {
-        (0..self.n_joints())
-            .map(|joint| {
-                let rotation = turn(self.direction(joint));
-                let [x, y] = self.place(joint);
-                Placement { rotation, origin: rotation * Vector3::new(x, y, 0.0) }
-            })
-            .collect()
+        let of_joint = |joint| {
+            let (rotation, [x, y]) = (turn(self.direction(joint)), self.place(joint));
+            Placement { rotation, origin: rotation * Vector3::new(x, y, 0.0) }
+        };
+        (0..self.n_joints()).map(of_joint).collect()
     }
 
     /// The axis of each joint at q = 0 in a frame with z up, against gravity: its direction, and
@@ -330,9 +316,8 @@ fn axis(direction: [f64; 2]) -> Vector3<f64> {
 
 /// The right angle nearest to a direction.
 pub(crate) fn nearest_right_angle(direction: [f64; 2]) -> [f64; 2] {
-    let apart = |other: &[f64; 2]| (axis(direction) - axis(*other)).norm_squared();
-    let order =
-        |&a: &usize, &b: &usize| apart(&RIGHT_ANGLES[a]).total_cmp(&apart(&RIGHT_ANGLES[b]));
+    let apart = |k: &usize| (axis(direction) - axis(RIGHT_ANGLES[*k])).norm_squared();
+    let order = |a: &usize, b: &usize| apart(a).total_cmp(&apart(b));
     let nearest = (0..RIGHT_ANGLES.len()).min_by(order).unwrap_or(0);
     // Half a turn about any axis is the same direction: take the one that lies nearest.
     let size = direction[0].hypot(direction[1]);

@@ -155,12 +155,8 @@ mod tests {
             };
             let [ahead, behind] = [1e-6, -1e-6].map(moved);
             let value = |at: &Inertial| divergence(at, &nominal).unwrap();
-            assert_relative_eq!(
-                gradient[k],
-                (value(&ahead) - value(&behind)) / 2e-6,
-                max_relative = 1e-5,
-                epsilon = 1e-4
-            );
+            let slope = (value(&ahead) - value(&behind)) / 2e-6;
+            assert_relative_eq!(gradient[k], slope, max_relative = 1e-5, epsilon = 1e-4);
             let slopes = |at: &Inertial| divergence_slopes(at, &nominal).unwrap().0;
             let pairs = slopes(&ahead).into_iter().zip(slopes(&behind));
             for (curvature, (ahead, behind)) in hessian[k].iter().zip(pairs) {

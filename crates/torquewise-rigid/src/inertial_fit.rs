@@ -1,6 +1,6 @@
 //! Inertial parameters of a given geometry, by least squares, and the residual.
 
-use crate::error::ChainError;
+use crate::error::{ChainError, Result};
 use crate::geometry::Geometry;
 use crate::recursion::{Moved, PER_BODY};
 use crate::rows::{ChainRows, put};
@@ -49,9 +49,8 @@ pub(crate) fn weighted_columns(
     let mut moved = Moved::default();
     let of_bodies = PER_BODY * n;
     let loading = |joint: usize| {
-        let beside = rows.loaded.iter().enumerate();
-        let beside = beside.filter(|(_, loaded)| loaded.contains(&joint));
-        let beside = beside.map(|(k, _)| of_bodies + k);
+        let loads = |k: &usize| rows.loaded[*k].contains(&joint);
+        let beside = (0..rows.loaded.len()).filter(loads).map(|k| of_bodies + k);
         let places: Vec<usize> = (PER_BODY * joint..of_bodies).chain(beside).collect();
         JointColumns { columns: Mat::zeros(m, places.len()), places }
     };
@@ -121,7 +120,7 @@ impl InertialFit {
         rows: &ChainRows,
         weights: &[f64],
         ridge: f64,
-    ) -> Result<Self, ChainError> {
+    ) -> Result<Self> {
         let (m, n) = (rows.len(), rows.n_joints());
         let size = rows.torque.len() as f64;
         let columns = weighted_columns(geometry, rows, weights);

@@ -1,6 +1,6 @@
 //! Levenberg–Marquardt on the geometry, with the inertial parameters projected out (E8).
 
-use crate::error::ChainError;
+use crate::error::{ChainError, Result};
 use crate::geometry::Geometry;
 use crate::inertial_fit::{InertialFit, weigh};
 use crate::recursion::{Lanes, MOST_JOINTS, Moved, PER_BODY};
@@ -71,7 +71,7 @@ pub(crate) fn changes(
 }
 
 impl Target<'_> {
-    pub(crate) fn fit(&self, geometry: &Geometry) -> Result<Fitted, ChainError> {
+    pub(crate) fn fit(&self, geometry: &Geometry) -> Result<Fitted> {
         let masses = InertialFit::fit(geometry, self.rows, self.weights, self.ridge)?;
         let cost = masses.cost + self.strength * self.usual.cost(geometry);
         if !cost.is_finite() {
@@ -92,7 +92,7 @@ impl Target<'_> {
         free: &[usize],
         rounds: usize,
         watch: SearchWatch<'_>,
-    ) -> Result<Fitted, ChainError> {
+    ) -> Result<Fitted> {
         let mut best = self.fit(start)?;
         let size = self.rows.torque.len() as f64;
         let mut damping = 1e-2;

@@ -1,6 +1,6 @@
 //! Rows of the regression that a chain is learned from: motion, torque, drive columns.
 
-use crate::error::ChainError;
+use crate::error::{ChainError, Result, expect};
 use crate::geometry::Geometry;
 use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, MotionState, N_LANES};
 use faer::{Mat, MatRef};
@@ -40,29 +40,22 @@ impl ChainRows {
     ///
     /// # Errors
     /// [`ChainError::Shape`] if shapes differ, [`ChainError::TooManyJoints`] also if there is none.
-    pub fn new(
-        [q, dq, ddq, tau]: [MatRef<'_, f64>; 4],
-        extras: &[Mat<f64>],
-    ) -> Result<Self, ChainError> {
+    pub fn new([q, dq, ddq, tau]: [MatRef<'_, f64>; 4], extras: &[Mat<f64>]) -> Result<Self> {
         let (m, n) = (q.nrows(), q.ncols());
         if n > MOST_JOINTS || n == 0 {
             return Err(ChainError::TooManyJoints { joints: n, most: MOST_JOINTS });
         }
+        let check = |what, x: MatRef<'_, f64>, width: usize| {
+            let (found, expected) = (x.nrows() * x.ncols(), m * width);
+            let is_right = x.shape() == (m, width);
+            is_right.then_some(()).ok_or(ChainError::Shape { what, found, expected })
+        };
         for (what, x) in [("dq", dq), ("ddq", ddq), ("tau", tau)] {
-            if (x.nrows(), x.ncols()) != (m, n) {
-                let found = x.nrows() * x.ncols();
-                return Err(ChainError::Shape { what, found, expected: m * n });
-            }
+            check(what, x, n)?;
         }
-        if extras.len() != n {
-            let found = extras.len();
-            return Err(ChainError::Shape { what: "extras", found, expected: n });
-        }
+        expect("extras", extras.len(), n)?;
         let width = extras[0].ncols();
-        if let Some(odd) = extras.iter().find(|x| (x.nrows(), x.ncols()) != (m, width)) {
-            let found = odd.nrows() * odd.ncols();
-            return Err(ChainError::Shape { what: "extras", found, expected: m * width });
-        }
+        extras.iter().try_for_each(|x| check("extras", x.as_ref(), width))?;
         let mut states = Vec::with_capacity(3 * m * n);
         for row in 0..m {
             for x in [q, dq, ddq] {
@@ -174,16 +167,15 @@ impl ChainRows {
         let (m, n) = (self.len(), self.n_joints);
         let states = rows.iter().flat_map(|&row| &self.states[3 * n * row..3 * n * (row + 1)]);
         let place = |k: usize| (k / rows.len()) * m + rows[k % rows.len()];
+        let places: Vec<usize> = (0..rows.len() * n).map(place).collect();
+        let extra = |k: usize, j| self.extras[(places[k], j)];
         Self {
-            n_joints: n,
             states: states.copied().collect(),
-            torque: (0..rows.len() * n).map(|k| self.torque[place(k)]).collect(),
-            extras: Mat::from_fn(rows.len() * n, self.extras.ncols(), |k, j| {
-                self.extras[(place(k), j)]
-            }),
+            torque: places.iter().map(|&place| self.torque[place]).collect(),
+            extras: Mat::from_fn(places.len(), self.extras.ncols(), extra),
             loaded: self.loaded.clone(),
-            shares: (0..rows.len() * n).map(|k| self.shares[place(k)]).collect(),
-            weightless: self.weightless,
+            shares: places.iter().map(|&place| self.shares[place]).collect(),
+            ..*self
         }
     }
 

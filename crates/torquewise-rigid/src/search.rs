@@ -1,7 +1,7 @@
 //! Search of the geometry: many starts with axes at right angles, the best of them refined.
 
 use crate::coupling::Coupling;
-use crate::error::ChainError;
+use crate::error::{ChainError, Result, expect};
 use crate::geometry::{Geometry, PER_BASE, PER_JOINT, RIGHT_ANGLES};
 use crate::joint::JointKinds;
 use crate::levenberg_marquardt::{Fitted, Target};
@@ -36,15 +36,8 @@ pub struct Search {
 
 impl Default for Search {
     fn default() -> Self {
-        Self {
-            starts: 48,
-            rounds: 25,
-            weighings: 3,
-            ridge: 1e-4,
-            seed: 0,
-            coupling: Coupling::default(),
-            kinds: JointKinds::default(),
-        }
+        let (coupling, kinds) = (Coupling::default(), JointKinds::default());
+        Self { starts: 48, rounds: 25, weighings: 3, ridge: 1e-4, seed: 0, coupling, kinds }
     }
 }
 
@@ -81,14 +74,11 @@ impl Chain {
     pub(crate) fn new(fitted: &Fitted, rows: &ChainRows, weights: &[f64]) -> Self {
         let of_bodies = PER_BODY * fitted.geometry.n_joints();
         let (inertial, drive) = fitted.masses.coefficients.split_at(of_bodies);
+        let (inertial, drive) = (inertial.to_vec(), drive.to_vec());
         let variances = fitted.masses.variances(rows, weights);
-        Self {
-            geometry: fitted.geometry.clone(),
-            inertial: inertial.to_vec(),
-            drive: drive.to_vec(),
-            residual_rms: variances.into_iter().map(f64::sqrt).collect(),
-            cost: fitted.cost,
-        }
+        let residual_rms = variances.into_iter().map(f64::sqrt).collect();
+        let geometry = fitted.geometry.clone();
+        Self { geometry, inertial, drive, residual_rms, cost: fitted.cost }
     }
 
     /// Torques \[N·m\] of rows: m of joint 1, then m of joint 2 …
@@ -179,7 +169,7 @@ pub type SearchWatch<'a> = &'a (dyn Fn(SearchStage) -> ControlFlow<()> + Sync + 
 pub const UNWATCHED: SearchWatch<'static> = &|_| ControlFlow::Continue(());
 
 /// Fails where the work is not wanted any more.
-pub(crate) fn tell(watch: SearchWatch<'_>, stage: SearchStage) -> Result<(), ChainError> {
+pub(crate) fn tell(watch: SearchWatch<'_>, stage: SearchStage) -> Result<()> {
     match watch(stage) {
         ControlFlow::Continue(()) => Ok(()),
         ControlFlow::Break(()) => Err(ChainError::Stopped),
@@ -204,11 +194,7 @@ pub struct Found {
 /// # Errors
 /// [`ChainError::TooFewRows`], [`ChainError::Singular`] if no start can be fitted, or
 /// [`ChainError::Stopped`].
-pub fn search(
-    rows: &ChainRows,
-    search: &Search,
-    watch: SearchWatch<'_>,
-) -> Result<Found, ChainError> {
+pub fn search(rows: &ChainRows, search: &Search, watch: SearchWatch<'_>) -> Result<Found> {
     let n = rows.n_joints();
     let needed = PER_BODY * n;
     if rows.len() < needed {
@@ -240,10 +226,8 @@ pub fn search(
     }
     found.truncate(FINALISTS);
     let finals = rows.thinned(FINAL_ROWS);
-    let mut chains: Vec<Chain> = found
-        .into_par_iter()
-        .filter_map(|(_, chain)| refine(&finals, &chain, &free, search, watch).ok())
-        .collect();
+    let refined = |(_, chain): (_, Chain)| refine(&finals, &chain, &free, search, watch).ok();
+    let mut chains: Vec<Chain> = found.into_par_iter().filter_map(refined).collect();
     tell(watch, SearchStage::Round)?;
     let rank = |chain: &Chain| score(chain, &finals, LEAST_RESIDUAL);
     chains.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
@@ -285,12 +269,9 @@ pub fn refine(
     free: &[usize],
     search: &Search,
     watch: SearchWatch<'_>,
-) -> Result<Chain, ChainError> {
-    let (found, expected) =
-        (start.geometry.parameters().len(), all_parameters(rows.n_joints()).len());
-    if found != expected {
-        return Err(ChainError::Shape { what: "geometry", found, expected });
-    }
+) -> Result<Chain> {
+    let expected = all_parameters(rows.n_joints()).len();
+    expect("geometry", start.geometry.parameters().len(), expected)?;
     if let Some(&found) = free.iter().find(|&&parameter| parameter >= expected) {
         return Err(ChainError::Shape { what: "free", found, expected });
     }

@@ -1,6 +1,6 @@
 //! Residual of a chain, and its derivative by each parameter (E11).
 
-use crate::error::ChainError;
+use crate::error::{Result, expect};
 use crate::inertial_fit::weighted_columns;
 use crate::levenberg_marquardt::changes;
 use crate::rows::ChainRows;
@@ -30,29 +30,18 @@ impl Chain {
     /// # Errors
     /// [`ChainError::Shape`] if the rows are of another arm, or have other columns beside the
     /// chain.
-    pub fn tangent(
-        &self,
-        rows: &ChainRows,
-        weights: &[f64],
-        free: &[usize],
-    ) -> Result<Tangent, ChainError> {
+    pub fn tangent(&self, rows: &ChainRows, weights: &[f64], free: &[usize]) -> Result<Tangent> {
         let (m, n) = (rows.len(), rows.n_joints());
-        for (what, found, expected) in [
-            ("geometry", self.geometry.n_joints(), n),
-            ("drive", self.drive.len(), rows.extras.ncols()),
-            ("weights", weights.len(), n),
-        ] {
-            if found != expected {
-                return Err(ChainError::Shape { what, found, expected });
-            }
-        }
+        expect("geometry", self.geometry.n_joints(), n)?;
+        expect("drive", self.drive.len(), rows.extras.ncols())?;
+        expect("weights", weights.len(), n)?;
         let masses: Vec<f64> = self.inertial.iter().chain(&self.drive).copied().collect();
         let linear = weighted_columns(&self.geometry, rows, weights);
         let moves = changes((rows, weights), &self.geometry, &masses, free);
         let weights: Vec<f64> =
             rows.shares.iter().enumerate().map(|(k, share)| share * weights[k / m]).collect();
-        let weighted = weights.iter().zip(&rows.torque).map(|(weight, tau)| weight * tau);
-        let mut residual: Vec<f64> = weighted.collect();
+        let mut residual: Vec<f64> =
+            weights.iter().zip(&rows.torque).map(|(weight, tau)| weight * tau).collect();
         let p = masses.len();
         let mut columns = Mat::zeros(m * n, p + free.len());
         for (joint, own) in linear.iter().enumerate() {

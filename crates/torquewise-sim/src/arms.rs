@@ -51,13 +51,11 @@ impl Arm {
     /// # Errors
     /// [`SimError::UnknownArm`], which lists the names there are.
     pub fn builtin(name: &str) -> Result<Self> {
-        match BUILTIN.iter().find(|(summary, _)| summary.name == name) {
-            Some((_, table)) => Self::from_dh_toml(table),
-            None => Err(SimError::UnknownArm {
-                name: name.into(),
-                known: BUILTIN.map(|(summary, _)| summary.name).join(", "),
-            }),
-        }
+        let Some((_, table)) = BUILTIN.iter().find(|(own, _)| own.name == name) else {
+            let known = BUILTIN.map(|(own, _)| own.name).join(", ");
+            return Err(SimError::UnknownArm { name: name.into(), known });
+        };
+        Self::from_dh_toml(table)
     }
 }
 

@@ -83,15 +83,10 @@ impl Arm {
             let X_JF = dh_row(0.0, row.d, row.a, row.alpha);
             let body = Body::new(row.mass, row.com, row.inertia);
             check_body(&row.name, &body)?;
-            let joint = Joint {
-                X_PJ,
-                kind: row.kind,
-                body: body.seen_from(&X_JF),
-                rotor: row.rotor,
-                range: row.range.unwrap_or(if row.kind.turns() { [-PI, PI] } else { [0.0; 2] }),
-                limits: JointLimits { position: row.range, ..JointLimits::default() },
-            };
-            joints.push((row.name, joint));
+            let (kind, body, rotor) = (row.kind, body.seen_from(&X_JF), row.rotor);
+            let range = row.range.unwrap_or(if kind.turns() { [-PI, PI] } else { [0.0; 2] });
+            let limits = JointLimits { position: row.range, ..JointLimits::default() };
+            joints.push((row.name, Joint { X_PJ, kind, body, rotor, range, limits }));
             X_PF = X_JF;
         }
         Self::new(table.name, table.gravity.unwrap_or(STANDARD_GRAVITY), joints)

@@ -143,12 +143,11 @@ impl Friction {
             ([forward, row.backward.unwrap_or(forward)], bristles)
         };
         let (curves, bristles) = joints.iter().map(laws).unzip();
-        match table.joints.pop_first() {
-            Some((joint, _)) => {
-                Err(SimError::UnknownJoint { what: "friction", joint, known: joints.join(", ") })
-            }
-            None => Self::checked(curves, bristles, table.width.unwrap_or(WIDTH)),
+        if let Some((joint, _)) = table.joints.pop_first() {
+            let (what, known) = ("friction", joints.join(", "));
+            return Err(SimError::UnknownJoint { what, joint, known });
         }
+        Self::checked(curves, bristles, table.width.unwrap_or(WIDTH))
     }
 
     fn checked(

@@ -75,8 +75,7 @@ impl Arm {
         for (what, values) in [("q", q), ("dq", dq), ("tau", tau)] {
             check_joints(what, values.len(), n)?;
         }
-        let (ddq, mut bias) = (vec![0.0; n], vec![0.0; n]);
-        let mut moved = Moved::default();
+        let (ddq, mut bias, mut moved) = (vec![0.0; n], vec![0.0; n], Moved::default());
         self.load(MotionState { q, dq, ddq: &ddq }, &mut moved, &mut bias);
         let rest = Mat::from_fn(n, 1, |i, _| tau[i] - bias[i]);
         let factor = self

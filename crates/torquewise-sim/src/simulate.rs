@@ -9,7 +9,7 @@ use crate::trajectory::Trajectory;
 use faer::Mat;
 use std::ops::Range;
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadResult, Recording, Visit};
-use torquewise_rigid::Moved;
+use torquewise_rigid::{MotionState, Moved};
 
 /// A simulated log and what is true about it.
 #[derive(Clone, Debug)]
@@ -86,8 +86,7 @@ impl SimulatedLog {
         for (k, row) in rows.enumerate() {
             t.push(trajectory.state_at(row, &mut state));
             truth.push(Pattern::of(&state.dq, &state.ddq));
-            let moving =
-                torquewise_rigid::MotionState { q: &state.q, dq: &state.dq, ddq: &state.ddq };
+            let moving = MotionState { q: &state.q, dq: &state.dq, ddq: &state.ddq };
             arm.load(moving, &mut moved, &mut torque);
             for i in 0..n {
                 tau[(k, i)] = torque[i] + friction.next(i, state.dq[i], trajectory.step(), bent);

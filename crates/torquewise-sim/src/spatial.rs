@@ -67,11 +67,8 @@ impl Body {
 
     pub(crate) fn seen_from(&self, X_AB: &Pose) -> Self {
         let turn = X_AB.rotation.matrix();
-        Self {
-            mass: self.mass,
-            com: X_AB.translation.vector + turn * self.com,
-            inertia: turn * self.inertia * turn.transpose(),
-        }
+        let com = X_AB.translation.vector + turn * self.com;
+        Self { mass: self.mass, com, inertia: turn * self.inertia * turn.transpose() }
     }
 
     /// Both bodies welded together, all in one frame.

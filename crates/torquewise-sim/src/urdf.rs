@@ -36,14 +36,10 @@ impl Arm {
             let range = if joint.kind == "continuous" { [0.0, 0.0] } else { joint.range };
             let [velocity, acceleration] = joint.peaks;
             let kind = joint.moves();
-            let moved = Joint {
-                X_PJ,
-                kind,
-                body: tree.body(&after)?.seen_from(&X_LJ.inverse()),
-                rotor: 0.0,
-                range: motion_range(kind, range),
-                limits: JointLimits::new(range, velocity, acceleration),
-            };
+            let body = tree.body(&after)?.seen_from(&X_LJ.inverse());
+            let limits = JointLimits::new(range, velocity, acceleration);
+            let range = motion_range(kind, range);
+            let moved = Joint { X_PJ, kind, body, rotor: 0.0, range, limits };
             joints.push((joint.name.clone(), moved));
         }
         Self::new(robot.name.clone(), STANDARD_GRAVITY, joints)

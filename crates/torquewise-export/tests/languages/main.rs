@@ -37,11 +37,8 @@ fn arms() -> Vec<Model> {
 
 /// Arms that are rigid chains, of axes at right angles and skew ones.
 fn chains() -> Vec<Model> {
-    [(2, false), (3, false), (3, true), (4, false), (6, false), (6, true), (7, false)]
-        .into_iter()
-        .zip(1..)
-        .map(|((n, skew), seed)| chain(n, skew, seed))
-        .collect()
+    let arms = [(2, false), (3, false), (3, true), (4, false), (6, false), (6, true), (7, false)];
+    (1..).zip(arms).map(|(seed, (n, skew))| chain(n, skew, seed)).collect()
 }
 
 /// What runs exported code of a program at some states in a folder.
@@ -119,10 +116,8 @@ fn single_precision_c_is_as_good_as_single_precision() {
     let program = Program::of(&model).unwrap();
     #[expect(clippy::cast_possible_truncation, reason = "single precision is meant")]
     let single = |x: &f64| f64::from(*x as f32);
-    let states: Vec<models::State> = states(6, 1000, 7)
-        .iter()
-        .map(|state| state.each_ref().map(|signal| signal.iter().map(single).collect()))
-        .collect();
+    let single = |state: &models::State| state.each_ref().map(|x| x.iter().map(single).collect());
+    let states: Vec<models::State> = states(6, 1000, 7).iter().map(single).collect();
 
     let code = to_c(&program, "arm", Precision::Single).unwrap();
     let found = run::c(folder.path(), &code, "float", &states);

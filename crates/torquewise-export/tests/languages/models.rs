@@ -58,13 +58,8 @@ pub(crate) fn energies(n: usize, count: usize, seed: u64) -> Model {
         terms.push(Weighted::new(EnergyTerm { place, function }, coefficient));
     }
     let first = terms.iter().filter(|w| w.term.place == Place::Potential).take(5);
-    let stage = Stage {
-        name: "standstill".into(),
-        rows: 1,
-        candidates: 1,
-        form: Form::Energy(first.cloned().collect()),
-        friction: Vec::new(),
-    };
+    let (name, form) = ("standstill".into(), Form::Energy(first.cloned().collect()));
+    let stage = Stage { name, rows: 1, candidates: 1, form, friction: Vec::new() };
     model(n, Form::Energy(terms), friction(n), vec![stage])
 }
 
@@ -73,16 +68,14 @@ pub(crate) fn energies(n: usize, count: usize, seed: u64) -> Model {
 pub(crate) fn parallel(n: usize, count: usize, seed: u64) -> Model {
     let mut model = energies(n, count, seed);
     if let Form::Energy(terms) = &mut model.form {
-        *terms = terms
-            .iter()
-            .flat_map(|Weighted { term: EnergyTerm { place, function }, coefficient, .. }| {
-                let times = |trig| function.clone().times(trig, 1, 1, 1).times(trig, 2, 1, 1);
-                [(Trig::Cos, 1.0), (Trig::Sin, -1.0)].map(|(trig, sign)| {
-                    let term = EnergyTerm { place: *place, function: times(trig) };
-                    Weighted::new(term, sign * coefficient)
-                })
+        let both = |Weighted { term: EnergyTerm { place, function }, coefficient, .. }: &_| {
+            let times = |trig| function.clone().times(trig, 1, 1, 1).times(trig, 2, 1, 1);
+            [(Trig::Cos, 1.0), (Trig::Sin, -1.0)].map(|(trig, sign)| {
+                let term = EnergyTerm { place: *place, function: times(trig) };
+                Weighted::new(term, sign * coefficient)
             })
-            .collect();
+        };
+        *terms = terms.iter().flat_map(both).collect();
     }
     model
 }
@@ -123,17 +116,16 @@ pub(crate) fn chain(n: usize, skew: bool, seed: u64) -> Model {
         let direction = right[(joint - 1) % right.len()];
         let off = if skew { between(-0.3, 0.3) } else { 0.0 };
         geometry.extend([direction[0] + off, direction[1] - 0.5 * off]);
-        geometry
-            .extend([between(-0.5, 0.5), if joint % 2 == 0 { 0.0 } else { between(-0.2, 0.2) }]);
+        geometry.push(between(-0.5, 0.5));
+        geometry.push(if joint % 2 == 0 { 0.0 } else { between(-0.2, 0.2) });
     }
-    let links = (0..n)
-        .map(|_| {
-            let [x, y, z] = [0, 1, 2].map(|_| between(-0.4, 0.4));
-            let [xx, yy, zz] = [0, 1, 2].map(|_| between(0.5, 0.7));
-            let [xy, xz, yz] = [0, 1, 2].map(|_| between(-0.1, 0.1));
-            [between(1.0, 4.0), x, y, z, xx, yy, zz, xy, xz, yz]
-        })
-        .collect();
+    let link = |_| {
+        let [x, y, z] = [0, 1, 2].map(|_| between(-0.4, 0.4));
+        let [xx, yy, zz] = [0, 1, 2].map(|_| between(0.5, 0.7));
+        let [xy, xz, yz] = [0, 1, 2].map(|_| between(-0.1, 0.1));
+        [between(1.0, 4.0), x, y, z, xx, yy, zz, xy, xz, yz]
+    };
+    let links = (0..n).map(link).collect();
     let mut shafts = [vec![0.0; n], vec![0.0; n]];
     shafts[0][1] = 1.0;
     (shafts[1][n - 2], shafts[1][n - 1]) = (1.0, -0.5);
@@ -224,9 +216,8 @@ pub(crate) fn remembers_all(mut model: Model) -> Model {
     let n = model.n_joints();
     for (joint, travel) in (0..n).flat_map(|j| [0.0005, 0.002, 0.01, 0.05, 0.2].map(|d| (j, d))) {
         let term = FrictionTerm::of_joint(n, joint, FrictionLaw::Dahl { travel });
-        model
-            .friction
-            .extend([Weighted::new(term.clone(), 0.3), Weighted::new(term.under_load(), 0.03)]);
+        model.friction.push(Weighted::new(term.clone(), 0.3));
+        model.friction.push(Weighted::new(term.under_load(), 0.03));
     }
     model
 }

@@ -56,10 +56,8 @@ fn a_urdf_moves_as_the_model() {
         model.training.q_range = vec![[-3.0, 3.0]; n];
         let file = to_urdf(&model, "a test").unwrap();
         let document = Document::parse(&file.text).unwrap();
-        let rotors: Vec<f64> = elements(document.root_element(), "dynamics")
-            .into_iter()
-            .map(|node| number(node, "armature"))
-            .collect();
+        let dynamics = elements(document.root_element(), "dynamics").into_iter();
+        let rotors: Vec<f64> = dynamics.map(|node| number(node, "armature")).collect();
         let arm = Arm::from_urdf(&file.text, &[]).unwrap().with_rotors(&rotors).unwrap();
 
         assert_eq!(arm.joints(), model.joints);
@@ -67,9 +65,8 @@ fn a_urdf_moves_as_the_model() {
         let torque = Torque::new(&without_shared(&model));
         for [q, dq, ddq] in states(n, 200, 1) {
             let expected = torque.at(&q, &dq, &ddq).unwrap();
-            for (file, model) in arm.inverse_dynamics(&q, &dq, &ddq).iter().zip(&expected) {
-                assert_relative_eq!(file, model, epsilon = 1e-9, max_relative = 1e-11);
-            }
+            let found = arm.inverse_dynamics(&q, &dq, &ddq);
+            assert_relative_eq!(found[..], expected[..], epsilon = 1e-9, max_relative = 1e-11);
         }
     }
 }
@@ -103,8 +100,7 @@ fn kinematics(text: &str) -> (Kinematics, Vec<f64>) {
         inertial.extend([mass, first.x, first.y, first.z, i.m11, i.m22, i.m33]);
         inertial.extend([i.m12, i.m13, i.m23]);
     }
-    let gravity = [0.0, 0.0, -9.81];
-    (Kinematics::of_frames(placements, kinds.into(), gravity), inertial)
+    (Kinematics::of_frames(placements, kinds.into(), [0.0, 0.0, -9.81]), inertial)
 }
 
 #[test]
@@ -115,10 +111,8 @@ fn an_mjcf_moves_as_the_model() {
         let file = to_mjcf(&model, "a test").unwrap();
         let (kinematics, inertial) = kinematics(&file.text);
         let document = Document::parse(&file.text).unwrap();
-        let hinges: Vec<Node<'_, '_>> = elements(document.root_element(), "joint")
-            .into_iter()
-            .filter(|joint| joint.has_attribute("axis"))
-            .collect();
+        let mut hinges = elements(document.root_element(), "joint");
+        hinges.retain(|joint| joint.has_attribute("axis"));
         let tendon = elements(document.root_element(), "fixed")[0];
 
         assert!(file.left_out.is_empty());
@@ -130,22 +124,18 @@ fn an_mjcf_moves_as_the_model() {
             for joint in 0..n {
                 found[joint] += number(hinges[joint], "armature") * ddq[joint];
             }
-            let turned: Vec<(usize, f64)> = (tendon.children())
-                .filter(|node| node.has_tag_name("joint"))
-                .map(|node| {
-                    let joint = node.attribute("joint").unwrap();
-                    let place = model.joints.iter().position(|name| name == joint).unwrap();
-                    (place, number(node, "coef"))
-                })
-                .collect();
+            let turned = |node: Node<'_, '_>| {
+                let joint = node.attribute("joint").unwrap();
+                let place = model.joints.iter().position(|name| name == joint).unwrap();
+                (place, number(node, "coef"))
+            };
+            let turned: Vec<_> = elements(tendon, "joint").into_iter().map(turned).collect();
             let turning: f64 = turned.iter().map(|(joint, coef)| coef * ddq[*joint]).sum();
             for (joint, coef) in turned {
                 found[joint] += number(tendon, "armature") * coef * turning;
             }
             let expected = torque.at(&q, &dq, &ddq).unwrap();
-            for (file, model) in found.iter().zip(&expected) {
-                assert_relative_eq!(file, model, epsilon = 1e-9, max_relative = 1e-11);
-            }
+            assert_relative_eq!(found[..], expected[..], epsilon = 1e-9, max_relative = 1e-11);
         }
     }
 }
@@ -170,8 +160,8 @@ fn what_no_robot_file_holds_is_named() {
         assert_eq!(vector(*own.unwrap(), "biasprm"), [-offset.coefficient, 0.0, 0.0]);
     }
     assert!(matches!(to_urdf(&energies(3, 25, 1), ""), Err(ExportError::NoChain)));
-    let parallel = bare_links(coupled(3, true, 8));
-    assert!(matches!(to_mjcf(&parallel, ""), Err(ExportError::Coupled)));
+    let parallel = to_mjcf(&bare_links(coupled(3, true, 8)), "");
+    assert!(matches!(parallel, Err(ExportError::Coupled)));
     let mut weightless = bare(chain(3, false, 1));
     weightless.chain.as_mut().unwrap().links[1][0] = -1.0;
     let refused = to_urdf(&weightless, "").unwrap_err().to_string();
@@ -219,10 +209,8 @@ fn a_urdf_whose_axes_lie_elsewhere_is_refused() {
     // Its own file takes up the same numbers: a turn about an axis and back is rounding.
     let [old, new] = [&text, &onto.text].map(|text| Arm::from_urdf(text, &[]).unwrap());
     for [q, dq, ddq] in states(3, 20, 1) {
-        let pairs = new.inverse_dynamics(&q, &dq, &ddq);
-        for (new, old) in pairs.iter().zip(old.inverse_dynamics(&q, &dq, &ddq)) {
-            assert_relative_eq!(*new, old, epsilon = 1e-9, max_relative = 1e-11);
-        }
+        let [new, old] = [&new, &old].map(|arm| arm.inverse_dynamics(&q, &dq, &ddq));
+        assert_relative_eq!(new[..], old[..], epsilon = 1e-9, max_relative = 1e-11);
     }
     let refused = onto_urdf(&model, &other, &[]).unwrap_err();
     assert!(matches!(refused, ExportError::OtherGeometry { .. }), "{refused}");

@@ -1,8 +1,7 @@
 //! ROS 2 packages checked without ROS: manifest, CMake, C++ against stand-ins.
 
 use crate::models::{energies, remembers};
-use crate::run;
-use std::fs;
+use crate::run::{self, write};
 use std::path::Path;
 use std::process::Command;
 use torquewise_export::{Program, ros_package};
@@ -27,11 +26,6 @@ fn written(folder: &Path, name: &str, model: &Model) {
         write(&folder.join("stand_in").join(package).join(header), "#include \"ros.hpp\"\n");
     }
     write(&folder.join("stand_in/ros.hpp"), include_str!("ros.hpp"));
-}
-
-fn write(file: &Path, text: &str) {
-    fs::create_dir_all(file.parent().unwrap()).unwrap();
-    fs::write(file, text).unwrap();
 }
 
 /// Whether a command can be run here; not every machine that tests has it.
@@ -93,9 +87,8 @@ fn cmake_accepts_the_package_and_compiles_the_node() {
     };
     let prefix = format!("-DCMAKE_PREFIX_PATH={}", folder.path().join("stand_in").display());
     let strict = ["-Wdev", "-Werror=dev", "--warn-uninitialized"];
-    cmake(
-        &[&["-S", "package", "-B", "build", "-G", "Unix Makefiles", &prefix], &strict[..]].concat(),
-    );
+    let of_package = ["-S", "package", "-B", "build", "-G", "Unix Makefiles", &prefix];
+    cmake(&[&of_package, &strict[..]].concat());
     // The stand-ins have nothing to link to: the objects are all there can be.
     for object in ["src/feed_forward.o", "src/external_torque.o", "src/Arm__1.o"] {
         cmake(&["--build", "build", "--target", object]);

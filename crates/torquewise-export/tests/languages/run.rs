@@ -48,11 +48,19 @@ fn calls(n: usize, call: impl Fn(&str, &[&str], usize, bool) -> String) -> Strin
     Quantity::ALL.iter().map(call).collect()
 }
 
-/// Compiles files of C in a folder to a program `run`, and parses what that prints of some states.
-fn compiled(folder: &Path, files: &[&str], states: &[State]) -> Vec<Vec<f64>> {
+/// Writes a file, and the folder that it is in.
+pub(crate) fn write(file: &Path, text: &str) {
+    fs::create_dir_all(file.parent().unwrap()).unwrap();
+    fs::write(file, text).unwrap();
+}
+
+/// Compiles a main file and others of C in a folder to a program `run`, and parses what that prints
+/// of some states.
+fn compiled(folder: &Path, main: &str, others: &[&str], states: &[State]) -> Vec<Vec<f64>> {
+    fs::write(folder.join("main.c"), main).unwrap();
     let mut compiler = Command::new("cc");
-    compiler.args(["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic", "-O1"]);
-    output(compiler.current_dir(folder).args(files).args(["-o", "run", "-lm"]), "");
+    compiler.args(["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic", "-O1", "main.c"]);
+    output(compiler.current_dir(folder).args(others).args(["-o", "run", "-lm"]), "");
     parsed(&output(&mut Command::new(folder.join("run")), &lines(states)))
 }
 
@@ -63,8 +71,7 @@ pub(crate) fn c(folder: &Path, code: &str, real: &str, states: &[State]) -> Vec<
     });
     let main = replaced(include_str!("states.c"), [("REAL", real), ("CALLS", &calls)]);
     fs::write(folder.join("arm.c"), code).unwrap();
-    fs::write(folder.join("main.c"), main).unwrap();
-    compiled(folder, &["main.c", "arm.c"], states)
+    compiled(folder, &main, &["arm.c"], states)
 }
 
 /// Samples after which a path is forgotten and followed anew.
@@ -81,8 +88,7 @@ fn along(text: &str) -> String {
 /// Torque, friction, external torque and the acceleration of that torque of a C file along a path.
 pub(crate) fn c_along(folder: &Path, code: &str, way: &[State]) -> Vec<Vec<f64>> {
     fs::write(folder.join("arm.c"), code).unwrap();
-    fs::write(folder.join("main.c"), along(include_str!("along.c"))).unwrap();
-    compiled(folder, &["main.c", "arm.c"], way)
+    compiled(folder, &along(include_str!("along.c")), &["arm.c"], way)
 }
 
 /// The same by the functions of FMI, called as an importer does, along a path.
@@ -90,15 +96,12 @@ pub(crate) fn unit(folder: &Path, program: &Program, states: &[State]) -> Vec<Ve
     let sources = fmu_sources(program, "arm").unwrap();
     let guid = sources[0].1.split("guid=\"").nth(1).unwrap().split('"').next().unwrap();
     for (path, text) in &sources {
-        let file = folder.join(path);
-        fs::create_dir_all(file.parent().unwrap()).unwrap();
-        fs::write(file, text).unwrap();
+        write(&folder.join(path), text);
     }
     let main = along(include_str!("importer.c"));
     let n = states[0][0].len().to_string();
     let main = replaced(&main, [("JOINTS", &n), ("THE_GUID", guid)]);
-    fs::write(folder.join("main.c"), main).unwrap();
-    compiled(folder, &["main.c", "sources/arm.c", "sources/arm_fmu.c"], states)
+    compiled(folder, &main, &["sources/arm.c", "sources/arm_fmu.c"], states)
 }
 
 /// Values of all functions of a Rust file at some states; compiled alone too, without `std`.

@@ -66,15 +66,9 @@ fn array<R: Read>(file: &Path, mut entry: ZipFile<'_, R>) -> Result<Option<Array
         [rows, columns] => (*rows, *columns),
         _ => (0, 0),
     };
-    let stored = entry.compressed_size();
-    let body = Body {
-        start: entry.data_start(),
-        stored,
-        packing,
-        before: header.length as u64,
-        checksum: Some(entry.crc32()),
-        element: Ok(element),
-    };
+    let (start, stored) = (entry.data_start(), entry.compressed_size());
+    let (before, checksum) = (header.length as u64, Some(entry.crc32()));
+    let body = Body { start, stored, packing, before, checksum, element: Ok(element) };
     let order = if header.is_fortran { Order::ByColumn } else { Order::ByRow };
     let mut array = Array { name, rows, columns, order, body };
     let plain = entry.size().min(stored.saturating_mul(growth));

@@ -89,10 +89,7 @@ mod tests {
 
             numbers.read(&mut read).expect("two elements");
 
-            assert!(
-                read.iter().all(|number| number.to_bits() == f64::to_bits(expected)),
-                "{kind:?}"
-            );
+            assert_eq!(read.map(f64::to_bits), [f64::to_bits(expected); 2], "{kind:?}");
             assert!(numbers.read(&mut read).is_err());
         }
     }

@@ -102,9 +102,8 @@ impl McapMessages {
 
 fn next_record(chunk: &mut Cursor<Vec<u8>>) -> McapResult<Option<(u8, &[u8])>> {
     let at = usize::try_from(chunk.position()).unwrap_or(usize::MAX);
-    let Some((opcode, rest)) = chunk.get_ref().get(at..).and_then(<[u8]>::split_first) else {
-        return Ok(None);
-    };
+    let record = chunk.get_ref().get(at..).and_then(<[u8]>::split_first);
+    let Some((opcode, rest)) = record else { return Ok(None) };
     let (length, rest) = rest.split_first_chunk::<8>().ok_or(McapError::UnexpectedEof)?;
     let end = usize::try_from(u64::from_le_bytes(*length)).ok();
     let end = end.filter(|&end| end <= rest.len()).ok_or(McapError::UnexpectedEof)?;

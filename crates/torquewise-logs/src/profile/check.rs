@@ -33,15 +33,12 @@ impl Profile {
             let expected = "ranges [first, last] in order, 1 for the first row".into();
             return wrong("rows", format!("{:?}", self.rows), expected);
         }
-        let is_finite = self.seconds.iter().flatten().all(|x| x.is_finite());
-        if !in_order(&self.seconds) || !is_finite {
+        if !in_order(&self.seconds) || self.seconds.iter().flatten().any(|x| !x.is_finite()) {
             let expected = "ranges [begin, end] in order, in seconds".into();
             return wrong("seconds", format!("{:?}", self.seconds), expected);
         }
-        let is_unknown = |name: &&String| !self.joints.contains(name);
-        if let Some(name) =
-            self.leave_out.iter().find(|name| !self.joints.is_empty() && is_unknown(name))
-        {
+        let is_unknown = |name: &&String| !self.joints.is_empty() && !self.joints.contains(name);
+        if let Some(name) = self.leave_out.iter().find(is_unknown) {
             return wrong("leave_out", shown(name.as_bytes()), one_of(&self.joints.join(", ")));
         }
         for signal in Signal::ALL {
@@ -55,15 +52,11 @@ impl Profile {
     /// Makes sure that every list has one entry for each of n joints; where n is not known, as many
     /// as the first list.
     pub(crate) fn check_counts(&self, n: Option<usize>, from: &str) -> Result<()> {
-        let counts: Vec<_> = Signal::ALL
-            .into_iter()
-            .filter_map(|signal| Some((signal, self.signal(signal)?)))
-            .flat_map(|(signal, parts)| counts(signal, parts))
-            .collect();
+        let present = Signal::ALL.into_iter().filter_map(|own| Some((own, self.signal(own)?)));
+        let counts: Vec<_> = present.flat_map(|(signal, parts)| counts(signal, parts)).collect();
         let first = counts.first().map(|(key, count)| (format!("{key} has"), *count));
-        let Some((by, expected)) = n.map(|n| ("joints are".to_owned(), n)).or(first) else {
-            return Ok(());
-        };
+        let known = n.map(|n| ("joints are".to_owned(), n)).or(first);
+        let Some((by, expected)) = known else { return Ok(()) };
         match counts.into_iter().find(|(_, count)| *count != expected) {
             Some((key, count)) => Err(LogError::ProfileKey {
                 profile: from.into(),
@@ -95,10 +88,8 @@ fn counts(signal: Signal, parts: &SignalColumns) -> Vec<(String, usize)> {
     counts
 }
 
-fn numbers(parts: &SignalColumns) -> [(&'static str, Option<&PerJoint>); 4] {
+fn numbers(parts: &SignalColumns) -> [(&'static str, &Option<PerJoint>); 4] {
     let SignalColumns { scale, gear, torque_constant, offset, .. } = parts;
-    let all = [scale, gear, torque_constant, offset].map(Option::as_ref);
-    let [scale, gear, torque_constant, offset] = all;
     [("scale", scale), ("gear", gear), ("torque_constant", torque_constant), ("offset", offset)]
 }
 

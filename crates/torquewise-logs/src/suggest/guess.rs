@@ -141,14 +141,10 @@ fn family(mut columns: Vec<String>, key: &str, word: &str) -> Family {
     let counted = |list: &str| all.iter().filter(|word| is_in(word, list)).count();
     // What was wanted or worked out comes after anything else.
     let score = if counted(NOT_MEASURED) > 0 { 0 } else { 1 + counted(MEASURED) };
-    Family {
-        columns,
-        prefix: from_one.then(|| key.to_owned()),
-        told_by: word.to_owned(),
-        is_current: counted(CURRENT) > 0,
-        is_degrees: counted(DEGREES) > 0 || parted(&first).1.contains('°'),
-        score,
-    }
+    let (prefix, told_by) = (from_one.then(|| key.to_owned()), word.to_owned());
+    let is_current = counted(CURRENT) > 0;
+    let is_degrees = counted(DEGREES) > 0 || parted(&first).1.contains('°');
+    Family { columns, prefix, told_by, is_current, is_degrees, score }
 }
 
 impl Family {

@@ -90,9 +90,8 @@ fn brackets_around_a_number_or_a_unit_hide_no_joint() {
 
 #[test]
 fn velocity_in_another_unit_than_position_is_told_by_slopes() {
-    for (factor, unit) in
-        [(1.0, "rad/s"), (180.0 / std::f64::consts::PI, "deg/s"), (9.549_3, "rpm")]
-    {
+    let units = [(1.0, "rad/s"), (180.0 / std::f64::consts::PI, "deg/s"), (9.549_3, "rpm")];
+    for (factor, unit) in units {
         let (_folder, file) = log("run.csv", "t,q0,q1,dq0,dq1", 500, |k| {
             let (q, dq) = wave(0.01 * k);
             vec![0.01 * k, q, 2.0 * q, factor * dq, 2.0 * factor * dq]

@@ -69,9 +69,8 @@ fn many_messages_are_read_page_by_page_in_either_compression() {
     let folder = tempfile::tempdir().unwrap();
     let mut files = vec![folder.path().join("bag.db3")];
     write(&files[0], &[(TOPIC, KIND)], &made);
-    for (name, compression) in
-        [("zstd", Some(Compression::Zstd)), ("lz4", Some(Compression::Lz4)), ("none", None)]
-    {
+    let (zstd, lz4) = (Some(Compression::Zstd), Some(Compression::Lz4));
+    for (name, compression) in [("zstd", zstd), ("lz4", lz4), ("none", None)] {
         let file = folder.path().join(format!("{name}.mcap"));
         let options = WriteOptions::default().compression(compression).chunk_size(Some(10_000));
         write_mcap(&file, &[(TOPIC, KIND)], &made, options);
@@ -118,11 +117,9 @@ fn a_bag_without_the_joint_states_that_are_needed_is_told_why() {
     uneven[2].bytes = state(0, &["a", "b"], &[1.0]);
     let names: Vec<String> = (0..100_000).map(|k| format!("j{k}")).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let camera = vec![Made { topic: "/camera", received: 5, bytes: vec![1, 2, 3] }];
     for (made, reason) in [
-        (
-            vec![Made { topic: "/camera", received: 5, bytes: vec![1, 2, 3] }],
-            "/camera (sensor_msgs/msg/Image, 1 messages)",
-        ),
+        (camera, "/camera (sensor_msgs/msg/Image, 1 messages)"),
         (gone, "row 5: the message does not name joint b, only a, c"),
         (cut, "row 3: the message is no joint state"),
         (uneven, "not one position, velocity and effort for each"),
@@ -137,13 +134,10 @@ fn a_bag_without_the_joint_states_that_are_needed_is_told_why() {
 
 #[test]
 fn a_profile_chooses_joints_and_passes_over_messages_of_others() {
+    let three: [&[f64]; 3] = [&[1.0, 2.0, 3.0], &[], &[4.0, 5.0, 6.0]];
     let made = messages(30, |row| match row % 2 {
         0 => joint_state(hundredths(row), &["gripper"], [&[0.5], &[], &[]]),
-        _ => joint_state(
-            hundredths(row),
-            &["a", "b", "c"],
-            [&[1.0, 2.0, 3.0], &[], &[4.0, 5.0, 6.0]],
-        ),
+        _ => joint_state(hundredths(row), &["a", "b", "c"], three),
     });
     let profile = "joints = [\"c\", \"b\", \"a\"]\nleave_out = [\"b\"]\n\
         [tau]\nunit = \"A\"\ntorque_constant = [0.1, 1.0, -0.1]\ngear = 100.0\n";
@@ -168,8 +162,7 @@ fn a_profile_chooses_joints_and_passes_over_messages_of_others() {
 fn several_topics_are_listed_and_one_can_be_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let mut made = messages(12, plain);
-    let two = Made { topic: "/left/joint_states", ..made[0].clone() };
-    made.push(two);
+    made.push(Made { topic: "/left/joint_states", ..made[0].clone() });
     for storage in STORAGES {
         let file = folder.path().join(storage);
         let topics = [(TOPIC, KIND), ("/left/joint_states", KIND), ("/camera", "image")];
@@ -201,9 +194,7 @@ fn messages_out_of_order_are_sorted_by_stamp_and_counted() {
     let mut made = messages(50, plain);
     made.swap(10, 11);
     made.swap(30, 33);
-    for (made, row) in made.iter_mut().zip(0..) {
-        made.received = hundredths(row);
-    }
+    made.iter_mut().zip(0..).for_each(|(made, row)| made.received = hundredths(row));
     each_storage(&made, |file| {
         let logs = open(file, &Options::default()).unwrap();
         let swing = &logs.read_all().unwrap()[0];

@@ -12,11 +12,13 @@ use std::sync::LazyLock;
 use torquewise_logs::{LogError, Options, write_motion};
 use torquewise_motion::{Motion, Signals};
 
-fn read(file: &Path) -> Result<Vec<Motion>, LogError> {
+type Read = Result<Vec<Motion>, LogError>;
+
+fn read(file: &Path) -> Read {
     crate::read_both(file, &Options::default())
 }
 
-fn read_bytes(bytes: &[u8]) -> Result<Vec<Motion>, LogError> {
+fn read_bytes(bytes: &[u8]) -> Read {
     read(&crate::file_of(".parquet", bytes))
 }
 
@@ -33,10 +35,8 @@ fn foreign<T: DataType>(
 ) -> Foreign {
     let column = Type::primitive_type_builder(name, T::get_physical_type())
         .with_repetition(Repetition::OPTIONAL);
-    let column = match &logical {
-        Some(LogicalType::Decimal(_)) => column.with_precision(9).with_scale(2),
-        _ => column,
-    };
+    let is_decimal = matches!(logical, Some(LogicalType::Decimal(_)));
+    let column = if is_decimal { column.with_precision(9).with_scale(2) } else { column };
     let schema = column.with_logical_type(logical).build().unwrap();
     let levels: Vec<i16> = values.iter().map(|value| value.is_some().into()).collect();
     let values: Vec<T::T> = values.iter().flatten().cloned().collect();
@@ -46,14 +46,11 @@ fn foreign<T: DataType>(
     Foreign { schema: schema.into(), write: Box::new(write) }
 }
 
-fn read_columns(columns: &[Foreign]) -> Result<Vec<Motion>, LogError> {
+fn read_columns(columns: &[Foreign]) -> Read {
     read_written(columns, WriterProperties::default())
 }
 
-fn read_written(
-    columns: &[Foreign],
-    properties: WriterProperties,
-) -> Result<Vec<Motion>, LogError> {
+fn read_written(columns: &[Foreign], properties: WriterProperties) -> Read {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("log.parquet");
     let fields = columns.iter().map(|column| column.schema.clone()).collect();
@@ -79,14 +76,9 @@ fn numbers(name: &str, values: &[f64]) -> Foreign {
 static VALID: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let file = crate::file_of(".parquet", b"");
     let wave = |phase: f64| Mat::from_fn(50, 1, |row, _| (row as f64 + phase).sin());
-    let motion = Motion::new(Signals {
-        joints: vec!["hip".into()],
-        t: (0..50).map(f64::from).collect(),
-        q: wave(0.0),
-        dq: wave(1.0),
-        ddq: wave(2.0),
-        tau: Some(wave(3.0)),
-    });
+    let (joints, t) = (vec!["hip".into()], (0..50).map(f64::from).collect());
+    let [q, dq, ddq, tau] = [0.0, 1.0, 2.0, 3.0].map(wave);
+    let motion = Motion::new(Signals { joints, t, q, dq, ddq, tau: Some(tau) });
     write_motion(&file, &motion.unwrap()).unwrap();
     std::fs::read(file).unwrap()
 });

@@ -87,8 +87,8 @@ pub(crate) fn write_mcap(
     messages: &[Made],
     options: WriteOptions,
 ) {
-    let mut bag =
-        options.profile("ros2").create(BufWriter::new(File::create(file).unwrap())).unwrap();
+    let output = BufWriter::new(File::create(file).unwrap());
+    let mut bag = options.profile("ros2").create(output).unwrap();
     let mut channels = BTreeMap::new();
     for (name, kind) in topics {
         let schema = bag.add_schema(kind, "ros2msg", b"").unwrap();
@@ -96,13 +96,8 @@ pub(crate) fn write_mcap(
         channels.insert(*name, channel);
     }
     for (made, sequence) in messages.iter().zip(0..) {
-        let time = u64::try_from(made.received).unwrap();
-        let header = MessageHeader {
-            channel_id: channels[made.topic],
-            sequence,
-            log_time: time,
-            publish_time: time,
-        };
+        let (channel_id, log_time) = (channels[made.topic], made.received.try_into().unwrap());
+        let header = MessageHeader { channel_id, sequence, log_time, publish_time: log_time };
         bag.write_to_known_channel(&header, &made.bytes).unwrap();
     }
     bag.finish().unwrap();

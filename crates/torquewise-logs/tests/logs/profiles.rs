@@ -27,6 +27,17 @@ fn read(file: &PathBuf, profile: &str) -> Vec<Motion> {
     open(file, profile).unwrap().read_all().unwrap()
 }
 
+/// The blocks of all files as they were recorded, with their trajectories.
+fn raw_blocks(logs: &Logs) -> Vec<(usize, Raw)> {
+    let mut blocks = Vec::new();
+    let read = logs.read_raw(None, &mut |trajectory, block| -> Result<(), LogError> {
+        blocks.push((trajectory, block));
+        Ok(())
+    });
+    read.unwrap();
+    blocks
+}
+
 /// The message of an error and what to do.
 fn refused(file: &PathBuf, profile: &str) -> String {
     let error = open(file, profile).and_then(|logs| logs.read_all()).unwrap_err();
@@ -126,12 +137,7 @@ fn a_file_without_a_clock_takes_the_rate_which_a_profile_may_say_alone() {
     let logs = open(&log, "rate = 250.0").unwrap();
 
     assert!(logs.has_tau() && !logs.has_dq());
-    let mut stamps = Vec::new();
-    logs.read_raw(None, &mut |_, block| -> Result<(), LogError> {
-        stamps.extend_from_slice(&block.t);
-        Ok(())
-    })
-    .unwrap();
+    let stamps: Vec<f64> = raw_blocks(&logs).into_iter().flat_map(|(_, block)| block.t).collect();
     assert_eq!(stamps, [0.0, 0.004]);
 }
 
@@ -215,12 +221,7 @@ fn a_raw_reading_keeps_missing_signals_missing_and_cuts_at_gaps() {
     });
     let logs = Logs::open(&[log]).unwrap();
 
-    let mut blocks: Vec<(usize, Raw)> = Vec::new();
-    logs.read_raw(None, &mut |trajectory, block| -> Result<(), LogError> {
-        blocks.push((trajectory, block));
-        Ok(())
-    })
-    .unwrap();
+    let blocks = raw_blocks(&logs);
 
     let cuts: Vec<_> = blocks.iter().map(|(part, block)| (*part, block.t.len())).collect();
     assert_eq!(cuts, [(0, 1024), (0, 976), (1, 100)]);

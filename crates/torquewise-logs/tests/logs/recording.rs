@@ -6,7 +6,7 @@ use rand_distr::StandardNormal;
 use std::path::PathBuf;
 use torquewise_logs::{ConditionedLogs, LogError, Logs};
 use torquewise_motion::signals::{Conditioning, Cutoff};
-use torquewise_motion::{Recording, Repairs};
+use torquewise_motion::{Motion, Recording, Repairs};
 
 const ONE_JOINT: &str = "t,q1,dq1,ddq1,tau1\n0,1,2,3,4\n0.1,1,2,3,4\n";
 
@@ -159,10 +159,8 @@ fn a_folder_stands_for_the_files_of_its_bag_in_the_order_of_their_numbers() {
         std::fs::write(folder.join(name), "").unwrap();
     }
 
-    let first = Logs::open(&[folder]);
-
     // Empty files are refused, the first of the bag first.
-    match first {
+    match Logs::open(&[folder]) {
         Err(LogError::Empty { file }) => assert!(file.ends_with("run_0.mcap"), "{file:?}"),
         other => panic!("{other:?}"),
     }
@@ -205,9 +203,7 @@ fn noisy_swing(rows: usize) -> String {
 
 fn rows_and_noise(logs: &ConditionedLogs, log: usize, seed: u64) -> [Vec<[f64; 4]>; 2] {
     let mut found = [Vec::new(), Vec::new()];
-    let row = |m: &torquewise_motion::Motion, k: usize| {
-        [m.t()[k], m.q()[(k, 0)], m.dq()[(k, 0)], m.ddq()[(k, 0)]]
-    };
+    let row = |m: &Motion, k: usize| [m.t()[k], m.q()[(k, 0)], m.dq()[(k, 0)], m.ddq()[(k, 0)]];
     let can = logs.read_log_with_noise(log, seed, &mut |_, motion, noise| {
         for k in 0..motion.n_rows() {
             found[0].push(row(motion, k));
@@ -234,11 +230,11 @@ fn noise_of_raw_samples_goes_where_their_rows_go() {
     for log in 0..2 {
         let [rows, noise] = rows_and_noise(&logs, log, 7);
         let mut plain = Vec::new();
-        logs.read_log(log, &mut |_, motion| {
+        let read = logs.read_log(log, &mut |_, motion| {
             plain.extend((0..motion.n_rows()).map(|k| [motion.t()[k], motion.ddq()[(k, 0)]]));
             Ok(())
-        })
-        .unwrap();
+        });
+        read.unwrap();
         assert_eq!(rows.iter().map(|row| [row[0], row[3]]).collect::<Vec<_>>(), plain);
         let times = |rows: &[[f64; 4]]| rows.iter().map(|row| row[0].to_bits()).collect::<Vec<_>>();
         assert_eq!(times(&rows), times(&noise));

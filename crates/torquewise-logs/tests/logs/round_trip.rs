@@ -15,15 +15,10 @@ fn motion(joints: &[&str], rows: usize, values: &[f64], with_tau: bool) -> Motio
     let signal = |offset: usize| {
         Mat::from_fn(rows, n, |row, joint| values[(offset + row * n + joint) % values.len()])
     };
-    Motion::new(Signals {
-        joints: joints.iter().map(|name| (*name).to_owned()).collect(),
-        t: (0..rows).map(|row| 1e-3 * row as f64).collect(),
-        q: signal(0),
-        dq: signal(1),
-        ddq: signal(2),
-        tau: with_tau.then(|| signal(3)),
-    })
-    .unwrap()
+    let joints = joints.iter().map(|name| (*name).to_owned()).collect();
+    let t = (0..rows).map(|row| 1e-3 * row as f64).collect();
+    let ([q, dq, ddq], tau) = ([0, 1, 2].map(signal), with_tau.then(|| signal(3)));
+    Motion::new(Signals { joints, t, q, dq, ddq, tau }).unwrap()
 }
 
 fn bits(motion: &Motion) -> Vec<u64> {

@@ -108,8 +108,8 @@ fn input_that_cannot_be_differentiated_is_refused() {
     let polynomial = LocalPolynomial { half_window: 2, degree: 3 };
     let t = even(6);
     let x = column(&t, |t| t);
-    let refused =
-        |t: &[f64], x: &Mat<f64>| derivative_by(polynomial, t, x.as_ref(), 1).unwrap_err();
+    let derived = |t: &[f64], x: &Mat<f64>| derivative_by(polynomial, t, x.as_ref(), 1);
+    let refused = |t: &[f64], x: &Mat<f64>| derived(t, x).unwrap_err();
 
     let short = refused(&t[..3], &column(&t[..3], |t| t));
     let shape = refused(&t[..5], &x);

@@ -103,10 +103,8 @@ impl Bandwidths {
         let rate = self.pieces.iter().map(|piece| piece.plan.rate).fold(f64::INFINITY, f64::min);
         let seconds = |piece: &Piece| piece.even.columns.t.len() as f64 / piece.plan.rate;
         let least = LEAST_LEFT / (OVERSAMPLING * self.pieces.iter().map(seconds).sum::<f64>());
-        let mut cutoffs: Vec<f64> = (0..MOST_CUTOFFS)
-            .map(|half| LOWEST * std::f64::consts::SQRT_2.powi(half))
-            .take_while(|cutoff| *cutoff <= HIGHEST * rate)
-            .collect();
+        let all = (0..MOST_CUTOFFS).map(|half| LOWEST * std::f64::consts::SQRT_2.powi(half));
+        let mut cutoffs: Vec<f64> = all.take_while(|cutoff| *cutoff <= HIGHEST * rate).collect();
         let few = cutoffs.iter().filter(|cutoff| **cutoff < least).count();
         // Whole octaves, of which one is tried at first.
         cutoffs.split_off((few.min(cutoffs.len().saturating_sub(1)) / 2) * 2)
@@ -138,13 +136,11 @@ impl Bandwidths {
         }
         let raw: Vec<&Raw> = self.pieces.iter().map(|piece| &piece.even.columns).collect();
         let filtered: Vec<&Raw> = filtered.iter().collect();
-        let torques: Vec<DelayedTorque> = (delays.iter())
-            .map(|&delay| {
-                let [filtered, raw] =
-                    [&filtered, &raw].map(|columns| self.advanced(columns, delay));
-                DelayedTorque { delay, filtered, raw }
-            })
-            .collect();
+        let delayed = |&delay: &f64| {
+            let [filtered, raw] = [&filtered, &raw].map(|columns| self.advanced(columns, delay));
+            DelayedTorque { delay, filtered, raw }
+        };
+        let torques: Vec<DelayedTorque> = delays.iter().map(delayed).collect();
         let states = self.states(&seen);
         let parts = seen.iter().zip(&self.pieces);
         let parts: Vec<Motion> = parts.map(|(own, piece)| own.motion.select(&piece.rows)).collect();

@@ -97,9 +97,7 @@ pub(crate) fn filtfilt(sections: &LowPass, x: &mut [f64]) -> Result<()> {
     if n <= pad {
         return Err(MotionError::TooFewRows { rows: n, needed: pad + 1 });
     }
-    if let Some(row) = x.iter().position(|x| !x.is_finite()) {
-        return Err(MotionError::NotFiniteAt { row });
-    }
+    MotionError::check_numbers(x)?;
     let (first, last) = (x[0], x[n - 1]);
     let mut padded = Vec::with_capacity(n + 2 * pad);
     padded.extend((1..=pad).rev().map(|k| 2.0 * first - x[k]));

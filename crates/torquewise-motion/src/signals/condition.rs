@@ -74,20 +74,17 @@ fn signal_reports(raw: &Raw, even: &Even, filtered: &Raw, dq: &Mat<f64>) -> Vec<
         x.iter().map(|x| (x - mean).powi(2)).sum::<f64>()
     };
     let mut reports = Vec::new();
-    for (((signal, raw_columns), (_, before)), (_, after)) in
-        raw.present().zip(even.columns.present()).zip(filtered.present())
-    {
+    let present = raw.present().zip(even.columns.present()).zip(filtered.present());
+    for (((signal, raw_columns), (_, before)), (_, after)) in present {
         for (joint, name) in raw.joints.iter().enumerate() {
             // Variance of the difference as a share of that before; zero for what does not move.
             let off = before[joint].iter().zip(&after[joint]).map(|(b, a)| b - a);
             let (off, whole) = (off.collect::<Vec<f64>>(), variance(&before[joint]));
-            reports.push(SignalReport {
-                signal: signal.name(),
-                joint: name.clone(),
-                noise: white_noise(&before[joint], &still[joint]),
-                quantisation: quantisation(&raw_columns[joint]),
-                removed: if whole > 0.0 { (variance(&off) / whole).min(1.0) } else { 0.0 },
-            });
+            let noise = white_noise(&before[joint], &still[joint]);
+            let quantisation = quantisation(&raw_columns[joint]);
+            let removed = if whole > 0.0 { (variance(&off) / whole).min(1.0) } else { 0.0 };
+            let (signal, joint) = (signal.name(), name.clone());
+            reports.push(SignalReport { signal, joint, noise, quantisation, removed });
         }
     }
     reports

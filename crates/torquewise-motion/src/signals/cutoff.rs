@@ -95,19 +95,15 @@ fn band(x: &[f64], rate: f64) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::signals::noise::tests::gaussian;
     use approx::assert_abs_diff_eq;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, StandardNormal};
 
     fn tones(rate: f64, rows: usize, noise: f64) -> Vec<f64> {
-        let mut random = ChaCha8Rng::seed_from_u64(3);
-        (0..rows)
-            .map(|k| {
-                let (t, unit): (f64, f64) = (k as f64 / rate, StandardNormal.sample(&mut random));
-                (2.0 * PI * 0.2 * t).sin() + 0.3 * (2.0 * PI * 0.7 * t).sin() + noise * unit
-            })
-            .collect()
+        let sum = |(k, noise): (usize, f64)| {
+            let t = k as f64 / rate;
+            (2.0 * PI * 0.2 * t).sin() + 0.3 * (2.0 * PI * 0.7 * t).sin() + noise
+        };
+        gaussian(rows, noise, 3).into_iter().enumerate().map(sum).collect()
     }
 
     #[test]
@@ -130,23 +126,21 @@ mod tests {
 
             assert!((found - highest).abs() < 0.1, "case {case}: {found} {highest}");
         }
-        let slow: Vec<f64> =
-            (0..3000).map(|k| (2.0 * PI * 0.02 * f64::from(k) / 100.0).sin()).collect();
-        assert!(band(&slow, 100.0).unwrap().0 < 0.15);
+        let slow = (0..3000).map(|k| (2.0 * PI * 0.02 * f64::from(k) / 100.0).sin());
+        assert!(band(&slow.collect::<Vec<f64>>(), 100.0).unwrap().0 < 0.15);
     }
 
     #[test]
     fn jitter_of_stamps_and_joints_that_stand_still_are_no_motion() {
-        let mut random = ChaCha8Rng::seed_from_u64(5);
-        let mut unit = || -> f64 { StandardNormal.sample(&mut random) };
+        let units = gaussian(60_000, 1.0, 5);
         // Stamps are off by steps of their own, the rows are even.
         let mut t = 0.0;
-        let late = (0..30_000).map(|_| {
-            t += 1e-3 * (1.0 + 0.3 * unit());
+        let late = units[..30_000].iter().map(|unit| {
+            t += 1e-3 * (1.0 + 0.3 * unit);
             (2.0 * PI * 0.2 * t).sin() + 0.3 * (2.0 * PI * 0.7 * t).sin()
         });
         let late: Vec<f64> = late.collect();
-        let still: Vec<f64> = (0..30_000).map(|_| 1e-6 * unit().round()).collect();
+        let still: Vec<f64> = units[30_000..].iter().map(|unit| 1e-6 * unit.round()).collect();
         // A clock that beats with the logger draws lines, far above the motion.
         let beats = tones(1e3, 30_000, 0.0).into_iter().enumerate();
         let line = |k: usize| 5e-4 * (2.0 * PI * 0.2 * k as f64).sin();

@@ -108,9 +108,8 @@ impl SignalPlan {
             keep_every: keep_every(cutoff.filter(|_| settings.thins), rate),
             trim: 0,
         };
-        let settled = cutoff.filter(|_| settings.trims);
-        let seconds =
-            settled.map_or(0.0, |cutoff| settle_time(cutoff, SETTLED).min(MAX_TRIM * span));
+        let settle = |cutoff| settle_time(cutoff, SETTLED).min(MAX_TRIM * span);
+        let seconds = cutoff.filter(|_| settings.trims).map_or(0.0, settle);
         // Rounding of the rate is not to cost a row.
         plan.trim = rows((seconds * rate - 1e-6).ceil()) + plan.shift_reach();
         Ok((plan, even))

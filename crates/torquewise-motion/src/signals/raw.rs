@@ -62,9 +62,7 @@ impl Raw {
                 return Err(MotionError::Shape { signal: signal.name(), found, expected });
             }
             for (column, joint) in columns.iter().zip(&self.joints) {
-                if let Some(row) = column.iter().position(|x| !x.is_finite()) {
-                    return Err(MotionError::NotFiniteAt { row }.of(signal.name(), joint));
-                }
+                MotionError::check_numbers(column).map_err(|e| e.of(signal.name(), joint))?;
             }
         }
         Ok(())

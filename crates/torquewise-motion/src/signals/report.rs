@@ -51,13 +51,12 @@ pub enum CutoffFrom {
 
 impl fmt::Display for CutoffFrom {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Setting => "as set",
-            Self::Motion => {
-                "eight times the frequency of the motion; the fit of a chain tries others"
-            }
-            Self::HeldOut => "at which torque of held-out rows is predicted best",
-        })
+        let words = [
+            "as set",
+            "eight times the frequency of the motion; the fit of a chain tries others",
+            "at which torque of held-out rows is predicted best",
+        ];
+        f.write_str(words[*self as usize])
     }
 }
 
@@ -102,9 +101,8 @@ impl ConditionReport {
         // The first are those of positions.
         let name = other.signals.get(joint).map(|q| &q.joint);
         for own in self.signals.iter_mut().filter(|own| Some(&own.joint) == name) {
-            let of =
-                |other: &&SignalReport| other.signal == own.signal && Some(&other.joint) == name;
-            if let Some(other) = other.signals.iter().find(of) {
+            let mut of_joint = other.signals.iter().filter(|other| Some(&other.joint) == name);
+            if let Some(other) = of_joint.find(|other| other.signal == own.signal) {
                 own.quantisation = other.quantisation;
             }
         }
@@ -152,12 +150,11 @@ impl fmt::Display for ConditionReport {
             let outliers = counted(rows.len() as u64, "outlier", "replaced");
             write!(f, "\n{signal} of {joint}: {outliers}")?;
         }
-        for report in self.signals.iter().filter(|report| report.is_coarse()) {
-            let SignalReport { signal, joint, quantisation: Some(q), .. } = report else {
-                continue;
-            };
-            write!(f, "\n{signal} of {joint} is quantised to {:.3e}: ", q.step)?;
-            write!(f, "{} levels, ", q.levels)?;
+        let coarse = self.signals.iter().filter(|report| report.is_coarse());
+        for SignalReport { signal, joint, quantisation, .. } in coarse {
+            let Some(q) = quantisation else { continue };
+            let Quantisation { step, levels, .. } = q;
+            write!(f, "\n{signal} of {joint} is quantised to {step:.3e}: {levels} levels, ")?;
             write!(f, "{:.0} % of its deviation", 100.0 * q.share_of_deviation)?;
         }
         let lags = || self.dq_lag.iter().flatten();

@@ -55,12 +55,9 @@ pub(crate) fn timing(t: &[f64]) -> Result<Timing> {
     let median = 0.5 * (sorted[(sorted.len() - 1) / 2] + sorted[sorted.len() / 2]);
     let mean = (t[t.len() - 1] - t[0]) / steps.len() as f64;
     let variance = steps.iter().map(|step| (step - mean).powi(2)).sum::<f64>() / steps.len() as f64;
-    let (mut before, mut longest_step) = (0, steps[0]);
-    for (row, &step) in steps.iter().enumerate() {
-        if step > longest_step {
-            (before, longest_step) = (row, step);
-        }
-    }
+    // Of equal ones the first.
+    let longest = steps.iter().enumerate().rev().max_by(|a, b| a.1.total_cmp(b.1));
+    let (before, &longest_step) = longest.unwrap_or((0, &steps[0]));
     let jitter = variance.sqrt() / median;
     Ok(Timing {
         // The mean of even steps has the smaller rounding; that of others counts gaps in.

@@ -16,9 +16,7 @@ pub(crate) fn interpolate(t: &[f64], x: &[f64], at: &[f64]) -> Result<Vec<f64>> 
         return Err(MotionError::TooFewRows { rows: t.len().min(x.len()), needed: 4 });
     }
     check_increasing(t)?;
-    if let Some(row) = x.iter().position(|x| !x.is_finite()) {
-        return Err(MotionError::NotFiniteAt { row });
-    }
+    MotionError::check_numbers(x)?;
     let slopes = slopes(t, x);
     let mut piece = 0;
     let mut values = Vec::with_capacity(at.len());
@@ -37,13 +35,8 @@ pub(crate) fn interpolate(t: &[f64], x: &[f64], at: &[f64]) -> Result<Vec<f64>> 
 
 /// Refuses stamps that are not finite, stand still or go back.
 pub(crate) fn check_increasing(t: &[f64]) -> Result<()> {
-    if let Some(row) = t.iter().position(|t| !t.is_finite()) {
-        return Err(MotionError::NotFiniteAt { row });
-    }
-    match t.windows(2).position(|pair| pair[1] <= pair[0]) {
-        Some(before) => Err(MotionError::TimeOrder { row: before + 1 }),
-        None => Ok(()),
-    }
+    MotionError::check_numbers(t)?;
+    MotionError::check_order(t)
 }
 
 /// Weights of values at `t` in the polynomial through them, at one time.
@@ -76,9 +69,7 @@ fn slopes(t: &[f64], x: &[f64]) -> Vec<f64> {
     let span = step(n - 2) + step(n - 3);
     let pivot = step(n - 3) - span * upper[n - 2];
     right.push((end(n - 2, n - 3) - span * right[n - 2]) / pivot);
-    for k in (0..n - 1).rev() {
-        right[k] -= upper[k] * right[k + 1];
-    }
+    (0..n - 1).rev().for_each(|k| right[k] -= upper[k] * right[k + 1]);
     right
 }
 

@@ -1,7 +1,7 @@
 //! Terms that explain more than noise: forward, then backward, by t² (E5).
 
 use crate::elimination::Equations;
-use crate::error::SparseError;
+use crate::error::Result;
 use crate::normal_equations::{KeptColumns, NormalEquations, require};
 
 /// Judges a term by what it explains against the noise.
@@ -36,7 +36,7 @@ impl Criterion {
     ///
     /// # Errors
     /// [`SparseError`] if a setting is out of range.
-    pub fn select(&self, problem: &NormalEquations) -> Result<KeptColumns, SparseError> {
+    pub fn select(&self, problem: &NormalEquations) -> Result<KeptColumns> {
         require("gamma", self.gamma, self.gamma >= 0.0, "zero or more")?;
         let (inner, scale) = &problem.standardised();
         let usable: Vec<usize> = (0..problem.n_columns()).filter(|&j| scale[j] > 0.0).collect();
@@ -47,12 +47,9 @@ impl Criterion {
         let left = inner.refit(&entered)?.residual_energy.max(inner.resolution());
         let noise = left / (inner.rows - entered.len() as f64).max(1.0);
         let NormalEquations { gram: information, cross, .. } = inner.restricted(&entered);
-        let equations = Equations {
-            spread: faer::Scale(noise) * &information,
-            information,
-            right: cross.col_as_slice(0).to_vec(),
-            floor: vec![0.0; entered.len()],
-        };
+        let spread = faer::Scale(noise) * &information;
+        let (right, floor) = (cross.col_as_slice(0).to_vec(), vec![0.0; entered.len()]);
+        let equations = Equations { information, right, spread, floor };
         let all: Vec<usize> = (0..entered.len()).collect();
         let kept = equations.eliminate(&all, threshold).map_or_else(Vec::new, |kept| kept.active);
         problem.refit(&kept.into_iter().map(|place| entered[place]).collect::<Vec<_>>())

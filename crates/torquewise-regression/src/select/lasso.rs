@@ -2,7 +2,7 @@
 //! squares.
 
 use crate::cholesky;
-use crate::error::SparseError;
+use crate::error::Result;
 use crate::normal_equations::{KeptColumns, NormalEquations, nonzero, require};
 use faer::Mat;
 
@@ -57,7 +57,7 @@ pub struct PathPoint {
 ///
 /// # Errors
 /// [`SparseError::Setting`] if a setting is out of its range.
-pub fn lasso_path(problem: &NormalEquations, lasso: &Lasso) -> Result<Vec<PathPoint>, SparseError> {
+pub fn lasso_path(problem: &NormalEquations, lasso: &Lasso) -> Result<Vec<PathPoint>> {
     let Lasso { ratio, gap_tolerance, max_sweeps, threshold } = *lasso;
     require("ratio", ratio, ratio > 0.0 && ratio < 1.0, "between 0 and 1")?;
     require("gap_tolerance", gap_tolerance, gap_tolerance > 0.0, "above zero")?;
@@ -92,7 +92,7 @@ impl Lasso {
     ///
     /// # Errors
     /// [`SparseError::Setting`] if a setting is out of its range.
-    pub fn select(&self, problem: &NormalEquations) -> Result<KeptColumns, SparseError> {
+    pub fn select(&self, problem: &NormalEquations) -> Result<KeptColumns> {
         let support = |PathPoint { coefficients, .. }| {
             (0..coefficients.len()).filter(|&j| coefficients[j].abs() > self.threshold).collect()
         };

@@ -1,6 +1,6 @@
 //! Sequentially thresholded least squares, the selector of SINDy.
 
-use crate::error::SparseError;
+use crate::error::Result;
 use crate::normal_equations::{KeptColumns, NormalEquations, require};
 
 /// Fit, drop the small weights, fit again, until none is small; then least squares on the rest.
@@ -29,7 +29,7 @@ impl Stlsq {
     ///
     /// # Errors
     /// [`SparseError::Setting`] if threshold or ridge are negative or not finite.
-    pub fn select(&self, problem: &NormalEquations) -> Result<KeptColumns, SparseError> {
+    pub fn select(&self, problem: &NormalEquations) -> Result<KeptColumns> {
         require("threshold", self.threshold, self.threshold >= 0.0, "zero or more")?;
         require("ridge", self.ridge, self.ridge >= 0.0, "zero or more")?;
         let columns = 0..problem.n_columns();
@@ -74,6 +74,6 @@ mod tests {
         assert!((ridged.coefficients[0] - 0.3).abs() < 1e-15);
         let refused = Stlsq { threshold: -1.0, ..Stlsq::default() }.select(&diagonal(&[1.0]));
 
-        assert!(matches!(refused, Err(SparseError::Setting { setting: "threshold", .. })));
+        assert!(matches!(refused, Err(crate::SparseError::Setting { setting: "threshold", .. })));
     }
 }

@@ -75,12 +75,9 @@ fn units_of_the_columns_play_no_part() {
     let units = [1e6, 1e-6, 1.0, 1e3];
     let unit = |j: usize| units[j % units.len()];
     let scaled = |x: &Mat<f64>| Mat::from_fn(12, 12, |i, j| x[(i, j)] * unit(i) * unit(j));
-    let other = Equations {
-        information: scaled(&plain.information),
-        right: plain.right.iter().enumerate().map(|(j, x)| x * unit(j)).collect(),
-        spread: scaled(&plain.spread),
-        floor: plain.floor.clone(),
-    };
+    let [information, spread] = [&plain.information, &plain.spread].map(scaled);
+    let right = plain.right.iter().enumerate().map(|(j, x)| x * unit(j)).collect();
+    let other = Equations { information, right, spread, floor: plain.floor.clone() };
 
     let (found, expected) = (eliminate(&other, THRESHOLD), eliminate(&plain, THRESHOLD));
 
@@ -92,12 +89,8 @@ fn units_of_the_columns_play_no_part() {
 }
 
 fn small(information: [[f64; 2]; 2]) -> Equations {
-    Equations {
-        information: Mat::from_fn(2, 2, |i, j| information[i][j]),
-        right: vec![1.0, 1.0],
-        spread: Mat::identity(2, 2),
-        floor: vec![0.0; 2],
-    }
+    let (information, spread) = (Mat::from_fn(2, 2, |i, j| information[i][j]), Mat::identity(2, 2));
+    Equations { information, right: vec![1.0; 2], spread, floor: vec![0.0; 2] }
 }
 
 #[test]

@@ -84,10 +84,10 @@ fn settings_out_of_range_are_refused() {
         ("threshold", Lasso { threshold: -0.1, ..Lasso::default() }),
     ];
     for (expected, lasso) in cases {
-        let refused = lasso.select(&problem);
+        let refused = lasso.select(&problem).unwrap_err();
 
-        assert!(
-            matches!(refused, Err(SparseError::Setting { setting, .. }) if setting == expected)
-        );
+        let is_told =
+            matches!(refused, SparseError::Setting { setting, .. } if setting == expected);
+        assert!(is_told, "{expected}: {refused}");
     }
 }

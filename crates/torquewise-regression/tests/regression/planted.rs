@@ -23,10 +23,8 @@ pub(crate) fn rows(seed: u64, rows: usize, columns: usize, terms: usize, noise: 
         let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
         truth[k * columns / terms] = sign * rng.random_range(0.5..2.0);
     }
-    let response = predict(&features, &truth)
-        .into_iter()
-        .map(|y| y + noise * rng.random_range(-1.0..1.0_f64))
-        .collect();
+    let noisy = |y| y + noise * rng.random_range(-1.0..1.0_f64);
+    let response = predict(&features, &truth).into_iter().map(noisy).collect();
     Rows { features, response, truth }
 }
 
@@ -41,13 +39,9 @@ pub(crate) fn problem(features: &Mat<f64>, response: &[f64]) -> NormalEquations 
     let y = Mat::from_fn(response.len(), 1, |i, _| response[i]);
     let cross = features.transpose() * &y;
     let energy = response.iter().map(|y| y * y).sum();
-    NormalEquations::new(
-        features.transpose() * features,
-        cross.col_as_slice(0),
-        energy,
-        features.nrows() as f64,
-    )
-    .expect("finite sums of matching shape")
+    let (gram, rows) = (features.transpose() * features, features.nrows() as f64);
+    let problem = NormalEquations::new(gram, cross.col_as_slice(0), energy, rows);
+    problem.expect("finite sums of matching shape")
 }
 
 impl Rows {

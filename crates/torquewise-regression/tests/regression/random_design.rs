@@ -31,11 +31,8 @@ pub(crate) fn any_design() -> impl Strategy<Value = RandomDesign> {
             let letter = (-2.0..2.0_f64, multiples, phase, powers);
             let column = prop::collection::vec(letter, 0..=4);
             let columns = prop::collection::vec(column, n_columns);
-            prop::collection::vec(columns, n_equations).prop_map(move |equations| RandomDesign {
-                n_angles,
-                n_variables,
-                equations,
-            })
+            let equations = prop::collection::vec(columns, n_equations);
+            equations.prop_map(move |equations| RandomDesign { n_angles, n_variables, equations })
         },
     )
 }
@@ -59,10 +56,8 @@ impl RandomDesign {
         let waves = [[0, 0], [1, 0], [0, 1], [1, 1], [2, -1], [0, 2], [3, 1]];
         let powers = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
         let letter = |k: [i8; 2], alpha: [u8; 2]| (1.5, k.to_vec(), Phase::Cos, alpha.to_vec());
-        let columns = waves
-            .iter()
-            .flat_map(|&k| powers.iter().map(move |&alpha| vec![letter(k, alpha)]))
-            .collect();
+        let with_all = |k| powers.map(|alpha| vec![letter(k, alpha)]);
+        let columns = waves.into_iter().flat_map(with_all).collect();
         Self { n_angles: 2, n_variables: 2, equations: vec![columns] }
     }
 

@@ -1,6 +1,6 @@
 //! Positive definite matrices of any scale, factored.
 
-use crate::error::ChainError;
+use crate::error::{ChainError, Result};
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{ColRef, Mat, Side};
 
@@ -18,11 +18,10 @@ const JITTERS: [f64; 5] = [0.0, 1e-14, 1e-12, 1e-10, 1e-8];
 impl Factored {
     /// # Errors
     /// [`ChainError::Singular`] if it is not positive definite.
-    pub fn new(mut matrix: Mat<f64>) -> Result<Self, ChainError> {
+    pub fn new(mut matrix: Mat<f64>) -> Result<Self> {
         let p = matrix.ncols();
-        let scales: Vec<f64> = (0..p)
-            .map(|j| if matrix[(j, j)] > 0.0 { 1.0 / matrix[(j, j)].sqrt() } else { 1.0 })
-            .collect();
+        let scale = |j| if matrix[(j, j)] > 0.0 { 1.0 / matrix[(j, j)].sqrt() } else { 1.0 };
+        let scales: Vec<f64> = (0..p).map(scale).collect();
         for j in 0..p {
             let below = matrix.col_as_slice_mut(j).iter_mut().zip(&scales).skip(j);
             below.for_each(|(x, own)| *x *= own * scales[j]);
@@ -53,9 +52,9 @@ impl Factored {
 
     /// A⁻¹ B.
     pub fn solve_matrix(&self, right: &Mat<f64>) -> Mat<f64> {
-        let scaled =
-            Mat::from_fn(right.nrows(), right.ncols(), |i, j| right[(i, j)] * self.scales[i]);
+        let (p, n) = right.shape();
+        let scaled = Mat::from_fn(p, n, |i, j| right[(i, j)] * self.scales[i]);
         let solution = self.factor.solve(&scaled);
-        Mat::from_fn(right.nrows(), right.ncols(), |i, j| solution[(i, j)] * self.scales[i])
+        Mat::from_fn(p, n, |i, j| solution[(i, j)] * self.scales[i])
     }
 }

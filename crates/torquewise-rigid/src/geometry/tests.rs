@@ -8,16 +8,13 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 #[test]
 fn right_angles_are_the_six_directions_of_the_frame_before() {
-    let mut axes: Vec<[i32; 3]> = RIGHT_ANGLES
-        .iter()
-        .map(|w| {
-            let axis = axis(*w);
-            let whole: Vector3<f64> = axis.map(f64::round);
-            assert_relative_eq!(axis, whole, epsilon = 1e-15);
-            #[expect(clippy::cast_possible_truncation, reason = "−1, 0 or 1")]
-            [whole.x as i32, whole.y as i32, whole.z as i32]
-        })
-        .collect();
+    let mut axes = RIGHT_ANGLES.map(|w| {
+        let axis = axis(w);
+        let whole: Vector3<f64> = axis.map(f64::round);
+        assert_relative_eq!(axis, whole, epsilon = 1e-15);
+        #[expect(clippy::cast_possible_truncation, reason = "−1, 0 or 1")]
+        [whole.x as i32, whole.y as i32, whole.z as i32]
+    });
     axes.sort_unstable();
 
     let all = [[-1, 0, 0], [0, -1, 0], [0, 0, -1], [0, 0, 1], [0, 1, 0], [1, 0, 0]];
@@ -84,9 +81,8 @@ fn an_axis_turned_across_leaves_those_beyond_where_they_were() {
 
 #[test]
 fn gravity_of_a_straight_chain_points_down_and_turns_with_a_tilt() {
-    for (geometry, tilt) in
-        [(Geometry::straight(3), 0.0_f64), (Geometry::new(&[0.2, 0.0]).unwrap(), 0.2)]
-    {
+    let tilted = Geometry::new(&[0.2, 0.0]).unwrap();
+    for (geometry, tilt) in [(Geometry::straight(3), 0.0_f64), (tilted, 0.2)] {
         let [x, y, z] = geometry.gravity();
 
         assert_relative_eq!(x, 0.0);

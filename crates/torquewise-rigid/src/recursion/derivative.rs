@@ -16,18 +16,17 @@ impl<T: Scalar> Moved<T> {
         let mut known = MotionDerivative::none();
         for (joint, body) in self.bodies.iter().enumerate().skip(moved) {
             let before = if joint == 0 { &self.base } else { &self.bodies[joint - 1] };
-            let (rotation, origin, gravity) = if joint == moved {
+            let [rotation, origin, gravity] = if joint == moved {
                 let GeometryDerivative { rotation, origin, gravity, .. } = derivative;
-                let slid = self.shift_of(joint, (rotation, origin));
-                (splat(rotation), slid, splat(gravity))
+                [splat(rotation), self.shift_of(joint, (rotation, origin)), splat(gravity)]
             } else {
-                (Vector3::zeros(), Vector3::zeros(), Vector3::zeros())
+                [Vector3::zeros(); 3]
             };
             let from = MotionDerivative { acceleration: known.acceleration - gravity, ..known };
             known = if self.kinds.slides(joint) {
-                from.slid(before, body, (&rotation, &origin), self.sliding(joint))
+                from.slid([before, body], [&rotation, &origin], self.sliding(joint))
             } else {
-                from.next(before, body, &rotation, &origin)
+                from.next([before, body], [&rotation, &origin])
             };
             tangents.push(known);
         }
@@ -74,13 +73,7 @@ impl<T: Scalar> MotionDerivative<T> {
     ///
     /// - `before`, `body`: the motion of the body before and of this one
     /// - `rotation`, `origin`: how its own frame turns and shifts, in the frame before
-    fn next(
-        &self,
-        before: &Body<T>,
-        body: &Body<T>,
-        rotation: &Vector3<T>,
-        origin: &Vector3<T>,
-    ) -> Self {
+    fn next(&self, [before, body]: [&Body<T>; 2], [rotation, origin]: [&Vector3<T>; 2]) -> Self {
         let back = |v: Vector3<T>| body.rotation.tr_mul(&v);
         let (w, o) = (&before.omega, &body.origin);
         let omega = back(self.omega - rotation.cross(w));
@@ -100,13 +93,12 @@ impl<T: Scalar> MotionDerivative<T> {
     /// [`Self::next`] of a body that slides at a speed and acceleration in its own frame.
     fn slid(
         &self,
-        before: &Body<T>,
-        body: &Body<T>,
-        (rotation, origin): (&Vector3<T>, &Vector3<T>),
+        [before, body]: [&Body<T>; 2],
+        moves: [&Vector3<T>; 2],
         [speed, rate]: [Vector3<T>; 2],
     ) -> Self {
         let carried = Body { acceleration: body.acceleration - rate, ..*body };
-        let own = self.next(before, &carried, rotation, origin);
+        let own = self.next([before, &carried], moves);
         Self { acceleration: own.acceleration + own.omega.cross(&(speed + speed)), ..own }
     }
 

@@ -83,9 +83,8 @@ fn values_that_are_no_numbers_and_a_search_of_nothing_find_no_chain() {
 
 #[test]
 fn a_start_of_another_arm_and_parameters_that_no_geometry_has_are_refused() {
-    for (arm, free, shape) in
-        [("planar-2", all_parameters(2), "geometry"), ("puma560-3", vec![10], "free")]
-    {
+    let cases = [("planar-2", all_parameters(2), "geometry"), ("puma560-3", vec![10], "free")];
+    for (arm, free, shape) in cases {
         let rows = rows(&sines(&Arm::builtin(arm).unwrap(), 4.0, 1));
 
         let result = refine(&rows, &drawn(3, 1), &free, &plan(), UNWATCHED);

@@ -13,8 +13,10 @@ pub(crate) fn numbers(random: &mut ChaCha8Rng, count: usize) -> Vec<f64> {
     (0..count).map(|_| random.random_range(-1.5..1.5)).collect()
 }
 
+/// Positions, velocities and accelerations.
+pub(crate) type State = [Vec<f64>; 3];
 /// A chain, the inertial parameters of its bodies, and a state of it.
-pub(crate) type Drawn = (Geometry, Vec<f64>, [Vec<f64>; 3]);
+pub(crate) type Drawn = (Geometry, Vec<f64>, State);
 
 /// A random chain of such joints.
 pub(crate) fn drawn(kinds: &str, random: &mut ChaCha8Rng) -> Drawn {
@@ -25,11 +27,7 @@ pub(crate) fn drawn(kinds: &str, random: &mut ChaCha8Rng) -> Drawn {
     (geometry, numbers(random, PER_BODY * n), state)
 }
 
-pub(crate) fn torque_of(
-    geometry: &Geometry,
-    inertial: &[f64],
-    [q, dq, ddq]: &[Vec<f64>; 3],
-) -> Vec<f64> {
+pub(crate) fn torque_of(geometry: &Geometry, inertial: &[f64], [q, dq, ddq]: &State) -> Vec<f64> {
     let mut torque = vec![0.0; q.len()];
     let state = MotionState { q, dq, ddq };
     let mut moved = Moved::default();
@@ -108,11 +106,8 @@ fn the_torque_is_the_same_with_fewer_parameters() {
 
         let base = base_parameters(&geometry, &inertial);
 
-        let [whole, fewer] =
-            [&inertial, &base].map(|inertial| torque_of(&geometry, inertial, &state));
-        for (whole, fewer) in whole.into_iter().zip(fewer) {
-            assert_relative_eq!(whole, fewer, max_relative = 1e-10, epsilon = 1e-10);
-        }
+        let [whole, fewer] = [&inertial, &base].map(|own| torque_of(&geometry, own, &state));
+        assert_relative_eq!(whole[..], fewer[..], max_relative = 1e-10, epsilon = 1e-10);
         for (link, own) in base.chunks(PER_BODY).enumerate() {
             if geometry.kinds().slides(link) {
                 assert!(own[4..].iter().all(|x| *x == 0.0), "{own:?}");
@@ -130,38 +125,33 @@ fn the_geometry_of_given_frames_moves_as_they_do() {
         let n = kinds.len();
         let frame = |random: &mut ChaCha8Rng| {
             let x = numbers(random, 6);
-            Placement {
-                rotation: *nalgebra::Rotation3::from_euler_angles(x[0], x[1], x[2]).matrix(),
-                origin: nalgebra::Vector3::new(x[3], x[4], x[5]),
-            }
+            let rotation = *nalgebra::Rotation3::from_euler_angles(x[0], x[1], x[2]).matrix();
+            Placement { rotation, origin: nalgebra::Vector3::new(x[3], x[4], x[5]) }
         };
         let placements: Vec<Placement> = (0..n).map(|_| frame(&mut random)).collect();
         let of_kinds = JointKinds::read(kinds).unwrap();
         let down = [0.0, 0.0, -GRAVITY];
         let (geometry, frames) = Geometry::of_joints(&placements, &of_kinds, down);
-        let state: [Vec<f64>; 3] = std::array::from_fn(|_| numbers(&mut random, n));
+        let state: State = std::array::from_fn(|_| numbers(&mut random, n));
         let [q, dq, ddq] = &state;
         let own = numbers(&mut random, PER_BODY * n);
         let given = Kinematics::of_frames(placements, of_kinds, down);
         let mut expected = vec![0.0; n];
         // A body in the frame of the geometry is that body in the given one.
-        let moved: Vec<f64> = (own.chunks(PER_BODY).zip(&frames))
-            .flat_map(|(body, frame)| seen_from(body, frame))
-            .collect();
+        let bodies = own.chunks(PER_BODY).zip(&frames);
+        let moved: Vec<f64> = bodies.flat_map(|(body, frame)| seen_from(body, frame)).collect();
         given.torque(MotionState { q, dq, ddq }, &moved, &mut expected);
 
         let torque = torque_of(&geometry, &own, &state);
 
-        for (found, expected) in torque.iter().zip(expected) {
-            assert_relative_eq!(*found, expected, max_relative = 1e-9, epsilon = 1e-9);
-        }
+        assert_relative_eq!(torque[..], expected[..], max_relative = 1e-9, epsilon = 1e-9);
     }
 }
 
 #[test]
 fn places_that_torque_cannot_tell_are_no_parameters() {
-    let geometry =
-        |kinds: &str| Geometry::straight(kinds.len()).of_kinds(JointKinds::read(kinds).unwrap());
+    let of = |kinds: &str| JointKinds::read(kinds).unwrap();
+    let geometry = |kinds: &str| Geometry::straight(kinds.len()).of_kinds(of(kinds));
     let places = |kinds: &str| -> Vec<usize> {
         let geometry = geometry(kinds);
         (0..kinds.len()).filter(|&joint| geometry.has_place(joint)).collect()

@@ -28,15 +28,10 @@ pub(crate) fn drawn(n: usize, seed: u64) -> Chain {
 /// The chain as rigid-body dynamics has it.
 pub(crate) fn arm(chain: &Chain) -> Arm {
     let n = chain.geometry.n_joints();
-    let parts = ArmParts {
-        name: "twin".into(),
-        joints: (1..=n).map(|joint| format!("joint{joint}")).collect(),
-        geometry: chain.geometry.clone(),
-        inertial: chain.inertial.clone(),
-        rotors: vec![0.0; n],
-        limits: vec![([-3.0, 3.0], 2.0); n],
-    };
-    Arm::from_parts(parts).unwrap()
+    let (name, joints) = ("twin".into(), (1..=n).map(|joint| format!("joint{joint}")).collect());
+    let (rotors, limits) = (vec![0.0; n], vec![([-3.0, 3.0], 2.0); n]);
+    let Chain { geometry, inertial, .. } = chain.clone();
+    Arm::from_parts(ArmParts { name, joints, geometry, inertial, rotors, limits }).unwrap()
 }
 
 /// Smooth motion of an arm with the torque it takes.
@@ -55,15 +50,14 @@ pub(crate) fn rows(motion: &Motion) -> ChainRows {
 /// RMSE of a chain on rows over the standard deviation of the torque, of each joint.
 pub(crate) fn errors(chain: &Chain, rows: &ChainRows) -> Vec<f64> {
     let (m, found) = (rows.len(), chain.torque(rows));
-    (0..rows.n_joints())
-        .map(|joint| {
-            let tau = rows.torque_of(joint);
-            let mean = tau.iter().sum::<f64>() / m as f64;
-            let spread: f64 = tau.iter().map(|tau| (tau - mean).powi(2)).sum();
-            let pairs = tau.iter().zip(&found[joint * m..]);
-            (pairs.map(|(tau, found)| (tau - found).powi(2)).sum::<f64>() / spread).sqrt()
-        })
-        .collect()
+    let of_joint = |joint: usize| {
+        let tau = rows.torque_of(joint);
+        let mean = tau.iter().sum::<f64>() / m as f64;
+        let spread: f64 = tau.iter().map(|tau| (tau - mean).powi(2)).sum();
+        let pairs = tau.iter().zip(&found[joint * m..]);
+        (pairs.map(|(tau, found)| (tau - found).powi(2)).sum::<f64>() / spread).sqrt()
+    };
+    (0..rows.n_joints()).map(of_joint).collect()
 }
 
 pub(crate) fn largest(errors: &[f64]) -> f64 {

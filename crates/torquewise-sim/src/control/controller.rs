@@ -34,13 +34,7 @@ impl Law {
 
     /// Name in tables and files.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Pid => "pid",
-            Self::Controller1 => "controller1",
-            Self::Controller2 => "controller2",
-            Self::ComputedTorque => "computed_torque",
-            Self::HandGuiding => "hand_guiding",
-        }
+        ["pid", "controller1", "controller2", "computed_torque", "hand_guiding"][self as usize]
     }
 }
 
@@ -175,14 +169,11 @@ pub fn track(
         let target = State::of(wanted, row);
         let measured = moving.measured();
         let command = controller.command(&target, &measured)?;
-        let pull: Vec<f64> = (0..n)
-            .map(|i| {
-                hand.map_or(0.0, |hand| {
-                    let [e, de] = [target.q[i] - moving.q()[i], target.dq[i] - moving.dq()[i]];
-                    hand.proportional[i] * e + hand.derivative[i] * de
-                })
-            })
-            .collect();
+        let pulled = |i: usize| {
+            let [e, de] = [target.q[i] - moving.q()[i], target.dq[i] - moving.dq()[i]];
+            hand.map_or(0.0, |hand| hand.proportional[i] * e + hand.derivative[i] * de)
+        };
+        let pull: Vec<f64> = (0..n).map(pulled).collect();
         for i in 0..n {
             q[(row, i)] = moving.q()[i];
             dq[(row, i)] = moving.dq()[i];
@@ -257,10 +248,8 @@ pub fn compare(
     };
     let done: Vec<(String, Result<Run>)> = std::thread::scope(|scope| {
         let running: Vec<_> = ways.into_iter().map(|way| scope.spawn(move || run(way))).collect();
-        let done = running
-            .into_iter()
-            .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-        done.collect()
+        let done = running.into_iter().map(std::thread::ScopedJoinHandle::join);
+        done.map(|done| done.unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
     });
     let (mut runs, mut ran_away) = (Vec::new(), Vec::new());
     for (name, done) in done {

@@ -27,12 +27,8 @@ impl Gains {
     pub fn critically_damped(bandwidth: f64, inertia: &[f64]) -> Self {
         let w = bandwidth;
         let of = |factor: f64| inertia.iter().map(|m| factor * m).collect();
-        Self {
-            proportional: of(3.0 * w * w),
-            integral: of(w * w * w),
-            derivative: of(3.0 * w),
-            bandwidth,
-        }
+        let [proportional, integral, derivative] = [3.0 * w * w, w * w * w, 3.0 * w].map(of);
+        Self { proportional, integral, derivative, bandwidth }
     }
 
     pub(crate) fn check(&self, n_joints: usize) -> Result<()> {

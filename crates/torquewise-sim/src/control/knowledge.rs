@@ -132,8 +132,6 @@ fn diagonal(matrix: &Mat<f64>) -> Vec<f64> {
 }
 
 pub(crate) fn sum(mut a: Vec<f64>, share: f64, b: &[f64]) -> Vec<f64> {
-    for (a, b) in a.iter_mut().zip(b) {
-        *a += share * b;
-    }
+    a.iter_mut().zip(b).for_each(|(a, b)| *a += share * b);
     a
 }

@@ -29,15 +29,10 @@ impl<'a> Moving<'a> {
     /// A plant at q \[rad\] and dq \[rad/s\], n each.
     pub(crate) fn new(plant: &'a Plant, q: &[f64], dq: &[f64]) -> Result<Self> {
         plant.check()?;
-        let state = plant.state(q, dq);
-        Ok(Self {
-            plant,
-            t: 0.0,
-            integrator: Integrator::new(state.len(), plant.tolerance),
-            state,
-            commands: VecDeque::new(),
-            random: ChaCha8Rng::seed_from_u64(plant.sensors.seed),
-        })
+        let (state, commands) = (plant.state(q, dq), VecDeque::new());
+        let integrator = Integrator::new(state.len(), plant.tolerance);
+        let random = ChaCha8Rng::seed_from_u64(plant.sensors.seed);
+        Ok(Self { plant, t: 0.0, state, integrator, commands, random })
     }
 
     /// Positions \[rad\], n.
@@ -81,9 +76,8 @@ impl<'a> Moving<'a> {
         let delay = self.plant.drive.delay;
         let periods = (delay / period + 1e-9).floor();
         let late = (delay - periods * period).max(0.0);
-        let limits = self.plant.drive.limit.iter();
-        let command: Vec<f64> =
-            command.iter().zip(limits).map(|(c, &limit)| c.clamp(-limit, limit)).collect();
+        let limited = command.iter().zip(&self.plant.drive.limit);
+        let command: Vec<f64> = limited.map(|(c, &limit)| c.clamp(-limit, limit)).collect();
         if self.commands.is_empty() {
             // Before the first command the drives hold what it will be.
             self.commands = VecDeque::from(vec![command.clone(); whole(periods) + 1]);

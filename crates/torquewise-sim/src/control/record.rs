@@ -38,17 +38,15 @@ pub fn record(plant: &Plant, wanted: &Motion, bandwidth: f64) -> Result<Raw> {
         let measured = moving.measured();
         let v = slopes.next(&measured);
         let missing = sum(State::of(wanted, row).dq, -1.0, v);
-        let command: Vec<f64> = (0..n)
-            .map(|i| {
-                let limit = plant.drive.limit[i];
-                let grown = integral[i] + period * missing[i];
-                let tau = inertia[i] * bandwidth * (2.0 * missing[i] + bandwidth * grown);
-                if tau.abs() <= limit || tau * missing[i] < 0.0 {
-                    integral[i] = grown;
-                }
-                tau
-            })
-            .collect();
+        let torque = |i: usize| {
+            let grown = integral[i] + period * missing[i];
+            let tau = inertia[i] * bandwidth * (2.0 * missing[i] + bandwidth * grown);
+            if tau.abs() <= plant.drive.limit[i] || tau * missing[i] < 0.0 {
+                integral[i] = grown;
+            }
+            tau
+        };
+        let command: Vec<f64> = (0..n).map(torque).collect();
         let after = moving.hold(&command, &vec![0.0; n], period)?;
         let around = match &before {
             Some(before) => (0..n).map(|i| f64::midpoint(before[i], after[i])).collect(),

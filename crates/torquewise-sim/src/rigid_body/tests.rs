@@ -15,15 +15,10 @@ fn arm(n: usize, random: &mut ChaCha8Rng) -> Arm {
         // Principal moments of at least 0.5 outweigh products of inertia of at most 0.1.
         let ([x, y, z], [xy, xz, yz]): ([f64; 3], [f64; 3]) = (three(), three());
         let moments = [0.5 + x.abs(), 0.5 + y.abs(), 0.5 + z.abs(), 0.1 * xy, 0.1 * xz, 0.1 * yz];
-        let joint = Joint {
-            kind: torquewise_rigid::JointKind::Revolute,
-            X_PJ: shifted_turned(three(), three().map(|x| 3.0 * x)),
-            body: Body::new(1.0 + 0.3 * i as f64, three(), moments),
-            rotor: 0.2,
-            range: [-1.0, 1.0],
-            limits: JointLimits::default(),
-        };
-        (name, joint)
+        let X_PJ = shifted_turned(three(), three().map(|x| 3.0 * x));
+        let body = Body::new(1.0 + 0.3 * i as f64, three(), moments);
+        let (kind, limits) = (torquewise_rigid::JointKind::Revolute, JointLimits::default());
+        (name, Joint { kind, X_PJ, body, rotor: 0.2, range: [-1.0, 1.0], limits })
     });
     Arm::new("arm".into(), STANDARD_GRAVITY, joints.collect()).unwrap()
 }

@@ -102,8 +102,7 @@ fn sweep(n: usize, rng: &mut ChaCha8Rng) -> (f64, State) {
 
 fn accelerate(n: usize, rng: &mut ChaCha8Rng) -> (f64, State) {
     let (before, after) = (speeds(n, rng), speeds(n, rng));
-    let change: Vec<f64> =
-        after.iter().zip(&before).map(|(after, before)| after - before).collect();
+    let change: Vec<f64> = before.iter().zip(&after).map(|(from, to)| to - from).collect();
     let greatest = change.iter().fold(0.0, |most: f64, change| most.max(change.abs()));
     let seconds = greatest / between(rng, ACCELERATION);
     let ddq = change.iter().map(|change| change / seconds.max(f64::MIN_POSITIVE)).collect();

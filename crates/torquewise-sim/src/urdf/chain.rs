@@ -78,8 +78,7 @@ impl UrdfChain {
         }
         let moves = |joint: &robot::Joint| joints.contains(&joint.name);
         let chain = Self::of(&robot, moves, locked, gravity)?;
-        let found: Vec<&String> = chain.joints.iter().map(|joint| &joint.name).collect();
-        if found.iter().copied().eq(joints) {
+        if chain.joints.iter().map(|joint| &joint.name).eq(joints) {
             return Ok(chain);
         }
         Err(SimError::JointOrder { expected: names(&chain.joints), found: joints.join(", ") })

@@ -66,10 +66,8 @@ fn put(
     let line = before.rsplit('\n').next().unwrap_or(before);
     let margin: String = line.chars().take_while(|c| *c == ' ' || *c == '\t').collect();
     let lines = new.map(|lines| lines.join(&format!("\n{margin}  ")));
-    let old: Vec<Range<usize>> = (node.children())
-        .filter(|child| child.has_tag_name(name))
-        .map(|child| child.range())
-        .collect();
+    let named = node.children().filter(|child| child.has_tag_name(name));
+    let old: Vec<Range<usize>> = named.map(|child| child.range()).collect();
     if let Some((first, others)) = old.split_first() {
         let mut edits = vec![(first.clone(), lines.unwrap_or_default())];
         edits.extend(others.iter().map(|range| (range.clone(), String::new())));

@@ -99,11 +99,8 @@ impl Joint {
     }
 }
 
-fn children<'a, 'i>(
-    parent: Node<'a, 'i>,
-    name: &'static str,
-) -> impl Iterator<Item = Node<'a, 'i>> {
-    parent.children().filter(move |node| node.has_tag_name(name))
+fn children<'a, 'i>(parent: Node<'a, 'i>, tag: &'static str) -> impl Iterator<Item = Node<'a, 'i>> {
+    parent.children().filter(move |node| node.has_tag_name(tag))
 }
 
 fn child<'a, 'i>(parent: Node<'a, 'i>, name: &'static str) -> Option<Node<'a, 'i>> {
@@ -129,8 +126,7 @@ fn numbers<const N: usize>(
         return Ok(default);
     }
     let text = attribute(element, name)?;
-    let numbers: Option<Vec<f64>> =
-        text.split_whitespace().map(|number| number.parse().ok()).collect();
+    let numbers: Option<Vec<f64>> = text.split_whitespace().map(|x| x.parse().ok()).collect();
     numbers
         .and_then(|numbers| numbers.try_into().ok())
         .ok_or_else(|| refused(element, &format!("has {name}=\"{text}\", expected {N} numbers")))

@@ -189,11 +189,8 @@ fn only_root<'a>(robot: &'a Robot, links: &HashMap<&str, &Link>) -> Result<&'a s
             }
         }
         if let Some(first) = parents.insert(&joint.child, joint) {
-            return Err(SimError::TwoParents {
-                link: joint.child.clone(),
-                first: first.name.clone(),
-                second: joint.name.clone(),
-            });
+            let (first, second) = (first.name.clone(), joint.name.clone());
+            return Err(SimError::TwoParents { link: joint.child.clone(), first, second });
         }
     }
     let names = robot.links.iter().map(|link| link.name.as_str());

@@ -34,12 +34,9 @@ impl Known {
             Weighted::new(FrictionTerm::of_joint(DRY.len(), joint, law(dry)), dry)
         };
         let plant = plant(0.0);
-        let model = Model {
-            joints: plant.arm.joints().to_vec(),
-            form: Form::Torque(vec![vec![]; DRY.len()]),
-            friction: DRY.iter().enumerate().map(weighted).collect(),
-            ..Model::default()
-        };
+        let friction = DRY.iter().enumerate().map(weighted).collect();
+        let (joints, form) = (plant.arm.joints().to_vec(), Form::Torque(vec![vec![]; DRY.len()]));
+        let model = Model { joints, form, friction, ..Model::default() };
         Self { friction: Torque::new(&model), plant }
     }
 

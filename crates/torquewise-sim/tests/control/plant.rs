@@ -20,13 +20,12 @@ fn a_plant_without_friction_keeps_its_energy() {
         let plant = Plant::ideal(Arm::builtin(name).unwrap());
         let n = plant.arm.n_joints();
         let (mut q, mut dq) = (vec![0.3; n], vec![0.5; n]);
-        let energy = |q: &[f64], dq: &[f64]| energy(&plant, q, dq);
-        let (first, mut most) = (energy(&q, &dq), 0.0_f64);
+        let (first, mut most) = (energy(&plant, &q, &dq), 0.0_f64);
 
         for _ in 0..1000 {
             plant.advance([&mut q, &mut dq], &vec![0.0; n], 0.01).unwrap();
             most = most.max(plant.arm.kinetic_energy(&q, &dq));
-            let lost = (energy(&q, &dq) - first).abs();
+            let lost = (energy(&plant, &q, &dq) - first).abs();
             assert!(lost <= 1e-8 * most.max(1.0), "{name}: {lost} J of {most} J");
         }
         assert!(most > 10.0, "{name} swings");
@@ -37,8 +36,7 @@ fn a_plant_without_friction_keeps_its_energy() {
 fn friction_takes_as_much_energy_as_its_power_says() {
     let plant = rubbing(Arm::builtin("planar-2").unwrap());
     let (mut q, mut dq) = (vec![-1.0, 0.4], vec![2.0, -1.0]);
-    let energy = |q: &[f64], dq: &[f64]| energy(&plant, q, dq);
-    let (first, step, mut taken) = (energy(&q, &dq), 1e-4, 0.0);
+    let (first, step, mut taken) = (energy(&plant, &q, &dq), 1e-4, 0.0);
     let power = |dq: &[f64]| -> f64 {
         plant.friction.torques(dq).iter().zip(dq).map(|(rubs, dq)| rubs * dq).sum()
     };
@@ -50,7 +48,7 @@ fn friction_takes_as_much_energy_as_its_power_says() {
     }
 
     // Trapezoids of 0.1 ms across the reversals, where power is next to nothing.
-    let lost = first - energy(&q, &dq);
+    let lost = first - energy(&plant, &q, &dq);
     assert!(lost > 1.0 && (lost - taken).abs() < 1e-4 * lost, "{lost} J, {taken} J");
 }
 

@@ -117,12 +117,10 @@ fn an_arm_that_floats_is_led_with_little_force() {
 #[test]
 fn gains_place_three_equal_poles() {
     let gains = Gains::critically_damped(7.0, &[2.5]);
+    let [p, i, d] = [gains.proportional[0], gains.integral[0], gains.derivative[0]];
 
     for s in [-7.0_f64, -1.0, 3.0] {
-        let closed = 2.5 * s.powi(3)
-            + gains.derivative[0] * s * s
-            + gains.proportional[0] * s
-            + gains.integral[0];
+        let closed = 2.5 * s.powi(3) + d * s * s + p * s + i;
         assert!((closed - 2.5 * (s + 7.0).powi(3)).abs() < 1e-9);
     }
 }
@@ -142,12 +140,9 @@ fn a_loop_that_is_unstable_is_an_error() {
 /// One joint that rubs dry, and nothing else.
 fn dry(n: usize) -> Model {
     let term = FrictionTerm::of_joint(n, 0, FrictionLaw::Coulomb { width: 0.0 });
-    Model {
-        joints: (1..=n).map(|joint| format!("joint{joint}")).collect(),
-        form: Form::Torque(vec![vec![]; n]),
-        friction: vec![Weighted::new(term, 2.0)],
-        ..Model::default()
-    }
+    let joints = (1..=n).map(|joint| format!("joint{joint}")).collect();
+    let (form, friction) = (Form::Torque(vec![vec![]; n]), vec![Weighted::new(term, 2.0)]);
+    Model { joints, form, friction, ..Model::default() }
 }
 
 #[test]

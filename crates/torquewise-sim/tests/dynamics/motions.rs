@@ -1,4 +1,5 @@
 //! Simulated motions: exact derivatives, true patterns, and the shares, speeds and gaps promised.
+use faer::MatRef;
 use std::sync::LazyLock;
 use torquewise_motion::{Pattern, Recording};
 use torquewise_sim::{
@@ -34,12 +35,9 @@ fn velocity_and_acceleration_are_the_derivatives_of_position_which_never_jumps()
 
         for (row, i) in (1..motion.n_rows()).flat_map(|row| (0..3).map(move |i| (row, i))) {
             let dt = t[row] - t[row - 1];
-            let [moved, gained, mean, push] = [
-                q[(row, i)] - q[(row - 1, i)],
-                dq[(row, i)] - dq[(row - 1, i)],
-                f64::midpoint(dq[(row, i)], dq[(row - 1, i)]),
-                f64::midpoint(ddq[(row, i)], ddq[(row - 1, i)]),
-            ];
+            let change = |x: MatRef<'_, f64>| x[(row, i)] - x[(row - 1, i)];
+            let mean = |x: MatRef<'_, f64>| f64::midpoint(x[(row, i)], x[(row - 1, i)]);
+            let (moved, gained, mean, push) = (change(q), change(dq), mean(dq), mean(ddq));
             // Transfers between staged recordings are gaps.
             if *kind != MotionKind::Staged {
                 let smooth = moved.abs() < 2.1 / 250.0 && gained.abs() < 6.1 / 250.0;
@@ -134,7 +132,7 @@ fn torque_is_the_inverse_dynamics_of_its_row() {
     let motion = simulate(&arm, &plan(MotionKind::Moves)).unwrap().motion;
 
     for row in (0..motion.n_rows()).step_by(997) {
-        let of = |x: faer::MatRef<'_, f64>| (0..6).map(|i| x[(row, i)]).collect::<Vec<_>>();
+        let of = |x: MatRef<'_, f64>| (0..6).map(|i| x[(row, i)]).collect::<Vec<_>>();
         let expected = arm.inverse_dynamics(&of(motion.q()), &of(motion.dq()), &of(motion.ddq()));
         assert_eq!(of(motion.require_tau().unwrap()), expected);
     }
@@ -150,19 +148,17 @@ fn a_log_read_block_by_block_is_the_log_made_at_once_and_another_seed_gives_anot
         let other = simulate(&arm, &MotionPlan { seed: 6, ..plan }).unwrap().motion;
         assert_ne!(whole.q(), other.q(), "{kind:?}");
         let mut first = 0;
-        SimulatedLog::new(&arm, &plan)
-            .unwrap()
-            .read(&mut |trajectory, block| {
-                assert_eq!(trajectory, 0);
-                let rows = first..first + block.n_rows();
-                let expected = whole.select(&rows.clone().collect::<Vec<_>>());
-                assert_eq!((block.t(), block.q()), (expected.t(), expected.q()));
-                assert_eq!((block.ddq(), block.tau()), (expected.ddq(), expected.tau()));
-                first = rows.end;
-                Ok(())
-            })
-            .unwrap();
+        let read = SimulatedLog::new(&arm, &plan).unwrap().read(&mut |trajectory, block| {
+            assert_eq!(trajectory, 0);
+            let rows = first..first + block.n_rows();
+            let expected = whole.select(&rows.clone().collect::<Vec<_>>());
+            assert_eq!((block.t(), block.q()), (expected.t(), expected.q()));
+            assert_eq!((block.ddq(), block.tau()), (expected.ddq(), expected.tau()));
+            first = rows.end;
+            Ok(())
+        });
 
+        read.unwrap();
         assert_eq!(first, 2500);
     }
 }

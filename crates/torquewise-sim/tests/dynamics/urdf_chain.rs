@@ -10,38 +10,7 @@ use torquewise_sim::urdf::edit::{Dynamics, edited};
 use torquewise_sim::{Arm, Body, SimError, UrdfChain};
 
 /// An arm with a tool, a gripper whose finger mimics the other, skew axes and comments.
-const ROBOT: &str = r#"<?xml version="1.0"?>
-<!-- an arm -->
-<robot name="skew">
-  <link name="world"/>
-  <joint name="stand" type="fixed"><parent link="world"/><child link="base"/>
-    <origin xyz="0 0 1" rpy="0.4 0.1 -0.2"/></joint>
-  <link name="base"/>
-  <joint name="waist" type="revolute">
-    <parent link="base"/><child link="upper"/>
-    <origin xyz="0.1 0 0.2" rpy="0 0.3 0"/><axis xyz="0 0 -1"/>
-    <limit lower="-1" upper="1" effort="10" velocity="2"/>
-    <dynamics damping="9"  friction="8"/>
-  </joint>
-  <link name="upper">
-    <inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
-    <visual><geometry><sphere radius="0.1"/></geometry></visual>
-  </link>
-  <joint name="elbow" type="continuous">
-    <parent link="upper"/><child link="fore"/>
-    <origin xyz="0.3 0.05 0" rpy="1.2 -0.4 0.9"/><axis xyz="1 2 -0.5"/>
-  </joint>
-  <link name="fore"/>
-  <joint name="flange" type="fixed"><parent link="fore"/><child link="tool"/>
-    <origin xyz="0 0.2 0.1" rpy="0 0 0.7"/></joint>
-  <link name="tool"><inertial><origin xyz="0 0 0.01"/><mass value="0.1"/>
-    <inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial></link>
-  <joint name="left" type="prismatic"><parent link="tool"/><child link="finger"/>
-    <limit lower="0" upper="0.1" effort="1" velocity="1"/></joint>
-  <link name="finger"><inertial><mass value="0.05"/>
-    <inertia ixx="1e-5" ixy="0" ixz="0" iyy="1e-5" iyz="0" izz="1e-5"/></inertial></link>
-</robot>
-"#;
+const ROBOT: &str = include_str!("skew.urdf");
 
 fn names(joints: &[&str]) -> Vec<String> {
     joints.iter().map(ToString::to_string).collect()
@@ -79,9 +48,7 @@ fn check(text: &str, joints: &[String], locked: &[String], mass: f64) -> String 
         let mut torque = vec![0.0; n];
         kinematics.inverse_dynamics(state, &inertial, &mut Moved::default(), &mut torque);
         let expected = arm.inverse_dynamics(&q, &dq, &ddq);
-        for (own, file) in torque.iter().zip(&expected) {
-            assert_relative_eq!(own, file, epsilon = 1e-9, max_relative = 1e-10);
-        }
+        assert_relative_eq!(torque[..], expected[..], epsilon = 1e-9, max_relative = 1e-10);
     }
     changed
 }
@@ -117,8 +84,8 @@ fn numbered_joints_are_taken_in_the_order_of_the_file_and_what_names_leave_open_
 #[test]
 fn nothing_but_the_bodies_and_dynamics_changes() {
     let dynamics = Dynamics { armature: 0.5, damping: 0.25, friction: 2.0 };
-    let changed = edited(ROBOT, &[], &["waist", "elbow"].map(|joint| (joint.into(), dynamics)));
-    let changed = changed.unwrap();
+    let both = ["waist", "elbow"].map(|joint| (joint.into(), dynamics));
+    let changed = edited(ROBOT, &[], &both).unwrap();
 
     let new = r#"<dynamics damping="0.25" friction="2.0" armature="0.5"/>"#;
     let expected = ROBOT.replace(r#"<dynamics damping="9"  friction="8"/>"#, new);
@@ -132,16 +99,11 @@ fn nothing_but_the_bodies_and_dynamics_changes() {
 fn the_mounting_is_that_of_the_file_unless_gravity_is_given() {
     let of = |gravity| UrdfChain::of_joints(ROBOT, &names(&["waist", "elbow"]), &[], gravity);
 
-    let as_mounted = of(None).unwrap();
-    let given = of(Some([0.0, 0.0, -2.0])).unwrap();
-    let hanging = of(Some([0.0, 0.0, 1.0])).unwrap();
+    let [mounted, given, hanging] = [None, Some([0.0, 0.0, -2.0]), Some([0.0, 0.0, 1.0])]
+        .map(|gravity| of(gravity).unwrap().geometry.gravity());
 
-    let [mounted, given, hanging] =
-        [as_mounted, given, hanging].map(|chain| chain.geometry.gravity());
-    for axis in 0..3 {
-        assert_relative_eq!(mounted[axis], given[axis], epsilon = 1e-12);
-        assert_relative_eq!(mounted[axis], -hanging[axis], epsilon = 1e-12);
-    }
+    assert_relative_eq!(mounted[..], given[..], epsilon = 1e-12);
+    assert_relative_eq!(mounted[..], hanging.map(|g| -g)[..], epsilon = 1e-12);
     assert!(matches!(of(Some([0.0; 3])), Err(SimError::NoDirection { .. })));
 }
 

@@ -3,42 +3,8 @@
 use crate::error::LogError;
 use crate::profile::{Columns, PerJoint, Profile};
 
-const WHOLE: &str = r#"
-robot = "Staubli TX40"
-joints = ["a", "b"]
-leave_out = ["a"]
-topic = "/joint_states"
-rows = [[1, 4], [6, 9]]
-seconds = [[0.1, 7.5]]
-
-[beside]
-current = "curr.csv"
-
-[t]
-column = "time"
-unit = "us"
-
-[q]
-columns = "pos"
-unit = "deg"
-scale = 1.0
-matrix = [[1, 0], [0.5, 1]]
-offset = [0.0, 1.5]
-
-[dq]
-columns = ["v1", "v2"]
-unit = "rpm"
-
-[ddq]
-columns = "acc"
-unit = "deg/s2"
-
-[tau]
-columns = "i"
-unit = "A"
-gear = [100, -100]
-torque_constant = 0.1
-"#;
+/// A profile that has every key.
+const WHOLE: &str = include_str!("whole.toml");
 
 fn message(text: &str) -> String {
     Profile::from_toml(text).unwrap_err().to_string()

@@ -32,9 +32,9 @@ fn rows(raw: &Raw, begin: usize, end: usize) -> Raw {
 fn blocks_give_what_the_whole_gives() {
     for (jitter, cutoff) in [(0.0, 2.0), (0.3, 5.0)] {
         let raw = log(90_000, jitter);
-        let settings =
-            Conditioning { cutoff: Cutoff::Hz(cutoff), delay: 0.013, ..Default::default() };
-        let whole = condition(&raw, &settings).unwrap().motion.into_signals();
+        let cutoff = Cutoff::Hz(cutoff);
+        let settings = Conditioning { cutoff, delay: 0.013, ..Default::default() };
+        let whole = condition(&raw, &settings).unwrap().motion;
 
         let mut conditioner = Conditioner::new(SignalPlan::new(&raw, &settings).unwrap());
         let mut parts = Vec::new();
@@ -45,29 +45,19 @@ fn blocks_give_what_the_whole_gives() {
 
         assert!(parts.len() >= 3);
         assert_eq!((conditioner.repairs.spikes["tau"], conditioner.repairs.gaps), (2 * 10, 0));
-        let mut row = 0;
-        for part in &parts {
-            for k in 0..part.n_rows() {
-                assert!((part.t()[k] - whole.t[row]).abs() < 1e-9);
-                for joint in 0..2 {
-                    let pairs = [
-                        (part.q()[(k, joint)], whole.q[(row, joint)]),
-                        (part.dq()[(k, joint)], whole.dq[(row, joint)]),
-                        (part.ddq()[(k, joint)], whole.ddq[(row, joint)]),
-                        (
-                            part.tau().unwrap()[(k, joint)],
-                            whole.tau.as_ref().unwrap()[(row, joint)],
-                        ),
-                    ];
-                    for (found, expected) in pairs {
-                        let error = (found - expected).abs();
-                        assert!(error < 1e-9 * expected.abs().max(1.0), "row {row}: {error:e}");
-                    }
+        let joined = Motion::joined(&raw.joints, &parts).unwrap();
+        assert_eq!(joined.n_rows(), whole.n_rows());
+        let [found, expected] = [&joined, &whole]
+            .map(|motion| [motion.q(), motion.dq(), motion.ddq(), motion.tau().unwrap()]);
+        for row in 0..whole.n_rows() {
+            assert!((joined.t()[row] - whole.t()[row]).abs() < 1e-9);
+            for (found, expected) in found.iter().zip(&expected) {
+                for (found, expected) in found.row(row).iter().zip(expected.row(row).iter()) {
+                    let error = (found - expected).abs();
+                    assert!(error < 1e-9 * expected.abs().max(1.0), "row {row}: {error:e}");
                 }
-                row += 1;
             }
         }
-        assert_eq!(row, whole.t.len());
     }
 }
 
@@ -99,8 +89,8 @@ fn blocks_that_do_not_follow_are_refused() {
     let mut no_tau = rows(&raw, 500, 600);
     no_tau.signals[Signal::Tau as usize] = None;
     let no_tau = conditioner.push(no_tau);
-    let stranger =
-        conditioner.push(Raw { joints: vec!["x".into(), "y".into()], ..rows(&raw, 500, 600) });
+    let joints = vec!["x".into(), "y".into()];
+    let stranger = conditioner.push(Raw { joints, ..rows(&raw, 500, 600) });
 
     assert_eq!(repeated.unwrap_err(), MotionError::TimeOrder { row: 500 });
     assert_eq!(no_tau.unwrap_err(), MotionError::Block);

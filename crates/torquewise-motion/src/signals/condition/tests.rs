@@ -27,21 +27,15 @@ fn torque(t: f64) -> f64 {
 
 struct Measured {
     n: usize,
-    rate: f64,
     jitter: f64,
     noise: f64,
     velocity_lag: f64,
     torque_lag: f64,
 }
 
-const BAD: Measured = Measured {
-    n: 6000,
-    rate: 100.0,
-    jitter: 0.1,
-    noise: 1.0,
-    velocity_lag: 0.012,
-    torque_lag: 0.02,
-};
+const BAD: Measured =
+    Measured { n: 6000, jitter: 0.1, noise: 1.0, velocity_lag: 0.012, torque_lag: 0.02 };
+const RATE: f64 = 100.0;
 
 fn measure(how: &Measured) -> Raw {
     let mut rng = ChaCha8Rng::seed_from_u64(21);
@@ -50,9 +44,8 @@ fn measure(how: &Measured) -> Raw {
         how.noise * sigma * e
     };
     let mut jitter = ChaCha8Rng::seed_from_u64(22);
-    let t: Vec<f64> = (0..how.n)
-        .map(|k| (k as f64 + how.jitter * jitter.random_range(-1.0..1.0)) / how.rate)
-        .collect();
+    let mut stamp = |k| (k as f64 + how.jitter * jitter.random_range(-1.0..1.0)) / RATE;
+    let t: Vec<f64> = (0..how.n).map(&mut stamp).collect();
     let mut column = |sigma: f64, value: &dyn Fn(f64) -> f64| {
         Some(vec![t.iter().map(|t| value(*t) + draw(sigma)).collect()])
     };
@@ -150,9 +143,8 @@ fn a_coarse_current_is_told() {
 
     let report = condition(&raw, &Conditioning::default()).unwrap().report;
 
-    let coarse: Vec<&str> =
-        report.signals.iter().filter(|s| s.is_coarse()).map(|s| s.signal).collect();
-    assert_eq!(coarse, ["tau"]);
+    let coarse = report.signals.iter().filter(|s| s.is_coarse()).map(|s| s.signal);
+    assert_eq!(coarse.collect::<Vec<_>>(), ["tau"]);
     assert!(report.to_string().contains("tau of arm_1 is quantised to 4.000e0"));
 }
 

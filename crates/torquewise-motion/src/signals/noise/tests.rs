@@ -2,17 +2,13 @@
 
 use super::*;
 use approx::assert_relative_eq;
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::StandardNormal;
 
 pub(crate) fn gaussian(n: usize, sigma: f64, seed: u64) -> Vec<f64> {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let draw = |_| {
-        let x: f64 = StandardNormal.sample(&mut rng);
-        sigma * x
-    };
-    (0..n).map(draw).collect()
+    let unit = ChaCha8Rng::seed_from_u64(seed).sample_iter(StandardNormal);
+    unit.take(n).map(|x: f64| sigma * x).collect()
 }
 
 #[test]

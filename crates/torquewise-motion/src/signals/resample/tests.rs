@@ -33,13 +33,11 @@ fn receive_times_of_an_even_device_are_told_from_uneven_sampling() {
     let received = timing(&received(5000, 0.3)).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let mut now = 0.0;
-    let uneven: Vec<f64> = (0..5000)
-        .map(|_| {
-            now += 0.01 * (1.0 + 0.4 * rng.random_range(-1.0..1.0));
-            now
-        })
-        .collect();
-    let uneven = timing(&uneven).unwrap();
+    let uneven = (0..5000).map(|_| {
+        now += 0.01 * (1.0 + 0.4 * rng.random_range(-1.0..1.0));
+        now
+    });
+    let uneven = timing(&uneven.collect::<Vec<f64>>()).unwrap();
 
     // A uniform error of ±0.3 steps has a deviation of 0.3/√3, its differences √2 times that.
     assert_relative_eq!(received.jitter, 0.3 * (2.0_f64 / 3.0).sqrt(), max_relative = 0.05);
