@@ -6,6 +6,7 @@ use crate::learn::kinds::{FirstLook, first_look};
 use crate::library_errors::held_out_rms;
 use crate::residual_shape::shapes;
 use crate::rough::doubtful;
+use crate::torque_kind::is_weightless;
 use crate::torque_sign::{SignTest, swapped};
 use crate::verdict::grave;
 use crate::warning::Warning;
@@ -63,6 +64,8 @@ impl Reconstruction {
             held_out_rms(&model, &survey.sample)?;
         let mut found =
             Self { model, survey, patterns, noise, candidates, steps, dropped, warnings };
+        let weightless = is_weightless(&found.model).then_some(Finding::Weightless);
+        found.warnings.extend(weightless.map(Warning::Excitation));
         found.doubt_torque(seed, watch, |survey| SignTest::search(survey, seed, watch))?;
         Ok(found)
     }

@@ -5,6 +5,8 @@ use crate::excitation::Finding;
 use crate::unseen::{CHOICE_ROWS, HeldOut, Unseen, both_ways, geometric_mean};
 use faer::Mat;
 use std::ops::Range;
+use torquewise_model::term::{Factor, Sum};
+use torquewise_model::{Kind, Model, Term};
 use torquewise_motion::Motion;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_rigid::feasible::Factored;
@@ -40,6 +42,8 @@ const MOST_APART: f64 = 20.0;
 /// What is left of held-out torque, in units of the least residual that weights are made of, below
 /// which it is rounding, as of a log without noise: no reading of it is better.
 const NOTHING: f64 = 0.01;
+/// A term of inertia of this part of the largest of its equation is no chance.
+const CROSSES: f64 = 0.1;
 /// Ridge on columns of unit length, which may be linearly dependent.
 const RIDGE: f64 = 1e-8;
 
@@ -110,6 +114,29 @@ pub(crate) fn torque_kind(
         [own, own * gains.error(&|per| gain(per, joint).ln())]
     });
     Ok(Some(Finding::Gains { joints: sample.joints().to_vec(), gains: gains.collect() }))
+}
+
+/// Whether the terms of a library are those of axes that are not all parallel, and hold no gravity: only
+/// axes that stand upright, all of them, leave none.
+///
+/// Of parallel axes, no entry of M(q) turns with twice an angle \[E4\].
+pub(crate) fn is_weightless(model: &Model) -> bool {
+    let kinds = model.kinds();
+    let degree = |term: &Term, joint: usize| -> i32 {
+        let of = |own: &Factor| i32::from(own.multiples[joint]).abs() * i32::from(own.power);
+        term.factors.iter().map(of).sum()
+    };
+    let crosses = |equation: &Sum| {
+        let inertia = || equation.iter().filter(|(_, term)| term.kind() == Kind::Inertia);
+        let largest = inertia().fold(0.0_f64, |largest, (own, _)| largest.max(own.abs()));
+        let mut large = inertia().filter(|(own, _)| own.abs() > CROSSES * largest);
+        large.any(|(_, term)| (0..term.n_joints()).any(|joint| degree(term, joint) > 1))
+    };
+    let weighs = |(_, term): &(f64, Term)| {
+        term.kind() == Kind::Gravity && (!term.factors.is_empty() || !kinds.all_turn())
+    };
+    let equations = model.equations();
+    !equations.iter().flatten().any(weighs) && equations.iter().any(crosses)
 }
 
 /// One over the gain of each joint beside that of one of them.

@@ -117,8 +117,8 @@ impl Blocks {
         Ok(())
     }
 
-    /// Leaves out rows with absurd values, the impossible alone of signals to be filtered, but for the last ones, of which not all that stands beside
-    /// them is known.
+    /// Leaves out rows with absurd values, of signals to be filtered the impossible alone; but for the
+    /// last ones, of which not all that stands beside them is known.
     fn screen(&mut self) {
         let all = self.columns[0].len();
         let end = all.saturating_sub(if self.screens && !self.at_end_of_file { NEAR } else { 0 });

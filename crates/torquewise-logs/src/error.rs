@@ -3,6 +3,8 @@
 
 #[cfg(feature = "formats")]
 use crate::format::Format;
+#[cfg(feature = "formats")]
+use std::cell::Cell;
 use std::error::Error;
 use std::fmt;
 use std::io;
@@ -216,8 +218,22 @@ impl LogError {
 /// any other.
 #[cfg(feature = "formats")]
 pub(crate) fn guarded<T>(file: &Path, work: impl FnOnce() -> Result<T>) -> Result<T> {
-    catch_unwind(AssertUnwindSafe(work))
-        .unwrap_or_else(|_| Err(LogError::Damaged { file: file.into() }))
+    let before = DECODES.replace(true);
+    let done = catch_unwind(AssertUnwindSafe(work));
+    DECODES.set(before);
+    done.unwrap_or_else(|_| Err(LogError::Damaged { file: file.into() }))
+}
+
+#[cfg(feature = "formats")]
+thread_local! {
+    static DECODES: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whether this thread is within a decoder whose panic becomes an error: a program's panic hook need
+/// print nothing of it.
+#[cfg(feature = "formats")]
+pub fn decodes() -> bool {
+    DECODES.get()
 }
 
 /// Names side by side, `most` of them at most.

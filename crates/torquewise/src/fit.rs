@@ -18,7 +18,6 @@ use torquewise_identify::excitation::Finding;
 use torquewise_identify::reconstruct::reconstruct_from;
 use torquewise_identify::verdict::{Grade, Verdict, judge};
 use torquewise_identify::{IdentifyError, Method, Plan, Reconstruction, Warning, reconstruct};
-use torquewise_model::{Kind, Term};
 use torquewise_motion::Recording;
 use torquewise_stepwise::Progress;
 use torquewise_stepwise::progress::Watch;
@@ -80,18 +79,17 @@ impl<'a> Fit<'a> {
             return Ok(fit);
         }
         let look = |progress: Watch<'_>| fit.found.first_look(self.options.seed, progress);
-        // A log that no chain can be learned from is one of terms.
-        let seen = match timed(self.observer, look) {
-            Err(Error::Interrupted) => return Err(Error::Interrupted),
-            seen => seen.map(|(seen, ..)| seen).unwrap_or_default(),
+        // Kinds that are said stand; a log that no chain can be learned from is one of terms.
+        let seen = match self.options.kinds.is_none().then(|| timed(self.observer, look)) {
+            Some(Err(Error::Interrupted)) => return Err(Error::Interrupted),
+            Some(Ok((seen, ..))) => Some(seen),
+            _ => None,
         };
+        let slides = seen.as_ref().filter(|seen| !seen.kinds.all_turn());
+        let may_slide = seen.as_ref().is_some_and(|seen| !seen.may_slide.is_empty());
         let is_useful = |fit: &FitResult| fit.verdict().grade != Grade::Unusable;
         let suffices = is_useful(&fit) && MassMatrix::of(&fit.model)?.positive_definite;
-        // Without gravity it is an arm of upright axes, or what is logged is not all of its torque.
-        let weighs =
-            |(_, term): &(f64, Term)| term.kind() == Kind::Gravity && !term.factors.is_empty();
-        let is_settled = suffices && fit.model.equations().iter().flatten().any(weighs);
-        if seen.kinds.all_turn() && seen.may_slide.is_empty() && is_settled {
+        if slides.is_none() && !may_slide && suffices {
             return Ok(fit);
         }
         let chain = FitOptions { library: Some(Library::Chain), ..self.options.clone() };
@@ -102,10 +100,8 @@ impl<'a> Fit<'a> {
                     return Ok(chain);
                 }
                 Ok(chain) => {
-                    let of_torque = |own: &Warning| {
-                        let Warning::Excitation(own) = own else { return false };
-                        matches!(own, Finding::Weightless | Finding::Gains { .. })
-                    };
+                    let of_torque =
+                        |own: &Warning| matches!(own, Warning::Excitation(Finding::Gains { .. }));
                     let told = chain.found.warnings.into_iter().filter(of_torque);
                     fit.found.warnings.extend(told);
                     return Ok(fit);
@@ -114,10 +110,10 @@ impl<'a> Fit<'a> {
                 Err(_) => {}
             }
         }
-        if !seen.kinds.all_turn() {
+        fit.found.warnings.extend(slides.map(|seen| {
             let kinds = seen.kinds.letters(fit.model.n_joints());
-            fit.found.warnings.push(Warning::Sliding { kinds });
-        }
+            Warning::Sliding { kinds }
+        }));
         Ok(fit)
     }
 

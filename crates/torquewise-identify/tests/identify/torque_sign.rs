@@ -123,12 +123,23 @@ fn torques_that_are_swapped_or_without_gravity_are_named() {
         let expected = Finding::Swapped { joints: [a, b].map(|joint| arm.joints()[joint].clone()) };
         assert_eq!(said(&arm, &Plan::default(), |_, tau| tau.swap(a, b)), [expected]);
     }
-    let arm = Arm::builtin("generic-6").unwrap();
-    let take_out = |q: &[f64], tau: &mut [f64]| {
-        tau.iter_mut().zip(arm.gravity_torque(q)).for_each(|(tau, gravity)| *tau -= gravity);
-    };
+    // Axes of the last are parallel, as those of an arm that gravity does not pull may be.
+    let arms = [
+        ("generic-6", Plan::chain(), true),
+        ("puma560-3", Plan::default(), true),
+        ("generic-4", Plan::default(), true),
+        ("planar-2", Plan::default(), false),
+    ];
+    for (name, plan, is_told) in arms {
+        let arm = Arm::builtin(name).unwrap();
+        let take_out = |q: &[f64], tau: &mut [f64]| {
+            tau.iter_mut().zip(arm.gravity_torque(q)).for_each(|(tau, gravity)| *tau -= gravity);
+        };
+        let expected = if is_told { vec![Finding::Weightless] } else { Vec::new() };
 
-    assert_eq!(said(&arm, &Plan::chain(), take_out), [Finding::Weightless]);
+        assert_eq!(said(&arm, &plan, take_out), expected, "{name}");
+        assert_eq!(said(&arm, &plan, |_, _| ()), [], "{name}");
+    }
 }
 
 #[test]

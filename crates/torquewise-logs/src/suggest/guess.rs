@@ -106,6 +106,8 @@ fn grouped(names: &[String]) -> Vec<(String, Vec<String>)> {
             Some(word) if bare.to_lowercase().ends_with(&word) && bare.len() > word.len() => {
                 format!("… {word}")
             }
+            // pos_shoulder and pos_elbow: by their first word, where the rest names a joint.
+            Some(word) if names_joint(bare, &word) => format!("{word} …"),
             _ => name.clone(),
         };
         let is_same = |(known, columns): &&mut (String, Vec<String>)| {
@@ -117,6 +119,13 @@ fn grouped(names: &[String]) -> Vec<(String, Vec<String>)> {
         }
     }
     groups
+}
+
+/// Whether a name is a word and what else tells nothing of a signal.
+fn names_joint(name: &str, word: &str) -> bool {
+    let mut all = words(name).into_iter();
+    let is_told = |own: &String| is_in(own, &[MEASURED, NOT_MEASURED, CURRENT, DEGREES].join(" "));
+    all.next().is_some_and(|first| first == word) && all.len() > 0 && !all.any(|own| is_told(&own))
 }
 
 /// The name of a column but for a unit, or what else stands in brackets at its end, and that.
@@ -155,13 +164,19 @@ impl Family {
         Self { columns, prefix: self.prefix.as_ref().map(of), ..self }
     }
 
-    /// Names of the joints, if the columns are called `NAME_position` or the like.
+    /// Names of the joints, if the columns are called `NAME_position`, `position_NAME` or the like.
     pub(super) fn joints(&self) -> Option<Vec<String>> {
         let joint = |column: &String| {
             let lower = parted(column).0.to_lowercase();
-            let joint = column.get(..lower.strip_suffix(&self.told_by)?.len())?;
+            let joint = match lower.strip_suffix(&self.told_by) {
+                Some(before) => column.get(..before.len())?,
+                None if names_joint(&lower, &self.told_by) => {
+                    column.get(self.told_by.len()..lower.len())?
+                }
+                None => return None,
+            };
             let joint = joint.trim_matches(|c: char| !c.is_alphanumeric());
-            (!joint.is_empty()).then(|| joint.to_owned())
+            joint.contains(char::is_alphabetic).then(|| joint.to_owned())
         };
         let names: Vec<String> = self.columns.iter().map(joint).collect::<Option<_>>()?;
         joints::check(&names).ok().map(|()| names)

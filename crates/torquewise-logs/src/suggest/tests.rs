@@ -108,13 +108,14 @@ fn velocity_in_another_unit_than_position_is_told_by_slopes() {
 
 #[test]
 fn joints_named_within_columns_are_found_and_columns_that_mean_nothing_give_a_draft() {
-    let header = "t,- hip_joint_position,- knee_joint_position";
-    let (_folder, file) = log("arm.csv", header, 100, |k| vec![0.01 * k, wave(k).0, 1.0]);
+    for header in ["t,- hip_joint_position,- knee_joint_position", "t,q_hip_joint,q_knee_joint"] {
+        let (_folder, file) = log("arm.csv", header, 100, |k| vec![0.01 * k, wave(k).0, 1.0]);
 
-    let (_, profile) = readable(&file);
+        let (_, profile) = readable(&file);
 
-    assert_eq!(profile.joints, ["hip_joint", "knee_joint"]);
-    assert!(profile.dq.is_none() && profile.tau.is_none());
+        assert_eq!(profile.joints, ["hip_joint", "knee_joint"], "{header}");
+        assert!(profile.dq.is_none() && profile.tau.is_none());
+    }
     let (_folder, file) = log("x.csv", "alpha,\"be\"\"ta\"", 10, |k| vec![k, k]);
 
     let suggestion = suggest(&[(&file).into()]).unwrap();

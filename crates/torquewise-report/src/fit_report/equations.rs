@@ -5,8 +5,9 @@ use crate::html::equation::{Equation, energies, math};
 use crate::html::number::count;
 use crate::html::{Item, Section};
 use std::collections::BTreeMap;
+use torquewise_model::friction::FrictionLaw;
 use torquewise_model::print::{weighted_equations, weighted_friction};
-use torquewise_model::{Form, Term, Weighted};
+use torquewise_model::{Form, FrictionTerm, Term, Weighted};
 
 /// Terms of one equation written out at most; no one reads more.
 const MOST_TERMS: usize = 200;
@@ -43,6 +44,15 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
             "The torque of each joint, in SI units. Grey numbers are standard errors.".into(),
         ));
         items.extend(torques.into_iter().map(written));
+    }
+    let remembers = |own: &Weighted<FrictionTerm>| matches!(own.term.law, FrictionLaw::Dahl { .. });
+    if model.friction.iter().any(|own| own.term.load || remembers(own)) {
+        items.push(Item::Text(
+            "Of friction, x is the state of a Dahl element with its travel below, ±1 after a long way: \
+             dry friction that turns over along that travel; |G| is the load of gravity and springs on \
+             that joint [N·m]."
+                .into(),
+        ));
     }
     Section { heading: "Equations".into(), items }
 }
