@@ -18,8 +18,9 @@ use torquewise_stepwise::error::IdentifyError;
 const LONGEST_SLIDE: f64 = 2.0;
 /// Slides of an arm at most: more would only repeat a direction.
 const MOST_SLIDES: usize = 3;
-/// Starts of a first look, and its rows.
-const GLANCE: (usize, usize) = (3, 120);
+/// Starts of a first look, and its rows: of surgical arms, which slide by little, fewer starts miss the
+/// slide of one log in six.
+const GLANCE: (usize, usize) = (8, 60);
 /// Slides must lower the error by this part: a joint that turned by little fits either way, and most
 /// joints turn. Of a joint of so little travel that it is warned of, held-out rows alone decide: it
 /// slides where that errs less by more than a standard error.
