@@ -27,7 +27,7 @@ impl Design {
     /// Numbers the atoms of `equations[e][j]`, the expression of column j in equation e.
     ///
     /// # Errors
-    /// [`SparseError::Shape`] if equations differ in their number of columns or an atom in its
+    /// [`SparseError::Shape`](crate::SparseError::Shape) if equations differ in their number of columns or an atom in its
     /// number of angles or variables.
     pub fn new(n_angles: usize, n_variables: usize, equations: &[Vec<AtomSum>]) -> Result<Self> {
         let n_columns = equations.first().map_or(0, Vec::len);

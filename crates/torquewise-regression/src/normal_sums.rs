@@ -174,7 +174,7 @@ impl NormalSums {
     /// Adds a block.
     ///
     /// # Errors
-    /// [`SparseError::OutOfRange`] if a sum is not finite or too large.
+    /// [`SparseError::OutOfRange`](crate::SparseError::OutOfRange) if a sum is not finite or too large.
     pub fn add(&mut self, block: &BlockSums) -> Result<()> {
         let fold = block.fold % self.rows.len();
         self.sums.add(self.gram_at(fold), &packed(&block.gram))?;
@@ -194,7 +194,7 @@ impl NormalSums {
     /// Adds the blocks of another.
     ///
     /// # Errors
-    /// [`SparseError::Shape`] if it is of other parameters, [`SparseError::OutOfRange`].
+    /// [`SparseError::Shape`](crate::SparseError::Shape) if it is of other parameters, [`SparseError::OutOfRange`](crate::SparseError::OutOfRange).
     pub fn merge(&mut self, other: &Self) -> Result<()> {
         self.sums.merge(&other.sums)?;
         self.rows.iter_mut().zip(&other.rows).for_each(|(rows, more)| *rows += more);

@@ -143,7 +143,7 @@ impl RowSums {
     /// Adds the rows of another.
     ///
     /// # Errors
-    /// [`SparseError::Shape`] if the two were made for different designs.
+    /// [`SparseError::Shape`](crate::SparseError::Shape) if the two were made for different designs.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
         self.sums.merge(&other.sums)?;
         self.rows += other.rows;
@@ -225,7 +225,7 @@ impl<'a> RowAdder<'a> {
     /// Hands over the next block.
     ///
     /// # Errors
-    /// [`SparseError`] if a block does not fit, or holds what is too large to be summed.
+    /// [`SparseError`](crate::SparseError) if a block does not fit, or holds what is too large to be summed.
     pub fn push(&mut self, samples: Samples) -> Result<()> {
         self.waiting.push(samples);
         if self.waiting.len() == self.most { self.drain() } else { Ok(()) }

@@ -35,7 +35,7 @@ impl Samples {
     /// Checks the block against a design.
     ///
     /// # Errors
-    /// [`SparseError::Shape`] if the rows, angles or variables differ.
+    /// [`SparseError::Shape`](crate::SparseError::Shape) if the rows, angles or variables differ.
     pub fn check(&self, design: &Design) -> Result<()> {
         expect("the angles of a block", self.angles.ncols(), design.n_angles)?;
         expect("the variables of a block", self.variables.ncols(), design.n_variables)?;
@@ -154,7 +154,7 @@ impl Design {
     /// The columns of each equation at the rows of a block: one m×p matrix per equation.
     ///
     /// # Errors
-    /// [`SparseError::Shape`] if the block does not fit the design.
+    /// [`SparseError::Shape`](crate::SparseError::Shape) if the block does not fit the design.
     pub fn columns(&self, samples: &Samples) -> Result<Vec<Mat<f64>>> {
         samples.check(self)?;
         let rows = 0..samples.n_rows();

@@ -81,7 +81,7 @@ impl Geometry {
     /// second on; rad and m.
     ///
     /// # Errors
-    /// [`ChainError::Shape`] if their number is that of no chain.
+    /// [`ChainError::Shape`](crate::ChainError::Shape) if their number is that of no chain.
     pub fn new(parameters: &[f64]) -> Result<Self> {
         let found = parameters.len();
         let joints = found.saturating_sub(PER_BASE) / PER_JOINT;

@@ -28,7 +28,7 @@ impl Chain {
     /// - `weights`: one over the noise of each joint \[1/(N·m)\], n
     ///
     /// # Errors
-    /// [`ChainError::Shape`] if the rows are of another arm, or have other columns beside the
+    /// [`ChainError::Shape`](crate::ChainError::Shape) if the rows are of another arm, or have other columns beside the
     /// chain.
     pub fn tangent(&self, rows: &ChainRows, weights: &[f64], free: &[usize]) -> Result<Tangent> {
         let (m, n) = (rows.len(), rows.n_joints());

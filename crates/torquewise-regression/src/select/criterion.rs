@@ -35,7 +35,7 @@ impl Criterion {
     /// Selects, and refits what is kept by least squares.
     ///
     /// # Errors
-    /// [`SparseError`] if a setting is out of range.
+    /// [`SparseError`](crate::SparseError) if a setting is out of range.
     pub fn select(&self, problem: &NormalEquations) -> Result<KeptColumns> {
         require("gamma", self.gamma, self.gamma >= 0.0, "zero or more")?;
         let (inner, scale) = &problem.standardised();

@@ -56,7 +56,7 @@ pub struct PathPoint {
 /// Checked against: the optimality conditions on the rows themselves.
 ///
 /// # Errors
-/// [`SparseError::Setting`] if a setting is out of its range.
+/// [`SparseError::Setting`](crate::SparseError::Setting) if a setting is out of its range.
 pub fn lasso_path(problem: &NormalEquations, lasso: &Lasso) -> Result<Vec<PathPoint>> {
     let Lasso { ratio, gap_tolerance, max_sweeps, threshold } = *lasso;
     require("ratio", ratio, ratio > 0.0 && ratio < 1.0, "between 0 and 1")?;
@@ -91,7 +91,7 @@ impl Lasso {
     /// criterion, with the weights of that refit, which takes the shrinkage off.
     ///
     /// # Errors
-    /// [`SparseError::Setting`] if a setting is out of its range.
+    /// [`SparseError::Setting`](crate::SparseError::Setting) if a setting is out of its range.
     pub fn select(&self, problem: &NormalEquations) -> Result<KeptColumns> {
         let support = |PathPoint { coefficients, .. }| {
             (0..coefficients.len()).filter(|&j| coefficients[j].abs() > self.threshold).collect()

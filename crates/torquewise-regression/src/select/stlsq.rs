@@ -28,7 +28,7 @@ impl Stlsq {
     /// A column dropped once does not return, whether it was small or linearly dependent.
     ///
     /// # Errors
-    /// [`SparseError::Setting`] if threshold or ridge are negative or not finite.
+    /// [`SparseError::Setting`](crate::SparseError::Setting) if threshold or ridge are negative or not finite.
     pub fn select(&self, problem: &NormalEquations) -> Result<KeptColumns> {
         require("threshold", self.threshold, self.threshold >= 0.0, "zero or more")?;
         require("ridge", self.ridge, self.ridge >= 0.0, "zero or more")?;
