@@ -61,6 +61,7 @@ def test_parameters_are_read_set_and_cloned():
         "select": None,
         "seed": 0,
         "rate": 200.0,
+        "kinds": None,
     }
     assert clone(own).get_params() == own.get_params()
     assert own.set_params(threshold=0.2).threshold == 0.2

@@ -16,6 +16,8 @@ const LEAST: [f64; 4] = [std::f64::consts::TAU, 5.0, 100.0, 10.0];
 
 /// Nothing of a joint moves or pulls by as much, and within one row \[rad, rad/s, –, N·m\].
 const IMPOSSIBLE: [f64; 4] = [50.0, 100.0, f64::INFINITY, 1e5];
+/// Numbers beyond are of a damaged file, which is to fail as a whole.
+const DAMAGED: f64 = 1e9;
 /// Where more than this part of a stretch is so, it is in another unit.
 const OTHER_UNIT: f64 = 0.25;
 
@@ -64,7 +66,8 @@ pub(crate) fn impossible(x: &[f64], signal: Signal) -> Vec<usize> {
     let most = IMPOSSIBLE[signal as usize];
     let mut sorted = x.to_vec();
     let median = *sorted.select_nth_unstable_by(x.len() / 2, f64::total_cmp).1;
-    let beyond: Vec<usize> = (0..x.len()).filter(|row| (x[*row] - median).abs() >= most).collect();
+    let is_beyond = |row: &usize| (most..DAMAGED).contains(&(x[*row] - median).abs());
+    let beyond: Vec<usize> = (0..x.len()).filter(is_beyond).collect();
     if beyond.len() as f64 > OTHER_UNIT * x.len() as f64 {
         return Vec::new();
     }
@@ -90,7 +93,8 @@ mod tests {
             x
         };
         let rows = |rows: std::ops::Range<usize>| rows.collect::<Vec<usize>>();
-        let cases: [(_, _, Vec<usize>); 7] = [
+        let cases: [(_, _, Vec<usize>); 8] = [
+            (with(100..105, 1e12, 1.0), Signal::Q, Vec::new()),
             (with(100..105, 1e3, 1.0), Signal::Q, rows(100..105)),
             (with(100..110, -1e3, 1.0), Signal::Dq, rows(100..110)),
             (with(570..600, 2e5, 40.0), Signal::Tau, rows(570..600)),

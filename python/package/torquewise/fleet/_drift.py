@@ -167,8 +167,9 @@ def jumps(
                 scale = scales.get(robot, np.full((len(joints), 4), np.nan))[joint, k] + before
                 percent = 100 * change / scale if np.isfinite(scale) and scale != 0 else None
                 when = told[place][0]
-                change = Change(robot, name, parameter, when, change, error, percent, chance, key)
-                found.append(change)
+                found.append(
+                    Change(robot, name, parameter, when, change, error, percent, chance, key)
+                )
     return _holm(found, level)
 
 
