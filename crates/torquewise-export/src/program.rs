@@ -139,8 +139,11 @@ impl Memory {
         let own = friction(graph, &model.friction, &parts.gravity, &elements);
         let torque = sums(graph, &parts.torque, &own);
         let accelerations = factors.accelerations(graph, parts, &own);
-        let quantities = [Quantity::Torque, Quantity::Friction, Quantity::ForwardDynamics];
-        let after = quantities.into_iter().zip([torque, own.clone(), accelerations]).collect();
+        let after = vec![
+            (Quantity::Torque, torque),
+            (Quantity::Friction, own.clone()),
+            (Quantity::ForwardDynamics, accelerations),
+        ];
         Some((Self { states: next_states(graph, &elements), after }, own))
     }
 

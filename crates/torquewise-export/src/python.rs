@@ -15,7 +15,14 @@ impl Language for Python {
     }
 
     fn name(&self, function: Function) -> String {
-        ["tanh", "exp", "_sign", "_positive", "abs", "1.0/"][function as usize].into()
+        String::from(match function {
+            Function::Tanh => "tanh",
+            Function::Exp => "exp",
+            Function::Sign => "_sign",
+            Function::Positive => "_positive",
+            Function::Abs => "abs",
+            Function::Reciprocal => "1.0/",
+        })
     }
 
     /// Whatever is not plain by its code.

@@ -15,7 +15,14 @@ impl Language for Rust {
     }
 
     fn name(&self, function: Function) -> String {
-        ["F::tanh", "F::exp", "sign", "positive", "abs", "1.0/"][function as usize].into()
+        String::from(match function {
+            Function::Tanh => "F::tanh",
+            Function::Exp => "F::exp",
+            Function::Sign => "sign",
+            Function::Positive => "positive",
+            Function::Abs => "abs",
+            Function::Reciprocal => "1.0/",
+        })
     }
 
     fn quoted(&self, text: &str) -> String {

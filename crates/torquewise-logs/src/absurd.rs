@@ -64,6 +64,10 @@ pub(crate) fn impossible(x: &[f64], signal: Signal) -> Vec<usize> {
         return Vec::new();
     }
     let most = IMPOSSIBLE[signal as usize];
+    let ends = |pick: fn(f64, f64) -> f64| x.iter().copied().reduce(pick);
+    if ends(f64::max).zip(ends(f64::min)).is_none_or(|(high, low)| high - low < most) {
+        return Vec::new();
+    }
     let mut sorted = x.to_vec();
     let median = *sorted.select_nth_unstable_by(x.len() / 2, f64::total_cmp).1;
     let is_beyond = |row: &usize| (most..DAMAGED).contains(&(x[*row] - median).abs());

@@ -24,9 +24,15 @@ pub(crate) struct CsvRows<R> {
 impl<R: BufRead> CsvRows<R> {
     /// Reads up to the header; `file` is named in errors.
     pub(crate) fn new(file: &Path, input: R) -> Result<Self> {
-        let (lines, names, joints) = (Lines::new(input), Vec::new(), None);
-        let (chosen, fields, row) = (Vec::new(), Vec::new(), 0);
-        let mut rows = Self { file: file.into(), lines, names, joints, chosen, fields, row };
+        let mut rows = Self {
+            file: file.into(),
+            lines: Lines::new(input),
+            names: Vec::new(),
+            joints: None,
+            chosen: Vec::new(),
+            fields: Vec::new(),
+            row: 0,
+        };
         if !rows.next_line()? {
             return Err(LogError::Empty { file: rows.file });
         }

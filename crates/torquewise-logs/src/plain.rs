@@ -40,9 +40,11 @@ pub(crate) fn plain(file: &Path, names: &[String]) -> Result<Mapping> {
         let gap = joints.iter().zip(first..).find(|(c, number)| c.0 != *number);
         let missing = gap.map_or(joints.len() + first, |(_, number)| number);
         if !joints.is_empty() && missing <= end {
-            let missing = format!("{}{missing}", signal.name());
-            let (file, present) = (file.into(), format!("{}{end}", widest.name()));
-            return Err(LogError::MissingColumn { file, missing, present });
+            return Err(LogError::MissingColumn {
+                file: file.into(),
+                missing: format!("{}{missing}", signal.name()),
+                present: format!("{}{end}", widest.name()),
+            });
         }
     }
     let n_joints = end + 1 - first;
@@ -82,10 +84,12 @@ impl Found {
         };
         let joints = &mut self.signals[signal as usize];
         match joints.binary_search_by_key(&joint, |found| found.0) {
-            Ok(_) => return Err(twice()),
-            Err(place) => joints.insert(place, (joint, column)),
+            Ok(_) => Err(twice()),
+            Err(place) => {
+                joints.insert(place, (joint, column));
+                Ok(())
+            }
         }
-        Ok(())
     }
 }
 

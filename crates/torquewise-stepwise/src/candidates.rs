@@ -252,7 +252,7 @@ fn check_size(candidates: usize, equations: usize) -> Result<(), IdentifyError> 
 }
 
 /// q̇, q̈ and q, the variables of each row beside laws of friction.
-pub(crate) const SIGNALS: usize = 3;
+pub const SIGNALS: usize = 3;
 
 /// The columns of torque terms: one equation that serves all joints.
 ///

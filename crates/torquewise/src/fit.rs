@@ -11,7 +11,7 @@ use crate::prepared::Prepared;
 use crate::summary::repairs_note;
 use std::ops::Deref;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use torquewise_identify::bandwidth::{Tuned, tune};
 use torquewise_identify::disagreement::disagreements;
 use torquewise_identify::excitation::Finding;
@@ -61,7 +61,8 @@ impl<'a> Fit<'a> {
     }
 
     /// Conditions the log, fits it, and judges the model on blocks of time that were held out. Where the
-    /// library is open and its terms give a model that is of no use, or joints slide, it learns a chain.
+    /// library is open and its terms give a model that is of no use or not physical, or joints slide, it
+    /// learns a chain.
     ///
     /// # Errors
     /// `Error::UnusedOption` if an option does not go with what is fitted, `Error::Interrupted`
@@ -74,7 +75,7 @@ impl<'a> Fit<'a> {
     /// What is fitted where the library is open, without a verdict.
     fn run_as_open(&self) -> Result<FitResult> {
         let mut fit = self.run_as(&self.options)?;
-        // Nor does a chain explain a torque that never changes.
+        // No chain explains a torque that never changes.
         if fit.model.chain.is_some() || fit.model.training.torque_std.contains(&0.0) {
             return Ok(fit);
         }
@@ -88,7 +89,7 @@ impl<'a> Fit<'a> {
         let slides = seen.as_ref().filter(|seen| !seen.kinds.all_turn());
         let may_slide = seen.as_ref().is_some_and(|seen| !seen.may_slide.is_empty());
         let is_useful = |fit: &FitResult| fit.verdict().grade != Grade::Unusable;
-        let suffices = is_useful(&fit) && MassMatrix::of(&fit.model)?.positive_definite;
+        let suffices = is_useful(&fit) && fit.mass_matrix()?.positive_definite;
         if slides.is_none() && !may_slide && suffices {
             return Ok(fit);
         }
@@ -157,6 +158,7 @@ pub struct FitResult {
     pub seconds: f64,
     /// Time each step took \[s\].
     pub step_seconds: Vec<f64>,
+    weakest: OnceLock<MassMatrix>,
 }
 
 impl Deref for FitResult {
@@ -168,12 +170,29 @@ impl Deref for FitResult {
 }
 
 impl FitResult {
+    pub(crate) fn of(
+        found: Reconstruction,
+        log: Option<Prepared>,
+        (seconds, step_seconds): (f64, Vec<f64>),
+    ) -> Self {
+        Self { found, log, seconds, step_seconds, weakest: OnceLock::new() }
+    }
+
     /// The same with its verdict in the model.
     pub(crate) fn judged(mut self) -> Result<Self> {
-        let flaw = MassMatrix::of(&self.found.model)?.flaw();
+        let flaw = self.mass_matrix()?.flaw();
         self.found.warnings.extend(flaw.map(Warning::NotPhysical));
         self.found.model.training.verdict = Some(self.verdict());
         Ok(self)
+    }
+
+    /// Where M(q) is weakest, looked for once.
+    pub(crate) fn mass_matrix(&self) -> Result<&MassMatrix> {
+        if let Some(known) = self.weakest.get() {
+            return Ok(known);
+        }
+        let found = MassMatrix::of(&self.found.model)?;
+        Ok(self.weakest.get_or_init(|| found))
     }
 
     /// Whether the model may be used, and why.
@@ -215,7 +234,7 @@ pub(crate) fn fit_plan(
     let watched = Watched::new(recording, observer, "reading", rows);
     let (found, seconds, step_seconds) =
         timed(observer, |progress| reconstruct(&watched, plan, progress))?;
-    Ok(FitResult { found, log: None, seconds, step_seconds })
+    Ok(FitResult::of(found, None, (seconds, step_seconds)))
 }
 
 /// The same at the bandwidth that held-out rows ask for, where raw torque is at hand (E12).
@@ -240,7 +259,7 @@ fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<Fit
         found.model.choices.splice(0..0, choices);
         Ok((log, found))
     })?;
-    Ok(FitResult { found, log: Some(log), seconds, step_seconds })
+    Ok(FitResult::of(found, Some(log), (seconds, step_seconds)))
 }
 
 /// Does some work, and takes the time of it and of its steps \[s\].

@@ -36,7 +36,7 @@ pub struct FitSummary<'a> {
     pub choices: &'a [Choice],
     pub noise: &'a NoiseFloor,
     pub dropped: &'a [Dropped],
-    pub mass_matrix: MassMatrix,
+    pub mass_matrix: &'a MassMatrix,
 }
 
 /// A step of the reconstruction, and the time it took \[s\].
@@ -104,7 +104,7 @@ impl FitResult {
             choices: &model.choices,
             noise: &self.noise,
             dropped: &self.dropped,
-            mass_matrix: MassMatrix::of(model)?,
+            mass_matrix: self.mass_matrix()?,
         })
     }
 }

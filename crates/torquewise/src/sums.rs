@@ -81,7 +81,7 @@ pub fn solve_sums(
     Ok(match solution {
         Solution::Request(request) => Solved::Request(request),
         Solution::Model(found) => {
-            let mut fit = FitResult { found: *found, log: None, seconds, step_seconds };
+            let mut fit = FitResult::of(*found, None, (seconds, step_seconds));
             fit.found.model.training.filter = filter;
             Solved::Model(Box::new(fit.judged()?))
         }

@@ -150,10 +150,14 @@ impl Walk {
             _ => return Ok(()),
         };
         // What it holds is known once its size is found to be that of a signal.
-        let unread = Err("an array holds cells, an encoding that is not read");
-        let (start, packing) = (self.compressed.unwrap_or_default(), Packing::Zlib);
-        let stored = u64::MAX;
-        let body = Body { start, stored, packing, before: 0, checksum: None, element: unread };
+        let body = Body {
+            start: self.compressed.unwrap_or_default(),
+            stored: u64::MAX,
+            packing: Packing::Zlib,
+            before: 0,
+            checksum: None,
+            element: Err("an array holds cells, an encoding that is not read"),
+        };
         let mut array = Array { name, rows, columns, order: Order::ByColumn, body };
         if !array.is_signal() {
             return Ok(());

@@ -31,8 +31,9 @@ impl BagRows {
             survey.joints.iter().map(move |joint| format!("{joint}.{signal}"))
         };
         let mut names = vec!["t".to_owned()];
-        let rates = [("velocity", survey.has_velocity), ("effort", survey.has_effort)];
-        for (signal, is_known) in [("position", true)].into_iter().chain(rates) {
+        names.extend(of_joints("position"));
+        for (signal, is_known) in [("velocity", survey.has_velocity), ("effort", survey.has_effort)]
+        {
             names.extend(of_joints(signal).filter(|_| is_known));
         }
         Ok(Self {
@@ -88,8 +89,9 @@ impl Rows for BagRows {
             let values = self.chosen.iter().map(value).collect();
             self.in_order.push(stamp, number, values);
         }
-        let first = self.in_order.waiting.pop_first();
-        let Some(((_, number), values)) = first else { return Ok(false) };
+        let Some(((_, number), values)) = self.in_order.waiting.pop_first() else {
+            return Ok(false);
+        };
         self.row = number;
         row.copy_from_slice(&values);
         Ok(true)

@@ -124,8 +124,9 @@ fn grouped(names: &[String]) -> Vec<(String, Vec<String>)> {
 /// Whether a name is a word and what else tells nothing of a signal.
 fn names_joint(name: &str, word: &str) -> bool {
     let mut all = words(name).into_iter();
-    let is_told = |own: &String| is_in(own, &[MEASURED, NOT_MEASURED, CURRENT, DEGREES].join(" "));
-    all.next().is_some_and(|first| first == word) && all.len() > 0 && !all.any(|own| is_told(&own))
+    let begins = all.next().is_some_and(|first| first == word) && all.len() > 0;
+    let lists = [MEASURED, NOT_MEASURED, CURRENT, DEGREES];
+    begins && !all.any(|own| lists.into_iter().any(|list| is_in(&own, list)))
 }
 
 /// The name of a column but for a unit, or what else stands in brackets at its end, and that.

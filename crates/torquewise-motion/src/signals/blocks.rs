@@ -38,9 +38,18 @@ impl Conditioner {
     pub fn new(plan: SignalPlan) -> Self {
         let overlap = plan.reach();
         let part = PART_ROWS.max(4 * overlap) + 2 * overlap;
-        let (next, rows_before, counted_to) = (plan.trim, 0, 0);
-        let (waiting, origin, repairs) = (Raw::default(), None, Repairs::default());
-        Self { plan, overlap, part, waiting, origin, rows_before, next, repairs, counted_to }
+        let next = plan.trim;
+        Self {
+            plan,
+            overlap,
+            part,
+            waiting: Raw::default(),
+            origin: None,
+            rows_before: 0,
+            next,
+            repairs: Repairs::default(),
+            counted_to: 0,
+        }
     }
 
     /// Takes the next rows and hands out those that are done, in order.

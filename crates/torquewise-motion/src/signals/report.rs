@@ -51,12 +51,13 @@ pub enum CutoffFrom {
 
 impl fmt::Display for CutoffFrom {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let words = [
-            "as set",
-            "eight times the frequency of the motion; the fit of a chain tries others",
-            "at which torque of held-out rows is predicted best",
-        ];
-        f.write_str(words[*self as usize])
+        f.write_str(match self {
+            Self::Setting => "as set",
+            Self::Motion => {
+                "eight times the frequency of the motion; the fit of a chain tries others"
+            }
+            Self::HeldOut => "at which torque of held-out rows is predicted best",
+        })
     }
 }
 

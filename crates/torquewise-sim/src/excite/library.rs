@@ -13,7 +13,7 @@ use torquewise_model::library::energy_library_size;
 use torquewise_regression::design::Design;
 use torquewise_regression::samples::Samples;
 use torquewise_rigid::JointKind;
-use torquewise_stepwise::candidates::Candidates;
+use torquewise_stepwise::candidates::{Candidates, SIGNALS};
 use torquewise_stepwise::{LibraryKind, Regression};
 
 /// Columns at most: a factorisation takes about a second then.
@@ -119,7 +119,7 @@ impl Library {
     /// root of the seconds it stands for.
     pub(crate) fn rows(&self, states: &States) -> Result<Mat<f64>> {
         let (m, n, at) = (states.seconds.len(), self.design.n_equations(), &states.at);
-        let variables = Mat::from_fn(m, 3 * n, |row, column| {
+        let variables = Mat::from_fn(m, SIGNALS * n, |row, column| {
             let State { q, dq, ddq } = &at[row];
             [dq, ddq, q][column / n][column % n]
         });

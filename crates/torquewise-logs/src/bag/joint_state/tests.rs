@@ -40,14 +40,17 @@ fn big(number: u64, bytes: usize) -> Vec<u8> {
 
 #[test]
 fn either_byte_order_and_either_alignment_is_read() {
-    let plain = [message(0, big, 8), message(1, little, 8)];
-    for bytes in plain.into_iter().chain([message(6, big, 4), message(7, little, 4)]) {
+    for bytes in
+        [message(0, big, 8), message(1, little, 8), message(6, big, 4), message(7, little, 4)]
+    {
         let state = JointState::decode(&bytes).unwrap();
 
         assert_eq!((state.stamp, state.names), (2_000_000_003, vec!["a".into(), "bc".into()]));
         assert_eq!((state.position, state.velocity), (vec![1.5, -2.5], vec![]));
-        let [effort, none] = [state.effort[0], state.effort[1]];
-        assert_eq!((effort.to_bits(), none.is_nan()), (0.25_f64.to_bits(), true));
+        assert_eq!(
+            (state.effort[0].to_bits(), state.effort[1].is_nan()),
+            (0.25_f64.to_bits(), true)
+        );
     }
 }
 
