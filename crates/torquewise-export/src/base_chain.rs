@@ -9,7 +9,7 @@
 
 use crate::error::Result;
 use nalgebra::{Matrix3, Vector3};
-use torquewise_model::RigidChain;
+use torquewise_model::{JointKind, RigidChain};
 use torquewise_rigid::recursion::Inertia;
 
 /// Sines and cosines this near −1, 0 or 1 are these: π/2 is not a right angle to the last bit.
@@ -27,12 +27,11 @@ pub(crate) struct BaseChain {
     pub(crate) gravity: [f64; 3],
 }
 
-/// A link and the joint before it: a shift, a turn about x, and a turn about z by q and an offset, or
-/// by the offset and a slide by q.
+/// A link and the joint before it: a shift, a turn about x, a turn about z by an offset, and what q
+/// does about z and along it.
 #[derive(Clone, Debug)]
 pub(crate) struct BaseLink {
-    /// Whether the joint slides along z by q, in place of turning.
-    pub(crate) slides: bool,
+    pub(crate) kind: JointKind,
     /// Integer multiples of the coordinates that turn the joint, n.
     pub(crate) turns: Vec<i8>,
     /// Origin of its frame \[m\], in the frame before.
@@ -82,25 +81,28 @@ impl BaseChain {
             links.map(|(link, turn)| turned(&Body::of(link), &about_z(-turn))).collect();
         for j in (1..n).rev() {
             let twist = about_x(joints[j].twist);
-            let moved = if axes.kinds().slides(j) {
-                let moments = Body { mass: 0.0, first: Vector::zeros(), ..bodies[j] };
-                bodies[j].about_origin = Matrix::zeros();
-                turned(&moments, &(twist * about_z(joints[j].after + turns[j])))
+            // What of it does not notice how the joint moves.
+            let mut moved = bodies[j];
+            if axes.kinds().slides(j) {
+                (moved.mass, moved.first) = (0.0, Vector::zeros());
+            }
+            if axes.kinds().of(j).turns() {
+                let yy = moved.about_origin.m22;
+                moved.first = Vector::new(0.0, 0.0, moved.first.z);
+                moved.about_origin = Matrix::from_diagonal(&Vector::new(yy, yy, 0.0));
             } else {
-                // What of it does not notice a turn about z.
-                let Body { mass, first, about_origin } = bodies[j];
-                let yy = about_origin.m22;
-                let first = Vector::new(0.0, 0.0, first.z);
-                let about_origin = Matrix::from_diagonal(&Vector::new(yy, yy, 0.0));
-                shifted(&turned(&Body { mass, first, about_origin }, &twist), &joints[j].origin)
-            };
+                bodies[j].about_origin = Matrix::zeros();
+                moved = turned(&moved, &about_z(joints[j].after + turns[j]));
+            }
+            let moved = shifted(&turned(&moved, &twist), &joints[j].origin);
             bodies[j - 1] = bodies[j - 1].plus(&moved);
         }
         let link = |(k, ((joint, body), turn)): (usize, ((&Joint, &Body), &f64))| {
-            let (slides, m) = (axes.kinds().slides(k), body.about_origin);
+            let (kind, m) = (axes.kinds().of(k), body.about_origin);
+            let slides = kind.slides();
             let [x, y, z]: [f64; 3] = body.first.into();
             BaseLink {
-                slides,
+                kind,
                 turns: chain.coupling.row(k, n),
                 origin: joint.origin.into(),
                 twist: sine_cosine(joint.twist),

@@ -39,13 +39,6 @@ struct Wrench {
     moment: Vector,
 }
 
-impl Wrench {
-    /// What the motor of a link holds of it: its moment about z, or its force along it.
-    fn effort(&self, link: &BaseLink) -> Id {
-        if link.slides { self.force[2] } else { self.moment[2] }
-    }
-}
-
 /// Mass, which slides alone have, first moment and moments of several links together.
 struct Composite {
     mass: f64,
@@ -58,10 +51,10 @@ impl<'a> Recursion<'a> {
         let mut angles = Vec::with_capacity(chain.links.len());
         for link in &chain.links {
             let multiples: Vec<i32> = link.turns.iter().map(|&k| k.into()).collect();
-            angles.push(if link.slides {
-                link.offset.map(|x| graph.constant(x))
-            } else {
+            angles.push(if link.kind.turns() {
                 turned(graph, link.offset, [graph.sin(&multiples), graph.cos(&multiples)])
+            } else {
+                link.offset.map(|x| graph.constant(x))
             });
         }
         Self { graph, chain, angles }
@@ -76,7 +69,7 @@ impl<'a> Recursion<'a> {
             let Wrench { force, moment } = self.wrench(link, moved);
             let force = self.plus(&force, &wrench.force);
             wrench = Wrench { force, moment: self.plus(&moment, &wrench.moment) };
-            torque.push(wrench.effort(link));
+            torque.push(self.effort(link, &wrench));
             wrench = self.carried(joint, &wrench);
         }
         torque.reverse();
@@ -92,15 +85,16 @@ impl<'a> Recursion<'a> {
         let mut beyond = Composite { mass: 0.0, first: [zero; 3], moments: [[zero; 3]; 3] };
         for (j, link) in self.chain.links.iter().enumerate().rev() {
             let all = self.with(link, &beyond);
-            let [x, y, _] = all.first;
-            let mut wrench = if link.slides {
-                let force = [zero, zero, self.graph.constant(all.mass)];
-                Wrench { force, moment: [y, self.graph.neg(x), zero] }
-            } else {
-                Wrench { force: [self.graph.neg(y), x, zero], moment: all.moments[2] }
+            let ([x, y, _], [turn, slide]) = (all.first, link.kind.twist());
+            let force = self.scaled(turn, &[self.graph.neg(y), x, zero]);
+            let push = [zero, zero, self.graph.constant(slide * all.mass)];
+            let moment = self.scaled(slide, &[y, self.graph.neg(x), zero]);
+            let mut wrench = Wrench {
+                force: self.plus(&force, &push),
+                moment: self.plus(&self.scaled(turn, &all.moments[2]), &moment),
             };
             for i in (0..=j).rev() {
-                let effort = wrench.effort(&self.chain.links[i]);
+                let effort = self.effort(&self.chain.links[i], &wrench);
                 (matrix[i * n + j], matrix[j * n + i]) = (effort, effort);
                 wrench = self.carried(i, &wrench);
             }
@@ -151,23 +145,31 @@ impl<'a> Recursion<'a> {
             omega = self.inward(joint, &omega);
             alpha = self.inward(joint, &alpha);
             acceleration = self.inward(joint, &acceleration);
-            let (left, right) = (self.graph.mul(omega[1], speed), self.graph.mul(omega[0], speed));
-            if link.slides {
-                // 2 ω×z q̇ + z q̈.
-                let twice = |x| self.graph.add(x, x);
-                acceleration[0] = self.graph.add(acceleration[0], twice(left));
-                acceleration[1] = self.graph.sub(acceleration[1], twice(right));
-                acceleration[2] = self.graph.add(acceleration[2], rate);
-            } else {
-                alpha[0] = self.graph.add(alpha[0], left);
-                alpha[1] = self.graph.sub(alpha[1], right);
-                alpha[2] = self.graph.add(alpha[2], rate);
-                omega[2] = self.graph.add(omega[2], speed);
-            }
+            let [turn, slide] = link.kind.twist();
+            // ω×z q̇ + z q̈ of what turns, 2 ω×z q̇ + z q̈ of what slides.
+            alpha = self.plus(&alpha, &self.along_z(&omega, turn, [speed, rate]));
+            let twice = self.graph.add(speed, speed);
+            let slid = self.along_z(&omega, slide, [twice, rate]);
+            acceleration = self.plus(&acceleration, &slid);
+            omega[2] = self.graph.add(omega[2], self.graph.mul(self.graph.constant(turn), speed));
             let spread = self.spread(&omega, &alpha);
             all.push(Moved { omega, alpha, acceleration, spread });
         }
         all
+    }
+
+    /// ω×z times a speed, and z times a rate, times a factor.
+    fn along_z(&self, omega: &Vector, factor: f64, [speed, rate]: [Id; 2]) -> Vector {
+        let graph = self.graph;
+        let right = graph.mul(omega[0], speed);
+        self.scaled(factor, &[graph.mul(omega[1], speed), graph.neg(right), rate])
+    }
+
+    /// What the motor of a link holds of a wrench: its moment about z, its force along it.
+    fn effort(&self, link: &BaseLink, wrench: &Wrench) -> Id {
+        let [turn, slide] = link.kind.twist().map(|part| self.graph.constant(part));
+        let held = self.graph.mul(turn, wrench.moment[2]);
+        self.graph.add(held, self.graph.mul(slide, wrench.force[2]))
     }
 
     /// What turns a joint of the chain: multiples of a signal of the coordinates.
@@ -272,12 +274,9 @@ impl<'a> Recursion<'a> {
     fn origin(&self, joint: usize) -> Vector {
         let (graph, link) = (self.graph, &self.chain.links[joint]);
         let own = link.origin.map(|x| graph.constant(x));
-        if !link.slides {
-            return own;
-        }
-        let [sine, cosine] = link.twist;
+        let ([sine, cosine], [_, slide]) = (link.twist, link.kind.twist());
         let q = graph.input(Input::Q(joint));
-        let along = [0.0, -sine, cosine].map(|x| graph.mul(graph.constant(x), q));
+        let along = [0.0, -slide * sine, slide * cosine].map(|x| graph.mul(graph.constant(x), q));
         self.plus(&own, &along)
     }
 

@@ -123,7 +123,7 @@ impl Robot {
                 name => &joint.name,
                 link => &joint.link,
                 kind => joint.kind.name(),
-                motion => if joint.kind.turns() { "hinge" } else { "slide" },
+                motion => joint.kind.mjcf(),
                 parent => k.checked_sub(1).map_or(&self.base, |before| &self.joints[before].link),
                 origin => numbers(joint.frame.origin.into()),
                 rpy => numbers(rpy(&joint.frame.rotation)),

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::{EnergyTerm, FrictionTerm, JointKind, Place, Term, Trig};
 use torquewise_motion::Motion;
-use torquewise_rigid::{Chain, Kinematics};
+use torquewise_rigid::{Chain, Functions, Kinematics};
 use torquewise_stepwise::friction::FrictionLibrary;
 
 /// A joint slower than so many half widths of the reversal of its friction is at rest: its friction
@@ -62,11 +62,11 @@ impl DriveTerm {
     /// A counterbalance of a joint: what a spring adds to V(q) that no mass does, since the masses
     /// that weigh are those that resist. Of a slide: a constant force and a spring.
     pub(crate) fn counterbalance(n_joints: usize, joint: usize, kind: JointKind) -> Vec<Self> {
-        let functions = match kind {
-            JointKind::Revolute => {
+        let functions = match kind.functions() {
+            Functions::Harmonics => {
                 vec![(Trig::Cos, 1, 1), (Trig::Sin, 1, 1), (Trig::Cos, 2, 1), (Trig::Sin, 2, 1)]
             }
-            JointKind::Prismatic => vec![(Trig::Position, 1, 1), (Trig::Position, 1, 2)],
+            Functions::Powers => vec![(Trig::Position, 1, 1), (Trig::Position, 1, 2)],
         };
         let spring = |(trig, multiple, power)| {
             let function = Term::one(n_joints).times(trig, joint, multiple, power);

@@ -300,24 +300,20 @@ impl<'a> ChainLearner<'a> {
         *spec = own;
         let rows = self.rows(spec, FINAL_ROWS)?;
         let chain = refine(&rows, &start, &spec.free, &spec.search, &watch)?;
-        self.falling(spec, &rows, chain)
+        let chain = self.falling(spec, &rows, chain)?;
+        self.exact(spec, &rows, chain)
     }
 
     /// Fits the chosen specification on a sample of many rows.
     fn finish(
         &self,
-        (spec, offered): (ChainSpec, Vec<DriveTerm>),
+        (mut spec, offered): (ChainSpec, Vec<DriveTerm>),
         chain: &Chain,
         mut choices: Vec<Choice>,
     ) -> Result<Learned, IdentifyError> {
         let rows = self.rows(&spec, LAST_ROWS)?;
-        let mut chain = refine(&rows, chain, &spec.free, &spec.search, &searching(self.watch))?;
-        // A log without noise bears next to no ridge.
-        let search = Search { ridge: NO_RIDGE, ..spec.search.clone() };
-        let exact = refine(&rows, &chain, &spec.free, &search, &searching(self.watch))?;
-        if left(&exact) < NOTHING * left(&chain) {
-            chain = exact;
-        }
+        let chain = refine(&rows, chain, &spec.free, &spec.search, &searching(self.watch))?;
+        let chain = self.exact(&mut spec, &rows, chain)?;
         let residual_rms = residual_rms(&chain, &rows);
         let (laws, found) = (self.laws.clone(), self.found.clone());
         choices.extend((!offered.is_empty()).then(|| Choice {
@@ -327,6 +323,23 @@ impl<'a> ChainLearner<'a> {
             from: Vec::new(),
         }));
         Ok(Learned { chain, residual_rms, spec, offered, choices, laws, found })
+    }
+
+    /// The same chain with next to no ridge, here and from here on, where the ridge was all there was to
+    /// what it left: a log without noise bears that.
+    fn exact(
+        &self,
+        spec: &mut ChainSpec,
+        rows: &ChainRows,
+        chain: Chain,
+    ) -> Result<Chain, IdentifyError> {
+        let search = Search { ridge: NO_RIDGE, ..spec.search.clone() };
+        let exact = refine(rows, &chain, &spec.free, &search, &searching(self.watch))?;
+        if left(&exact) < NOTHING * left(&chain) {
+            spec.search = search;
+            return Ok(exact);
+        }
+        Ok(chain)
     }
 
     /// A chain with more beside its links, whose coefficients are none so far, at its own geometry.

@@ -5,7 +5,7 @@ use crate::energy::{EnergyTerm, Place};
 use crate::error::ModelError;
 use crate::rigid_chain::{Drive, JointKind, RigidChain};
 use crate::term::{Term, Trig};
-use torquewise_rigid::{Kinematics, Moved};
+use torquewise_rigid::{Functions, Kinematics, Moved};
 
 /// Joints of an arm whose energy can be listed: 5ⁿ⁻¹ states are looked at.
 const MOST_JOINTS: usize = 8;
@@ -206,9 +206,9 @@ fn digits(bases: &[Basis], mut place: usize) -> Vec<usize> {
 impl Basis {
     /// The functions of a joint up to a degree.
     pub(crate) fn new(kind: JointKind, degree: usize) -> Self {
-        match kind {
-            JointKind::Revolute => Self::Harmonics(degree),
-            JointKind::Prismatic => Self::Powers(degree),
+        match kind.functions() {
+            Functions::Harmonics => Self::Harmonics(degree),
+            Functions::Powers => Self::Powers(degree),
         }
     }
 

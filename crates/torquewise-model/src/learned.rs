@@ -143,7 +143,8 @@ pub fn geometry(model: &Model, selection: &Selection) -> Result<Vec<Vec<String>>
             // No minus before what rounds to zero.
             triple.map(|x| format!("{:.3}", if x.abs() < 5e-4 { 0.0 } else { x })).join(" ")
         };
-        let slides = (found.kind == JointKind::Prismatic.name()).then_some("slides");
+        let slides =
+            JointKind::named(found.kind).is_some_and(JointKind::slides).then_some("slides");
         let open = (!found.resolved).then_some("not resolved");
         let note: Vec<&str> = slides.into_iter().chain(open).collect();
         let point = if slides.is_some() { DASH.to_owned() } else { triple(found.point) };

@@ -3,7 +3,7 @@
 use crate::energy::{EnergyTerm, Place};
 use crate::expansion::Basis;
 use crate::term::{Kind, Term, Trig};
-use torquewise_rigid::JointKind;
+use torquewise_rigid::{Functions, JointKind};
 
 /// Degree in the velocities and in the accelerations of a group of motion functions F₂.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,9 +43,9 @@ impl Degree {
 pub fn angle_functions(kinds: &[JointKind], order: u8) -> Vec<Term> {
     let mut functions = vec![(Term::one(kinds.len()), 0)];
     for (joint, &kind) in kinds.iter().enumerate() {
-        let (first, most, cosines) = match kind {
-            JointKind::Revolute => (Trig::Sin, 1, order),
-            JointKind::Prismatic => (Trig::Position, MOST_POWER, 0),
+        let (first, most, cosines) = match kind.functions() {
+            Functions::Harmonics => (Trig::Sin, 1, order),
+            Functions::Powers => (Trig::Position, MOST_POWER, 0),
         };
         let mut longer = Vec::new();
         for (term, used) in functions {
@@ -138,10 +138,10 @@ fn parts(kinds: &[JointKind]) -> impl Iterator<Item = (Place, Vec<Basis>)> {
 /// How many terms [`product_library`] lists, told without listing them; at most `usize::MAX`.
 pub fn product_library_size(kinds: &[JointKind], trig_order: u8, degrees: &[Degree]) -> usize {
     // Of one joint: 1, and a sine or none with cosines, two of each order above; or 1, q and q².
-    let of_joint = |kind: JointKind, order: usize| match kind {
+    let of_joint = |kind: JointKind, order: usize| match kind.functions() {
         _ if order == 0 => 1,
-        JointKind::Revolute => 2,
-        JointKind::Prismatic => usize::from(order <= MOST_POWER.into()),
+        Functions::Harmonics => 2,
+        Functions::Powers => usize::from(order <= MOST_POWER.into()),
     };
     let mut of_order = vec![0_usize; usize::from(trig_order) + 1];
     of_order[0] = 1;

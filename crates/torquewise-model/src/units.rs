@@ -4,10 +4,7 @@ use torquewise_rigid::{JointKind, JointKinds};
 
 /// A unit of a joint that turns, as that of one of a kind: `N·m·s/rad` is `N·s/m` where it slides.
 pub fn unit(kind: JointKind, text: &str) -> String {
-    if kind.turns() {
-        return text.to_owned();
-    }
-    text.replace("mrad", "mm").replace("N·m", "N").replace("rad", "m")
+    text.replace("N·m", kind.effort_unit()).replace("rad", kind.unit())
 }
 
 /// A heading such as `F_c [N·m]` or `q [rad]`, with the units of sliding joints beside those of
@@ -16,12 +13,13 @@ pub fn heading(kinds: &JointKinds, text: &str) -> String {
     let Some((name, unit)) = text.trim_end_matches(']').rsplit_once('[') else {
         return text.to_owned();
     };
-    let slid = self::unit(JointKind::Prismatic, unit);
-    if kinds.all_turn() || slid == unit {
-        text.to_owned()
-    } else {
-        format!("{name}[{unit}, {slid}]")
+    let mut units = vec![unit.to_owned()];
+    for other in kinds.others().map(|kind| self::unit(kind, unit)) {
+        if !units.contains(&other) {
+            units.push(other);
+        }
     }
+    format!("{name}[{}]", units.join(", "))
 }
 
 #[cfg(test)]

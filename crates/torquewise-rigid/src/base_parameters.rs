@@ -21,13 +21,15 @@ pub fn base_parameters(geometry: &Geometry, inertial: &[f64]) -> Vec<f64> {
     for link in (0..placements.len()).rev() {
         let own = PER_BODY * link;
         let [m, mz, yy] = [base[own], base[own + 3], base[own + 5]];
-        let round = if geometry.kinds().slides(link) {
-            let mut moments: [f64; PER_BODY] = std::array::from_fn(|k| base[own + k]);
-            moments[..4].fill(0.0);
-            moments
-        } else {
+        let kind = geometry.kinds().of(link);
+        let mut round = if kind.turns() {
             [m, 0.0, 0.0, mz, yy, yy, 0.0, 0.0, 0.0, 0.0]
+        } else {
+            std::array::from_fn(|k| base[own + k])
         };
+        if kind.slides() {
+            round[..4].fill(0.0);
+        }
         base[own..].iter_mut().zip(round).for_each(|(own, round)| *own -= round);
         if let Some(before) = own.checked_sub(PER_BODY) {
             let moved = seen_from(&round, &placements[link]);

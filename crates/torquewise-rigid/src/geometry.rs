@@ -125,11 +125,11 @@ impl Geometry {
             let place = turned.tr_mul(&origin);
             geometry.set_direction(joint, direction);
             own.rotation = rotation.tr_mul(&turned);
-            if kinds.slides(joint) {
-                own.origin = -(own.rotation * place);
-            } else {
+            if kinds.of(joint).turns() {
                 geometry.set_place(joint, [place.x, place.y]);
                 own.origin = Vector3::new(0.0, 0.0, -place.z);
+            } else {
+                own.origin = -(own.rotation * place);
             }
             frames.push(own);
         }

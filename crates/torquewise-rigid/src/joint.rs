@@ -1,4 +1,8 @@
-//! Kinds of joints: how each moves the frame behind it, and what its motor has to hold.
+//! Kinds of joints. What a kind is stands in a file of its own, as one [`JointType`]; all others ask
+//! that, and a new kind is a file, a variant and its place in [`JointKind::ALL`].
+
+mod prismatic;
+mod revolute;
 
 use serde::{Deserialize, Serialize};
 use std::fmt::{Display, Formatter};
@@ -16,41 +20,90 @@ pub enum JointKind {
     Prismatic,
 }
 
+/// All that is asked of a kind of joint.
+struct JointType {
+    /// As a URDF has it.
+    name: &'static str,
+    /// As an MJCF has it.
+    mjcf: &'static str,
+    letter: char,
+    unit: &'static str,
+    effort_unit: &'static str,
+    /// How far the body behind it turns about z \[rad\] and slides along z \[m\], per unit of its
+    /// coordinate.
+    twist: [f64; 2],
+    functions: Functions,
+}
+
+/// The functions of the coordinate of a joint that the energy of an arm may hold (E4, E26).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Functions {
+    /// Cosines and sines of its multiples.
+    Harmonics,
+    /// Its powers.
+    Powers,
+}
+
 impl JointKind {
-    /// All kinds, the usual first.
+    /// All kinds, the usual first, in the order of the variants.
     pub const ALL: [Self; 2] = [Self::Revolute, Self::Prismatic];
 
-    /// Name, letter, unit of the coordinate and of what the motor gives.
-    fn words(self) -> (&'static str, char, &'static str, &'static str) {
-        match self {
-            Self::Revolute => ("revolute", 'r', "rad", "N·m"),
-            Self::Prismatic => ("prismatic", 'p', "m", "N"),
-        }
+    const fn own(self) -> &'static JointType {
+        const TYPES: [JointType; JointKind::ALL.len()] = [revolute::REVOLUTE, prismatic::PRISMATIC];
+        &TYPES[self as usize]
     }
 
     /// `revolute` or `prismatic`, as a URDF has it too.
     pub fn name(self) -> &'static str {
-        self.words().0
+        self.own().name
+    }
+
+    /// `hinge` or `slide`, as an MJCF has it.
+    pub fn mjcf(self) -> &'static str {
+        self.own().mjcf
     }
 
     /// `r` or `p`, as kinds of an arm are written in a row.
     pub fn letter(self) -> char {
-        self.words().1
+        self.own().letter
     }
 
     /// Unit of the coordinate.
     pub fn unit(self) -> &'static str {
-        self.words().2
+        self.own().unit
     }
 
     /// Unit of what the motor gives.
     pub fn effort_unit(self) -> &'static str {
-        self.words().3
+        self.own().effort_unit
+    }
+
+    /// The functions of its coordinate that the energy of an arm may hold.
+    pub fn functions(self) -> Functions {
+        self.own().functions
+    }
+
+    /// How far the body behind it turns about z \[rad\] and slides along z \[m\], per unit of its
+    /// coordinate.
+    #[inline]
+    pub const fn twist(self) -> [f64; 2] {
+        self.own().twist
     }
 
     /// Whether it turns what is behind it.
     pub fn turns(self) -> bool {
-        self == Self::Revolute
+        self.twist()[0] != 0.0
+    }
+
+    /// Whether it slides what is behind it.
+    #[inline]
+    pub fn slides(self) -> bool {
+        self.twist()[1] != 0.0
+    }
+
+    /// The kind of a name, as a URDF has it.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
     /// Reads `rrpr`, `RRPR` or `r,r,p,r`; `None` where a letter is of no kind.
@@ -103,10 +156,15 @@ impl JointKinds {
         self.kinds.get(joint).copied().unwrap_or_default()
     }
 
-    /// Whether a joint, counted from 0, is prismatic.
+    /// Whether a joint, counted from 0, slides.
     #[inline]
     pub fn slides(&self, joint: usize) -> bool {
-        self.of(joint) == JointKind::Prismatic
+        self.of(joint).slides()
+    }
+
+    /// The kinds of joints that are not all revolute, in their order.
+    pub fn others(&self) -> impl Iterator<Item = JointKind> {
+        self.kinds.iter().copied()
     }
 
     /// Whether they are those of n joints.

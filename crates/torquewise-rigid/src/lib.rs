@@ -23,7 +23,7 @@ pub mod usual_arm;
 pub use coupling::Coupling;
 pub use error::ChainError;
 pub use geometry::Geometry;
-pub use joint::{JointKind, JointKinds};
+pub use joint::{Functions, JointKind, JointKinds};
 pub use recursion::{Kinematics, MotionState, Moved};
 pub use rows::ChainRows;
 pub use search::{Chain, Search, refine, search};

@@ -5,12 +5,12 @@
 
 mod derivative;
 mod mass;
-mod prismatic;
+mod slide;
 mod torque;
 
 use crate::coupling::Coupling;
 use crate::geometry::{Geometry, Placement};
-use crate::joint::JointKinds;
+use crate::joint::{JointKind, JointKinds};
 use derivative::MotionDerivative;
 use nalgebra::{Matrix3, SimdRealField, Vector3};
 use simba::simd::WideF64x4;
@@ -98,7 +98,7 @@ pub struct Moved<T> {
     tangents: Vec<MotionDerivative<T>>,
     coupling: Coupling,
     kinds: JointKinds,
-    /// q, q̇ and q̈ of each joint; empty where all turn.
+    /// How far, fast and hard each joint slides \[m, m/s, m/s²\]; empty where all turn.
     slides: Vec<[T; 3]>,
 }
 
@@ -162,16 +162,15 @@ impl Kinematics {
         moved.bodies.reserve(self.n_joints());
         let mut before = moved.base;
         for (joint, placement) in self.placements.iter().enumerate() {
-            let [q, dq, ddq] =
+            let state =
                 [0, 1, 2].map(|signal| self.coupling.drive(joint, |joint| state(joint)[signal]));
-            if !self.kinds.all_turn() {
-                moved.slides.push([q, dq, ddq]);
-            }
-            before = if self.kinds.slides(joint) {
-                before.slid(placement, q, dq, ddq)
+            if self.kinds.all_turn() {
+                before = before.next(placement, state);
             } else {
-                before.next(placement, q, dq, ddq)
-            };
+                let kind = self.kinds.of(joint);
+                before = before.moved(placement, kind, state);
+                moved.slides.push(state.map(|signal| signal * T::splat(kind.twist()[1])));
+            }
             moved.bodies.push(before);
         }
     }
@@ -194,14 +193,12 @@ impl Kinematics {
         let mut origin = Vector3::zeros();
         let mut sum = Vector3::zeros();
         for (joint, placement) in self.placements.iter().enumerate() {
+            let [angle, slide] = self.kinds.of(joint).twist();
+            let q = self.coupling.drive(joint, |joint| q[joint]);
+            let (sin, cos) = (angle * q).sin_cos();
             origin += turned * placement.origin;
-            if self.kinds.slides(joint) {
-                turned *= placement.rotation;
-                origin += turned.column(2) * q[joint];
-            } else {
-                let (sin, cos) = self.coupling.drive(joint, |joint| q[joint]).sin_cos();
-                turned *= turned_about_z(&placement.rotation, sin, cos);
-            }
+            turned *= turned_about_z(&placement.rotation, sin, cos);
+            origin += turned.column(2) * (slide * q);
             let body = &inertial[PER_BODY * joint..];
             sum += origin * body[0] + turned * Vector3::new(body[1], body[2], body[3]);
         }
@@ -243,7 +240,7 @@ impl<T: Scalar> Moved<T> {
         for (joint, body) in self.bodies.iter().enumerate().rev() {
             wrench = wrench.plus(&body.wrench(&self.inertias[joint]));
             self.wrenches.push(wrench);
-            torque[joint] = wrench.effort(self.kinds.slides(joint));
+            torque[joint] = wrench.effort(self.kinds.of(joint));
             wrench = wrench.before(body);
         }
         self.wrenches.reverse();
@@ -269,7 +266,7 @@ impl<T: Scalar> Moved<T> {
     /// The regressor of the torques of the joints of the chain.
     fn regressor_of_chain(&self, mut put: impl FnMut(usize, usize, T)) {
         for joint in 0..self.bodies.len() {
-            let slides = self.kinds.slides(joint);
+            let kind = self.kinds.of(joint);
             // The axis of the joint, and the arm from it to the body, in the frame of the body.
             let (mut axis, mut arm) = (along_z(T::one()), Vector3::zeros());
             for (k, body) in self.bodies.iter().enumerate().skip(joint) {
@@ -277,7 +274,7 @@ impl<T: Scalar> Moved<T> {
                     axis = body.rotation.tr_mul(&axis);
                     arm = body.rotation.tr_mul(&(arm + body.origin));
                 }
-                let loads = if slides { body.pushes(&axis) } else { body.loads(&axis, &arm) };
+                let loads = body.efforts(kind, &axis, &arm);
                 for (parameter, value) in loads.iter().enumerate() {
                     put(joint, PER_BODY * k + parameter, *value);
                 }
@@ -294,7 +291,16 @@ impl<T: Scalar> Body<T> {
     }
 
     /// The body behind the next joint.
-    fn next(&self, placement: &Placement, q: T, dq: T, ddq: T) -> Self {
+    ///
+    /// - `state`: its q, q̇ and q̈
+    fn moved(&self, placement: &Placement, kind: JointKind, state: [T; 3]) -> Self {
+        let [turn, slide] = kind.twist().map(|part| state.map(|signal| signal * T::splat(part)));
+        let turned = self.next(placement, turn);
+        if kind.slides() { turned.slid(self, slide) } else { turned }
+    }
+
+    /// The body behind the next joint, which turns.
+    fn next(&self, placement: &Placement, [q, dq, ddq]: [T; 3]) -> Self {
         let (sin, cos) = q.simd_sin_cos();
         let rotation: Matrix3<T> = turned_about_z(&placement.rotation.map(T::splat), sin, cos);
         let origin: Vector3<T> = splat(&placement.origin);
@@ -306,6 +312,16 @@ impl<T: Scalar> Body<T> {
             + self.alpha.cross(&origin)
             + self.omega.cross(&self.omega.cross(&origin));
         Self { rotation, origin, omega, alpha, acceleration: rotation.tr_mul(&acceleration) }
+    }
+
+    /// Torque, or force, of a joint per unit of each parameter: [`Self::loads`], [`Self::pushes`].
+    fn efforts(&self, kind: JointKind, axis: &Vector3<T>, arm: &Vector3<T>) -> [T; PER_BODY] {
+        if !kind.slides() {
+            return self.loads(axis, arm);
+        }
+        let [turn, slide] = kind.twist().map(T::splat);
+        let (loads, pushes) = (self.loads(axis, arm), self.pushes(axis));
+        std::array::from_fn(|k| loads[k] * turn + pushes[k] * slide)
     }
 
     /// Torque about `axis` per unit of each parameter; `arm` leads from the joint to the origin \[m\].
@@ -358,10 +374,14 @@ impl<T: Scalar> Wrench<T> {
         Self { force: self.force + other.force, moment: self.moment + other.moment }
     }
 
-    /// What the motor of a joint holds of it: its moment about z, or its force along it.
+    /// What the motor of a joint holds of it: its moment about z, its force along it.
     #[inline]
-    fn effort(&self, slides: bool) -> T {
-        if slides { self.force.z } else { self.moment.z }
+    fn effort(&self, kind: JointKind) -> T {
+        if !kind.slides() {
+            return self.moment.z;
+        }
+        let [turn, slide] = kind.twist().map(T::splat);
+        self.moment.z * turn + self.force.z * slide
     }
 
     /// The same in the frame before that of a body.

@@ -46,7 +46,9 @@ impl ChainLearner<'_> {
         at: &impl Fn(JointKinds) -> ChainSpec,
         choices: &mut Vec<Choice>,
     ) -> Result<(ChainSpec, Chain), IdentifyError> {
-        let (spec, chain) = self.at_geometry(known, at, choices)?;
+        let (mut spec, chain) = self.at_geometry(known, at, choices)?;
+        let rows = self.rows(&spec, FINAL_ROWS)?;
+        let chain = self.exact(&mut spec, &rows, chain)?;
         let chain = self.coupled_at(&spec, chain, choices)?;
         self.coordinates(&spec, &chain, choices)?;
         Ok((spec, chain))

@@ -1,7 +1,7 @@
 //! Which joints turn and which slide, by held-out rows (E26).
 
 use super::couplings::COUPLING;
-use super::{ChainLearner, DriveTerm, Joints, TRIAL_ROWS, UNRESOLVED, Watch, searching};
+use super::{ChainLearner, DriveTerm, Joints, NO_RIDGE, TRIAL_ROWS, UNRESOLVED, Watch, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::excitation::LEAST_RANGE;
 use rayon::prelude::*;
@@ -25,6 +25,9 @@ const GLANCE: (usize, usize) = (8, 60);
 /// joints turn. Of a joint of so little travel that it is warned of, held-out rows alone decide: it
 /// slides where that errs less by more than a standard error.
 const WORTH_OF_SLIDES: f64 = 0.1;
+/// Where more is left of the torque, it is not the ridge that leaves it: a gantry whose log is exact is
+/// one without it.
+const LEFT_BY_RIDGE: f64 = 0.01;
 
 /// As the model file has them.
 const KINDS: &str = "kinds of joints";
@@ -110,8 +113,10 @@ impl ChainLearner<'_> {
                 (best, kinds) = (slid, look.kinds.clone());
             }
         }
-        for &joint in &look.may_slide {
-            let other = kinds.with(joint, JointKind::Prismatic, n);
+        for (joint, kind) in
+            look.may_slide.iter().flat_map(|&joint| sliding().map(move |kind| (joint, kind)))
+        {
+            let other = kinds.with(joint, kind, n);
             if let Some(slid) = self.slid(at, &other, (&best, (0.0, false)), choices)? {
                 (best, kinds) = (slid, other);
             }
@@ -186,7 +191,12 @@ impl ChainLearner<'_> {
         let left = |kinds: &JointKinds| -> Result<f64, IdentifyError> {
             let spec = at(kinds.clone());
             let rows = self.rows(&spec, count)?;
-            Ok(glance(&rows, &Search { starts, ..spec.search }, &watch))
+            let search = Search { starts, ..spec.search };
+            let left = glance(&rows, &search, &watch);
+            if left > LEFT_BY_RIDGE {
+                return Ok(left);
+            }
+            Ok(left.min(glance(&rows, &Search { ridge: NO_RIDGE, ..search }, &watch)))
         };
         let q = self.motion.q();
         let travel = |joint: usize| {
@@ -203,21 +213,24 @@ impl ChainLearner<'_> {
         let mut least = left(&kinds)?;
         let count = |kinds: &JointKinds| (0..n).filter(|&joint| kinds.slides(joint)).count();
         let tried = loop {
-            let other = |joint: usize| {
-                let kind = JointKind::ALL.into_iter().find(|kind| *kind != kinds.of(joint));
-                kinds.with(joint, kind.unwrap_or_default(), n)
-            };
-            let tried = short.par_iter().map(|&joint| Ok((left(&other(joint))?, joint)));
-            let tried = tried.collect::<Result<Vec<(f64, usize)>, IdentifyError>>()?;
+            let others = short.iter().flat_map(|&joint| {
+                let others = JointKind::ALL.into_iter().filter(|kind| *kind != kinds.of(joint));
+                others.map(|kind| (joint, kinds.with(joint, kind, n))).collect::<Vec<_>>()
+            });
+            let others: Vec<(usize, JointKinds)> = others.collect();
+            let tried = others.into_par_iter();
+            let tried = tried.map(|(joint, other)| Ok((left(&other)?, joint, other)));
+            let tried = tried.collect::<Result<Vec<_>, IdentifyError>>()?;
             let best = tried.iter().min_by(|a, b| a.0.total_cmp(&b.0));
-            let worthy = best.filter(|(best, _)| *best < (1.0 - WORTH_OF_SLIDES) * least);
-            let worthy = worthy.filter(|(_, joint)| count(&other(*joint)) <= MOST_SLIDES);
-            let Some(&(best, joint)) = worthy else { break tried };
-            (least, kinds) = (best, other(joint));
+            let worthy = best.filter(|(best, ..)| *best < (1.0 - WORTH_OF_SLIDES) * least);
+            let worthy = worthy.filter(|(.., other)| count(other) <= MOST_SLIDES);
+            let Some((best, _, other)) = worthy else { break tried };
+            (least, kinds) = (*best, other.clone());
         };
         let is_near = |left: f64| left < (1.0 + UNRESOLVED) * least;
-        let near = tried.into_iter().filter(|(left, _)| is_near(*left));
-        let untold: Vec<usize> = near.map(|(_, joint)| joint).collect();
+        let near = tried.into_iter().filter(|(left, ..)| is_near(*left));
+        let mut untold: Vec<usize> = near.map(|(_, joint, _)| joint).collect();
+        untold.dedup();
         let alike = like_the_others(&kinds, &untold, n);
         if alike != kinds && count(&alike) <= MOST_SLIDES && is_near(left(&alike)?) {
             kinds = alike;
@@ -251,6 +264,11 @@ pub(super) fn upright(spec: ChainSpec, searched: &JointKinds) -> ChainSpec {
     ChainSpec { drive: spec.drive.iter().filter(|term| is_told(term)).cloned().collect(), ..spec }
 }
 
+/// The kinds of joints that slide.
+fn sliding() -> impl Iterator<Item = JointKind> {
+    JointKind::ALL.into_iter().filter(|kind| kind.slides())
+}
+
 /// The same kinds, but that joints of which the log does not tell slide where most of the others do.
 fn like_the_others(kinds: &JointKinds, untold: &[usize], n: usize) -> JointKinds {
     let told: Vec<usize> = (0..n).filter(|joint| !untold.contains(joint)).collect();
@@ -258,6 +276,7 @@ fn like_the_others(kinds: &JointKinds, untold: &[usize], n: usize) -> JointKinds
     if !told.is_empty() && 2 * slides <= told.len() {
         return kinds.clone();
     }
-    let slide = |kinds: JointKinds, &joint: &usize| kinds.with(joint, JointKind::Prismatic, n);
-    untold.iter().fold(kinds.clone(), slide)
+    let usual = told.iter().map(|&joint| kinds.of(joint)).find(|kind| kind.slides());
+    let Some(kind) = usual.or_else(|| sliding().next()) else { return kinds.clone() };
+    untold.iter().fold(kinds.clone(), |kinds, &joint| kinds.with(joint, kind, n))
 }

@@ -35,6 +35,8 @@ const WORTH_OF_SPRING: f64 = 0.1;
 const WORTH_OF_FRICTION: f64 = 0.02;
 /// What explains less of the torque than this is no spring and no shaft, however little is left.
 const TRIFLE: f64 = 1e-3;
+/// What explains less than this is no friction, but rounding of an exact log.
+const ROUNDING: f64 = 1e-5;
 /// Times that all offers are made, each beside what was chosen of the others.
 const SWEEPS: usize = 2;
 
@@ -47,7 +49,7 @@ impl Offer {
         let (what, chosen) = (self.what.clone(), trials[place].label.clone());
         let (part, count) = (100.0 * self.worth, trials[place].errors.len());
         let or = if self.trifle > 0.0 {
-            format!(" or {:.1} % of the torque", 100.0 * self.trifle)
+            format!(" or {} % of the torque", 100.0 * self.trifle)
         } else {
             String::new()
         };
@@ -154,7 +156,7 @@ impl ChainLearner<'_> {
                 ways,
                 usual: 2,
                 worth: WORTH_OF_FRICTION / self.motion.n_joints() as f64,
-                trifle: 0.0,
+                trifle: ROUNDING,
             }
         };
         (0..self.motion.n_joints()).map(of).collect()

@@ -35,7 +35,7 @@ impl<T: Scalar> Moved<T> {
             if joint >= moved {
                 wrench = wrench.plus(&tangents[joint - moved].wrench(body, &self.inertias[joint]));
             }
-            change[joint] = wrench.effort(self.kinds.slides(joint));
+            change[joint] = wrench.effort(self.kinds.of(joint));
             wrench = wrench.before(body);
             if joint == moved {
                 let carried = self.wrenches[joint].before(body);

@@ -1,6 +1,7 @@
 //! M(q) by composite rigid bodies, from the tip inward.
 
 use super::{Body, Inertia, Kinematics, Moved, PER_BODY, Scalar, Wrench, along_z, times};
+use crate::joint::JointKind;
 use nalgebra::{Matrix3, Vector3};
 
 impl Kinematics {
@@ -56,11 +57,11 @@ impl<T: Scalar> Moved<T> {
         let mut composite = Inertia::none();
         for (j, body) in self.bodies.iter().enumerate().rev() {
             composite = composite.plus(&Inertia::of(&inertial[PER_BODY * j..]));
-            let mut wrench = composite.unit_wrench(self.kinds.slides(j));
-            put(j, j, wrench.effort(self.kinds.slides(j)));
+            let mut wrench = composite.unit_wrench(self.kinds.of(j));
+            put(j, j, wrench.effort(self.kinds.of(j)));
             for i in (0..j).rev() {
                 wrench = wrench.before(&self.bodies[i + 1]);
-                put(i, j, wrench.effort(self.kinds.slides(i)));
+                put(i, j, wrench.effort(self.kinds.of(i)));
             }
             composite = composite.before(body);
         }
@@ -81,14 +82,18 @@ impl<T: Scalar> Inertia<T> {
         }
     }
 
-    /// Force and moment that turn it about z at 1 rad/s² from rest, or shift it along z at 1 m/s².
-    fn unit_wrench(&self, slides: bool) -> Wrench<T> {
+    /// Force and moment that move it from rest as a joint does at an acceleration of 1: about z, along
+    /// it.
+    fn unit_wrench(&self, kind: JointKind) -> Wrench<T> {
         let z = along_z(T::one());
-        if slides {
-            Wrench { force: along_z(self.mass), moment: self.first.cross(&z) }
-        } else {
-            Wrench { force: z.cross(&self.first), moment: self.about_origin.column(2).into_owned() }
+        let force = z.cross(&self.first);
+        let moment = self.about_origin.column(2).into_owned();
+        if !kind.slides() {
+            return Wrench { force, moment };
         }
+        let [turn, slide] = kind.twist().map(T::splat);
+        let force = force * turn + along_z(self.mass * slide);
+        Wrench { force, moment: moment * turn + self.first.cross(&z) * slide }
     }
 
     /// The same in the frame before that of a body: turned, then moved (Huygens–Steiner).

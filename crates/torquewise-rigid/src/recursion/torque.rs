@@ -4,6 +4,7 @@ use super::{
     Body, Inertia, Kinematics, Lanes, MOST_JOINTS, MotionState, N_LANES, PER_BODY, Scalar, Wrench,
     splat,
 };
+use crate::joint::JointKind;
 use faer::MatRef;
 use simba::simd::SimdValue;
 
@@ -35,19 +36,20 @@ impl Kinematics {
         let mut bodies = [Body::at_rest(); MOST];
         let mut before = Body { acceleration: -splat(&self.gravity), ..Body::at_rest() };
         for (joint, placement) in self.placements.iter().enumerate() {
-            let [q, dq, ddq] = [state.q, state.dq, state.ddq]
+            let state = [state.q, state.dq, state.ddq]
                 .map(|signal| self.coupling.drive(joint, |joint| signal[joint]));
-            before = if SLIDES && self.kinds.slides(joint) {
-                before.slid(placement, q, dq, ddq)
+            before = if SLIDES {
+                before.moved(placement, self.kinds.of(joint), state)
             } else {
-                before.next(placement, q, dq, ddq)
+                before.next(placement, state)
             };
             bodies[joint] = before;
         }
         let mut wrench = Wrench::none();
         for (joint, body) in bodies[..self.n_joints()].iter().enumerate().rev() {
             wrench = wrench.plus(&body.wrench(&Inertia::of(&inertial[PER_BODY * joint..])));
-            torque[joint] = wrench.effort(SLIDES && self.kinds.slides(joint));
+            let kind = if SLIDES { self.kinds.of(joint) } else { JointKind::default() };
+            torque[joint] = wrench.effort(kind);
             wrench = wrench.before(body);
         }
         self.coupling.load(&mut torque[..self.n_joints()]);

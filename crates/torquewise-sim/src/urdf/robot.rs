@@ -73,7 +73,7 @@ fn origin(element: Node<'_, '_>) -> Result<Pose> {
 impl Joint {
     /// How it moves, if it does.
     pub(crate) fn moves(&self) -> JointKind {
-        if self.kind == "prismatic" { JointKind::Prismatic } else { JointKind::Revolute }
+        JointKind::named(self.kind).unwrap_or_default()
     }
 
     fn read(joint: Node<'_, '_>) -> Result<Self> {

@@ -1,26 +1,21 @@
-//! Sliding joints in the recursion: a body slides along z of its frame, which keeps its direction
-//! (E26).
+//! The part of a joint that slides in the recursion: a body slides along z of its frame, which keeps
+//! its direction (E26).
 
 use super::{Body, Moved, PER_BODY, Scalar, along_z, splat};
-use crate::geometry::Placement;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 impl<T: Scalar> Body<T> {
-    /// The body behind the next joint, which slides: p += q z, and 2 ω×z q̇ beside z q̈.
-    pub(super) fn slid(&self, placement: &Placement, q: T, dq: T, ddq: T) -> Self {
-        let rotation: Matrix3<T> = placement.rotation.map(T::splat);
-        let origin: Vector3<T> = splat::<T>(&placement.origin) + rotation.column(2) * q;
-        let omega: Vector3<T> = rotation.tr_mul(&self.omega);
-        let alpha: Vector3<T> = rotation.tr_mul(&self.alpha);
-        let carried = self.acceleration
-            + self.alpha.cross(&origin)
-            + self.omega.cross(&self.omega.cross(&origin));
-        let acceleration =
-            rotation.tr_mul(&carried) + omega.cross(&along_z(dq + dq)) + along_z(ddq);
-        Self { rotation, origin, omega, alpha, acceleration }
+    /// This body, behind one before, slid by s: p += s z, and s·(ω̇×z + ω×(ω×z)) of that one and
+    /// 2 ω×z ṡ beside z s̈.
+    pub(super) fn slid(self, before: &Self, [s, ds, dds]: [T; 3]) -> Self {
+        let out = self.rotation.column(2) * s;
+        let carried = before.alpha.cross(&out) + before.omega.cross(&before.omega.cross(&out));
+        let own = self.omega.cross(&along_z(ds + ds)) + along_z(dds);
+        let acceleration = self.acceleration + self.rotation.tr_mul(&carried) + own;
+        Self { origin: self.origin + out, acceleration, ..self }
     }
 
-    /// Force along a slide per unit of each parameter.
+    /// Force along an axis per unit of each parameter.
     pub(super) fn pushes(&self, along: &Vector3<T>) -> [T; PER_BODY] {
         let (w, dw, a) = (&self.omega, &self.alpha, &self.acceleration);
         // along·(ω̇×e + ω×(ω×e)) for the three unit vectors e at once; moments push nothing.
@@ -47,11 +42,11 @@ impl<T: Scalar> Moved<T> {
         shift + splat::<T>(rotation).cross(&slide)
     }
 
-    /// Velocity \[m/s\] of a slide relative to its parent, and the acceleration it adds, z q̈ + 2 ω×z q̇
+    /// Velocity \[m/s\] of a slide relative to its parent, and the acceleration it adds, z s̈ + 2 ω×z ṡ
     /// \[m/s²\], in the frame of its body.
     pub(super) fn sliding(&self, joint: usize) -> [Vector3<T>; 2] {
-        let [_, dq, ddq] = self.slides[joint];
-        let speed = along_z(dq);
-        [speed, self.bodies[joint].omega.cross(&(speed + speed)) + along_z(ddq)]
+        let [_, ds, dds] = self.slides[joint];
+        let speed = along_z(ds);
+        [speed, self.bodies[joint].omega.cross(&(speed + speed)) + along_z(dds)]
     }
 }
