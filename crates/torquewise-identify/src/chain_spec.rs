@@ -61,7 +61,7 @@ pub(crate) fn trial(
 
 /// Geometric mean over the joints of RMSE on `held` over the spread of the torque in `all`: a joint
 /// whose torque is mostly noise counts no more than the others.
-fn error(chain: &Chain, held: &ChainRows, all: &ChainRows) -> f64 {
+pub(crate) fn error(chain: &Chain, held: &ChainRows, all: &ChainRows) -> f64 {
     let errors = residual_rms(chain, held).into_iter().enumerate();
     let parts: Vec<f64> = errors
         .map(|(joint, rms)| (rms, all.deviation_of(joint)))

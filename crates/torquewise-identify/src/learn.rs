@@ -1,6 +1,6 @@
 //! A chain learned from a sample of a log: geometry, inertia and friction (E8).
 
-use crate::chain_spec::{ChainSpec, record_worth, trial};
+use crate::chain_spec::{ChainSpec, error, record_worth, trial};
 use crate::drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, columns};
 use crate::estimate::Linearisation;
 use crate::plan::{ChainOptions, FrictionKind};
@@ -69,6 +69,8 @@ const UNRESOLVED: f64 = 0.3;
 const TRIAL_ROWS: usize = 900;
 /// Rows that the last fit is made on.
 pub(crate) const LAST_ROWS: usize = 4_000;
+/// Where more is left of the torque, it is not the ridge that leaves it.
+const LEFT_BY_RIDGE: f64 = 0.01;
 /// A ridge that is none, and the part of the residual that is left without one where it was all there
 /// was to the residual.
 const NO_RIDGE: f64 = 1e-8;
@@ -333,6 +335,9 @@ impl<'a> ChainLearner<'a> {
         rows: &ChainRows,
         chain: Chain,
     ) -> Result<Chain, IdentifyError> {
+        if error(&chain, rows, rows) > LEFT_BY_RIDGE {
+            return Ok(chain);
+        }
         let search = Search { ridge: NO_RIDGE, ..spec.search.clone() };
         let exact = refine(rows, &chain, &spec.free, &search, &searching(self.watch))?;
         if left(&exact) < NOTHING * left(&chain) {

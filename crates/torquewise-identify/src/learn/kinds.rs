@@ -1,7 +1,10 @@
 //! Which joints turn and which slide, by held-out rows (E26).
 
 use super::couplings::COUPLING;
-use super::{ChainLearner, DriveTerm, Joints, NO_RIDGE, TRIAL_ROWS, UNRESOLVED, Watch, searching};
+use super::{
+    ChainLearner, DriveTerm, Joints, LEFT_BY_RIDGE, NO_RIDGE, TRIAL_ROWS, UNRESOLVED, Watch,
+    searching,
+};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::excitation::LEAST_RANGE;
 use rayon::prelude::*;
@@ -25,9 +28,6 @@ const GLANCE: (usize, usize) = (8, 60);
 /// joints turn. Of a joint of so little travel that it is warned of, held-out rows alone decide: it
 /// slides where that errs less by more than a standard error.
 const WORTH_OF_SLIDES: f64 = 0.1;
-/// Where more is left of the torque, it is not the ridge that leaves it: a gantry whose log is exact is
-/// one without it.
-const LEFT_BY_RIDGE: f64 = 0.01;
 
 /// As the model file has them.
 const KINDS: &str = "kinds of joints";
@@ -193,6 +193,7 @@ impl ChainLearner<'_> {
             let rows = self.rows(&spec, count)?;
             let search = Search { starts, ..spec.search };
             let left = glance(&rows, &search, &watch);
+            // A gantry whose log is exact is one without a ridge.
             if left > LEFT_BY_RIDGE {
                 return Ok(left);
             }
