@@ -206,14 +206,14 @@ impl Body {
                 return Text { text: language.constant(value), level };
             }
             Node::Input(input) => {
-                self.inputs.push(*input);
+                self.note(*input);
                 let (signal, joint) = signal_of(*input);
                 return plain(format!("{signal}{}", joint + 1));
             }
             Node::Sin(multiples) | Node::Cos(multiples) => {
                 let joint = multiples.iter().position(|&k| k != 0).unwrap_or(0);
-                if !self.inputs.contains(&Input::Q(joint)) {
-                    self.inputs.push(Input::Q(joint));
+                self.note(Input::Q(joint));
+                if self.angles.iter().all(|angle| angle.joint != joint) {
                     self.angles.push(Angle { joint, sin: false, cos: false });
                 }
                 let is_sin = matches!(node, Node::Sin(_));
@@ -235,6 +235,13 @@ impl Body {
                 }
                 _ => return joined,
             }
+        }
+    }
+
+    /// Notes an input, once.
+    fn note(&mut self, input: Input) {
+        if !self.inputs.contains(&input) {
+            self.inputs.push(input);
         }
     }
 

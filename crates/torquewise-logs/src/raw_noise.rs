@@ -17,9 +17,8 @@ pub(crate) struct RawNoise {
 pub(crate) struct NoiseLane {
     noise: RawNoise,
     pub(crate) conditioner: Conditioner,
-    random: ChaCha8Rng,
-    /// Rows so far.
-    rows: u64,
+    /// Set up at the first row, whose bits tell the trajectory from others.
+    random: Option<ChaCha8Rng>,
 }
 
 impl RawNoise {
@@ -30,8 +29,7 @@ impl RawNoise {
 
     pub(crate) fn lane(&self, plan: SignalPlan) -> NoiseLane {
         let conditioner = Conditioner::new(plan.for_part());
-        let random = ChaCha8Rng::seed_from_u64(self.seed);
-        NoiseLane { noise: self.clone(), conditioner, random, rows: 0 }
+        NoiseLane { noise: self.clone(), conditioner, random: None }
     }
 }
 
@@ -41,19 +39,20 @@ impl NoiseLane {
         if raw.t.is_empty() {
             return Ok(Vec::new());
         }
-        let mut q = vec![Vec::with_capacity(raw.t.len()); raw.joints.len()];
-        // Of each row by what is in it and its place, so that draws depend neither on where blocks end
-        // nor on the order of logs, and two trajectories have noise of their own.
-        for row in 0..raw.t.len() {
-            let values = raw.of(Signal::Q).iter().chain(raw.of(Signal::Tau));
-            let bits = values.map(|values| values[row].to_bits());
-            self.random.set_stream(bits.fold(self.rows, |key: u64, bits| {
-                (key ^ bits).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29)
+        let seed = self.noise.seed;
+        let random = self.random.get_or_insert_with(|| {
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            let values = raw.of(Signal::Q).iter().chain(raw.of(Signal::Tau)).map(|x| x[0]);
+            random.set_stream(values.fold(0xcbf2_9ce4_8422_2325, |key: u64, x| {
+                (key ^ x.to_bits()).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29)
             }));
-            self.random.set_word_pos(0);
-            self.rows += 1;
+            random
+        });
+        let mut q = vec![Vec::with_capacity(raw.t.len()); raw.joints.len()];
+        // Row by row, so that draws do not depend on where blocks end.
+        for _ in &raw.t {
             for (q, deviation) in q.iter_mut().zip(&self.noise.deviations) {
-                let unit: f64 = StandardNormal.sample(&mut self.random);
+                let unit: f64 = StandardNormal.sample(random);
                 q.push(deviation * unit);
             }
         }
