@@ -9,6 +9,7 @@ use pyo3::types::{PyBytes, PyDict};
 use serde_json::Map;
 use std::path::PathBuf;
 use std::sync::Arc;
+use torquewise::evaluate::evaluate_prepared;
 use torquewise::log::{Prepared, Rows};
 use torquewise::motion::bounded_file;
 use torquewise::page::{LogFile, Origin, page};
@@ -189,7 +190,9 @@ impl Fit {
         let (found, test) = (Arc::clone(&self.found), test.map(|test| test.log.clone()));
         let text = work(py, progress, move |observer| {
             let known = found.model.training.filter;
-            let test = test.map(|test| test.prepare_as(known, Rows::WithRawTorque));
+            let test = test.map(|test| test.prepare_as(known, Rows::WithRawTorque)).transpose()?;
+            let scores = test.as_ref().map(|test| evaluate_prepared(&found.model, test, observer));
+            let scores = scores.transpose()?;
             let origin = Origin {
                 logs: &logs,
                 tests: &tests,
@@ -198,7 +201,7 @@ impl Fit {
                 version: env!("CARGO_PKG_VERSION"),
                 date: &date,
             };
-            page(&found, test.transpose()?.as_ref(), origin, observer)
+            page(&found, test.as_ref().zip(scores.as_ref()), origin, observer)
         })?;
         Ok(PyBytes::new(py, text.unwrap_or_default().as_bytes()))
     }

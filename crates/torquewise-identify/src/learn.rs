@@ -340,11 +340,11 @@ impl<'a> ChainLearner<'a> {
         }
         let search = Search { ridge: NO_RIDGE, ..spec.search.clone() };
         let exact = refine(rows, &chain, &spec.free, &search, &searching(self.watch))?;
-        if left(&exact) < NOTHING * left(&chain) {
-            spec.search = search;
-            return Ok(exact);
+        if left(&exact) > NOTHING * left(&chain) {
+            return Ok(chain);
         }
-        Ok(chain)
+        spec.search = search;
+        Ok(exact)
     }
 
     /// A chain with more beside its links, whose coefficients are none so far, at its own geometry.

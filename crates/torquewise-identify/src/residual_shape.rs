@@ -1,6 +1,7 @@
 //! Where a model misses the torque of a joint: at rest, about reversals, at speed, or in one pose.
 //! Each asks for another cure.
 
+use crate::clipped::ends;
 use std::fmt;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::Motion;
@@ -61,9 +62,7 @@ pub(crate) fn shapes(
 /// Where the squared residual of a joint is densest, if most of it is there.
 fn densest(q: &[f64], dq: &[f64], left: &[f64]) -> Option<(ResidualPlace, [f64; 2])> {
     let peak = dq.iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()));
-    let (low, high) = q
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| (low.min(*q), high.max(*q)));
+    let (low, high) = ends(q.iter());
     let speed = |row: usize| dq[row].abs() / peak.max(f64::MIN_POSITIVE);
     let edge = |part: usize| low + (high - low) * part as f64 / POSES as f64;
     let mut places = vec![ResidualPlace::Rest, ResidualPlace::Slow, ResidualPlace::Fast];

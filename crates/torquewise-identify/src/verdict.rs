@@ -17,14 +17,23 @@ const USELESS: f64 = 0.9;
 /// A model that misses this part of the spread in the mean of the joints is of no use.
 const HALF: f64 = 0.5;
 
-/// The verdict from rows that were held out, by time and by region, and what the motion leaves open.
-/// Where there are too few rows to hold any out, a model is at best usable.
-///
-/// - `test`: errors on a log of another motion over the spread of its torque, n or none: the
-///   grade is that of the larger errors. One that is not finite, as that of a torque that never
-///   changes, tells nothing.
-pub fn judge(found: &Reconstruction, test: &[f64]) -> Verdict {
-    let all = errors(found, test);
+/// Percentage of the torque of a test that believable 95 % intervals hold in the mean of the joints.
+const HELD: f64 = 80.0;
+
+/// How a model predicts a log of another motion.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tested<'a> {
+    /// Errors over the spread of the torque, n or none: the grade is that of the larger errors. One
+    /// that is not finite, as that of a torque that never changes, tells nothing.
+    pub errors: &'a [f64],
+    /// Percentage of its torques within their 95 % intervals, n; none where a model has no errors.
+    pub held: Option<&'a [f64]>,
+}
+
+/// The verdict from rows that were held out, by time and by region, from a test where there is one, and
+/// what the motion leaves open. Where there are too few rows to hold any out, a model is at best usable.
+pub fn judge(found: &Reconstruction, test: Tested<'_>) -> Verdict {
+    let all = errors(found, test.errors);
     let has_held_out = !all[0].1.is_empty();
     let judged = all.iter().filter(|(_, errors)| !errors.is_empty());
     let missed = |is: &dyn Fn(f64) -> bool, how: &str| -> Vec<String> {
@@ -40,7 +49,12 @@ pub fn judge(found: &Reconstruction, test: &[f64]) -> Verdict {
     because.extend(missed(&is_useless, "predicted hardly better than by its mean"));
     let how = format!("missed by more than {:.0} % of its spread", 100.0 * Training::POOR);
     let poor = missed(&|error| (Training::POOR..USELESS).contains(&error), &how);
-    let doubts = doubts(found);
+    let mut doubts = doubts(found);
+    let held = test.held.map(|held| held.iter().sum::<f64>() / held.len().max(1) as f64);
+    doubts.extend(
+        held.filter(|held| *held < HELD)
+            .map(|held| format!("its 95 % intervals hold {held:.0} % of the test torque")),
+    );
     let errors_of = |errors: &[(&String, f64)]| -> Vec<f64> {
         errors.iter().map(|(_, error)| *error).collect()
     };

@@ -13,12 +13,11 @@ pub fn heading(kinds: &JointKinds, text: &str) -> String {
     let Some((name, unit)) = text.trim_end_matches(']').rsplit_once('[') else {
         return text.to_owned();
     };
-    let mut units = vec![unit.to_owned()];
-    for other in kinds.others().map(|kind| self::unit(kind, unit)) {
-        if !units.contains(&other) {
-            units.push(other);
-        }
-    }
+    let others = Vec::from(kinds.clone());
+    let is_there = |kind: &JointKind| *kind == JointKind::default() || others.contains(kind);
+    let there = JointKind::ALL.into_iter().filter(is_there);
+    let mut units: Vec<String> = there.map(|kind| self::unit(kind, unit)).collect();
+    units.dedup();
     format!("{name}[{}]", units.join(", "))
 }
 

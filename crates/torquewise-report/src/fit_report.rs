@@ -4,7 +4,7 @@ use crate::error::{ReportError, Result};
 use crate::fit_report::call_cost::CallCost;
 use crate::fit_report::origin::Origin;
 use crate::html::{Page, Section};
-use torquewise_identify::verdict::{Verdict, judge};
+use torquewise_identify::verdict::Verdict;
 use torquewise_identify::{Diagnosis, Reconstruction};
 use torquewise_model::Checks;
 
@@ -27,6 +27,8 @@ mod conditioning;
 pub struct Findings<'a> {
     /// What was reconstructed from a log.
     pub found: &'a Reconstruction,
+    /// Whether it may be used.
+    pub verdict: &'a Verdict,
     /// The residuals of that same model over the log.
     pub diagnosis: &'a Diagnosis,
     /// Whether the model is physics, if that was looked at.
@@ -84,12 +86,6 @@ impl<'a> Findings<'a> {
     /// The diagnosis to judge the model by: that of another motion, where there is one.
     pub(crate) fn judged(&self) -> &'a Diagnosis {
         self.test.unwrap_or(self.diagnosis)
-    }
-
-    pub(crate) fn verdict(&self) -> Verdict {
-        let test = self.test.iter().flat_map(|test| &test.scores.joints);
-        let errors: Vec<f64> = test.map(|score| 0.01 * score.nrmse_percent).collect();
-        judge(self.found, &errors)
     }
 
     /// Whether patterns of motion had regressions of their own.

@@ -1,5 +1,4 @@
-//! Kinds of joints. What a kind is stands in a file of its own, as one [`JointType`]; all others ask
-//! that, and a new kind is a file, a variant and its place in [`JointKind::ALL`].
+//! Kinds of joints: each is one `JointType`, in a file of its own, and a variant of [`JointKind`].
 
 mod prismatic;
 mod revolute;
@@ -160,11 +159,6 @@ impl JointKinds {
     #[inline]
     pub fn slides(&self, joint: usize) -> bool {
         self.of(joint).slides()
-    }
-
-    /// The kinds of joints that are not all revolute, in their order.
-    pub fn others(&self) -> impl Iterator<Item = JointKind> {
-        self.kinds.iter().copied()
     }
 
     /// Whether they are those of n joints.

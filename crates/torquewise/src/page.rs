@@ -1,6 +1,7 @@
 //! The page of a fit: what was found, and how far to trust it.
 
 use crate::error::Result;
+use crate::evaluate::Evaluation;
 use crate::fit::FitResult;
 use crate::log::Prepared;
 use crate::observe::{Observer, Watched};
@@ -19,7 +20,7 @@ pub use torquewise_report::{LogFile, Origin};
 /// `Error::Report`, `Error::Export` if its cost cannot be counted, and those of reading.
 pub fn page(
     fit: &FitResult,
-    test: Option<&Prepared>,
+    test: Option<(&Prepared, &Evaluation)>,
     origin: Origin<'_>,
     observer: Observer<'_>,
 ) -> Result<Option<String>> {
@@ -29,10 +30,12 @@ pub fn page(
         diagnose(&fit.model, &fit.patterns, &watched)
     };
     let Some(log) = &fit.log else { return Ok(None) };
-    let (diagnosis, test) = (look(log)?, test.map(look).transpose()?);
+    let verdict = test.map_or_else(|| fit.verdict(), |(_, scores)| fit.verdict_with(scores));
+    let (diagnosis, test) = (look(log)?, test.map(|(test, _)| look(test)).transpose()?);
     let physics = PhysicsCheck::of(&fit.model, STATES)?;
     Ok(Some(fit_report(&Findings {
         found: fit,
+        verdict: &verdict,
         diagnosis: &diagnosis,
         checks: Some(&physics.trained),
         test: test.as_ref(),

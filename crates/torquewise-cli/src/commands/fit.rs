@@ -77,7 +77,8 @@ pub(crate) fn run(arguments: &Arguments, words: &[OsString]) -> Result<Outcome> 
     let test = test.transpose()?;
 
     let judged = test.as_ref().map(|test| evaluate_prepared(&fit.model, test, &watch()));
-    let mut outcome = outcome(&fit, &fit.summary()?, judged.transpose()?, arguments.explain);
+    let judged = judged.transpose()?;
+    let mut outcome = outcome(&fit, &fit.summary()?, judged.clone(), arguments.explain);
     outcome.json["file"] = json!(arguments.output.display().to_string());
     let costs = CallCosts::of(&fit.model)?;
     if arguments.explain {
@@ -85,7 +86,7 @@ pub(crate) fn run(arguments: &Arguments, words: &[OsString]) -> Result<Outcome> 
     }
     outcome.text.extend([format!("\nmodel: {}\n", arguments.output.display())]);
     if let Some(file) = &arguments.report {
-        write_whole(file, report(arguments, words, &fit, test.as_ref())?)?;
+        write_whole(file, report(arguments, words, &fit, test.as_ref().zip(judged.as_ref()))?)?;
         outcome.text.extend([format!("report: {}\n", file.display())]);
         outcome.json["costs"] = costs.json();
         outcome.json["report"] = json!(file.display().to_string());
@@ -97,7 +98,7 @@ fn report(
     arguments: &Arguments,
     words: &[OsString],
     fit: &FitResult,
-    test: Option<&Prepared>,
+    test: Option<(&Prepared, &Evaluation)>,
 ) -> Result<String> {
     let log_file = |path: &PathBuf| {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();

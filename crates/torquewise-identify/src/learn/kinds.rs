@@ -6,6 +6,7 @@ use super::{
     searching,
 };
 use crate::chain_spec::{ChainSpec, record_worth, trial};
+use crate::clipped::ends;
 use crate::excitation::LEAST_RANGE;
 use rayon::prelude::*;
 use torquewise_model::friction::FrictionLaw;
@@ -41,8 +42,8 @@ const SIGN_OF_MASS: f64 = 0.05;
 pub struct FirstLook {
     /// The kinds they seem to be of.
     pub kinds: JointKinds,
-    /// Joints that may slide all the same: they moved by little, and fit nearly as well so.
-    pub may_slide: Vec<usize>,
+    /// Joints that may slide all the same, and how: they moved by little, and fit nearly as well so.
+    pub may_slide: Vec<(usize, JointKind)>,
     /// Joints that fit nearly as well as the other kind.
     untold: Vec<usize>,
 }
@@ -113,9 +114,7 @@ impl ChainLearner<'_> {
                 (best, kinds) = (slid, look.kinds.clone());
             }
         }
-        for (joint, kind) in
-            look.may_slide.iter().flat_map(|&joint| sliding().map(move |kind| (joint, kind)))
-        {
+        for &(joint, kind) in &look.may_slide {
             let other = kinds.with(joint, kind, n);
             if let Some(slid) = self.slid(at, &other, (&best, (0.0, false)), choices)? {
                 (best, kinds) = (slid, other);
@@ -193,7 +192,6 @@ impl ChainLearner<'_> {
             let rows = self.rows(&spec, count)?;
             let search = Search { starts, ..spec.search };
             let left = glance(&rows, &search, &watch);
-            // A gantry whose log is exact is one without a ridge.
             if left > LEFT_BY_RIDGE {
                 return Ok(left);
             }
@@ -201,10 +199,8 @@ impl ChainLearner<'_> {
         };
         let q = self.motion.q();
         let travel = |joint: usize| {
-            let ends = q.col(joint).iter().fold([f64::INFINITY, f64::NEG_INFINITY], |ends, q| {
-                [ends[0].min(*q), ends[1].max(*q)]
-            });
-            ends[1] - ends[0]
+            let (low, high) = ends(q.col(joint).iter());
+            high - low
         };
         let short: Vec<usize> = (0..n).filter(|&joint| travel(joint) <= LONGEST_SLIDE).collect();
         if short.is_empty() {
@@ -214,12 +210,11 @@ impl ChainLearner<'_> {
         let mut least = left(&kinds)?;
         let count = |kinds: &JointKinds| (0..n).filter(|&joint| kinds.slides(joint)).count();
         let tried = loop {
-            let others = short.iter().flat_map(|&joint| {
+            let others = |&joint: &usize| {
                 let others = JointKind::ALL.into_iter().filter(|kind| *kind != kinds.of(joint));
-                others.map(|kind| (joint, kinds.with(joint, kind, n))).collect::<Vec<_>>()
-            });
-            let others: Vec<(usize, JointKinds)> = others.collect();
-            let tried = others.into_par_iter();
+                others.map(move |kind| (joint, kinds.with(joint, kind, n))).collect::<Vec<_>>()
+            };
+            let tried = short.par_iter().flat_map_iter(others);
             let tried = tried.map(|(joint, other)| Ok((left(&other)?, joint, other)));
             let tried = tried.collect::<Result<Vec<_>, IdentifyError>>()?;
             let best = tried.iter().min_by(|a, b| a.0.total_cmp(&b.0));
@@ -240,8 +235,9 @@ impl ChainLearner<'_> {
             !kinds.slides(*joint) && 0.0 < travel(*joint) && travel(*joint) <= LEAST_RANGE
         };
         let may_slide = untold.iter().copied().filter(may_slide);
-        let may_slide = may_slide.take(MOST_SLIDES.saturating_sub(count(&kinds))).collect();
-        Ok(FirstLook { kinds, may_slide, untold })
+        let may_slide = may_slide.take(MOST_SLIDES.saturating_sub(count(&kinds)));
+        let may_slide = may_slide.flat_map(|joint| sliding().map(move |kind| (joint, kind)));
+        Ok(FirstLook { may_slide: may_slide.collect(), kinds, untold })
     }
 }
 

@@ -20,6 +20,7 @@ mod spoilt;
 mod summary;
 mod support;
 mod torque_sign;
+mod verdict;
 #[path = "../../../torquewise-paper/src/truth.rs"]
 mod truth;
 mod work;

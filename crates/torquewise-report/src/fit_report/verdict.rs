@@ -32,7 +32,7 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
 }
 
 fn verdict(findings: &Findings<'_>) -> Item {
-    let Verdict { grade, because } = findings.verdict();
+    let Verdict { grade, because } = findings.verdict;
     let (tone, heading) = match grade {
         Grade::Good => (Tone::Good, "Good"),
         Grade::Usable => (Tone::Note, "Usable"),
@@ -74,7 +74,7 @@ pub(crate) fn next(findings: &Findings<'_>) -> Section {
 
 /// Which joint to move more, where the errors of the model are not small.
 fn worst_joint(findings: &Findings<'_>) -> Option<String> {
-    if findings.verdict().grade == Grade::Good {
+    if findings.verdict.grade == Grade::Good {
         return None;
     }
     let errors = findings.found.model.training.held_out_errors().unwrap_or_default();

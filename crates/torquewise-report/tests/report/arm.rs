@@ -3,6 +3,7 @@
 use crate::{findings, log};
 use std::f64::consts::FRAC_PI_2;
 use torquewise_identify::excitation::Finding;
+use torquewise_identify::verdict::{Tested, judge};
 use torquewise_identify::{PatternPlan, Reconstruction, Warning, diagnose, find_patterns, survey};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Training;
@@ -70,8 +71,11 @@ fn report() -> String {
         command,
         date: "2001-02-04",
     };
+    let errors = diagnosis.scores.joints.iter().map(|score| 0.01 * score.nrmse_percent);
+    let errors: Vec<f64> = errors.collect();
+    let verdict = &judge(&found, Tested { errors: &errors, held: None });
     let test = Some(&diagnosis);
-    fit_report(&Findings { test, origin, ..findings(&found, &diagnosis) }).unwrap()
+    fit_report(&Findings { verdict, test, origin, ..findings(&found, &diagnosis) }).unwrap()
 }
 
 #[test]

@@ -86,14 +86,10 @@ impl<T: Scalar> Inertia<T> {
     /// it.
     fn unit_wrench(&self, kind: JointKind) -> Wrench<T> {
         let z = along_z(T::one());
-        let force = z.cross(&self.first);
-        let moment = self.about_origin.column(2).into_owned();
-        if !kind.slides() {
-            return Wrench { force, moment };
-        }
         let [turn, slide] = kind.twist().map(T::splat);
-        let force = force * turn + along_z(self.mass * slide);
-        Wrench { force, moment: moment * turn + self.first.cross(&z) * slide }
+        let force = z.cross(&self.first) * turn + along_z(self.mass * slide);
+        let moment = self.about_origin.column(2) * turn + self.first.cross(&z) * slide;
+        Wrench { force, moment }
     }
 
     /// The same in the frame before that of a body: turned, then moved (Huygens–Steiner).

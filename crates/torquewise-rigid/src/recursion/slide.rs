@@ -1,5 +1,4 @@
-//! The part of a joint that slides in the recursion: a body slides along z of its frame, which keeps
-//! its direction (E26).
+//! What slides, in the recursion: a body goes along z of its frame, which keeps its direction (E26).
 
 use super::{Body, Moved, PER_BODY, Scalar, along_z, splat};
 use nalgebra::Vector3;

@@ -31,8 +31,8 @@ pub(crate) struct Joint {
     pub(crate) mimics: bool,
 }
 
-const KINDS: [&str; 7] =
-    ["revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical"];
+/// What a URDF has beside the kinds of joints; `continuous` is a revolute joint without limits.
+const OTHER_KINDS: [&str; 5] = ["continuous", "fixed", "floating", "planar", "spherical"];
 
 impl Robot {
     /// Reads the text of a URDF; elements that say nothing of links and joints are passed over.
@@ -78,7 +78,8 @@ impl Joint {
 
     fn read(joint: Node<'_, '_>) -> Result<Self> {
         let written = attribute(joint, "type")?;
-        let kind = KINDS.into_iter().find(|kind| *kind == written);
+        let other = || OTHER_KINDS.into_iter().find(|kind| *kind == written);
+        let kind = JointKind::named(&written).map(JointKind::name).or_else(other);
         let link = |name| attribute(required(joint, name)?, "link");
         let limit = |name, none: f64| {
             let given = child(joint, "limit").map(|limit| numbers(limit, name, Some([none])));
