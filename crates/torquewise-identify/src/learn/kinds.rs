@@ -192,10 +192,8 @@ impl ChainLearner<'_> {
             let rows = self.rows(&spec, count)?;
             let search = Search { starts, ..spec.search };
             let left = glance(&rows, &search, &watch);
-            if left > LEFT_BY_RIDGE {
-                return Ok(left);
-            }
-            Ok(left.min(glance(&rows, &Search { ridge: NO_RIDGE, ..search }, &watch)))
+            let free = || glance(&rows, &Search { ridge: NO_RIDGE, ..search.clone() }, &watch);
+            Ok(if left > LEFT_BY_RIDGE { left } else { left.min(free()) })
         };
         let q = self.motion.q();
         let travel = |joint: usize| {
@@ -210,9 +208,11 @@ impl ChainLearner<'_> {
         let mut least = left(&kinds)?;
         let count = |kinds: &JointKinds| (0..n).filter(|&joint| kinds.slides(joint)).count();
         let tried = loop {
+            let known = &kinds;
             let others = |&joint: &usize| {
-                let others = JointKind::ALL.into_iter().filter(|kind| *kind != kinds.of(joint));
-                others.map(move |kind| (joint, kinds.with(joint, kind, n))).collect::<Vec<_>>()
+                let others =
+                    JointKind::ALL.into_iter().filter(move |kind| *kind != known.of(joint));
+                others.map(move |kind| (joint, known.with(joint, kind, n)))
             };
             let tried = short.par_iter().flat_map_iter(others);
             let tried = tried.map(|(joint, other)| Ok((left(&other)?, joint, other)));

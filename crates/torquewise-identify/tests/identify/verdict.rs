@@ -24,7 +24,7 @@ fn what_is_wrong_decides_the_grade_and_stands_among_its_reasons() {
     short.model.training.held_out_by_region_rms.clear();
     let (joints, gains) = (good.model.joints.clone(), vec![[2.0, 0.1], [0.5, 0.1]]);
     let gains = Finding::Gains { joints: joints.clone(), gains };
-    let cases = [
+    let cases = vec![
         (tested(&[], None), Grade::Good, "held-out error 0.00"),
         (tested(&[0.01, 0.02], Some(&[93.0, 96.0])), Grade::Good, "test error 1.00 to 2.00 %"),
         (tested(&[0.01, 0.02], Some(&[70.0, 50.0])), Grade::Usable, "intervals hold 60 %"),
