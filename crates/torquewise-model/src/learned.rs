@@ -3,7 +3,7 @@
 use crate::error::ModelError;
 use crate::model::{GeometryFound, Model, Training};
 use crate::print::{DASH, with_error};
-use crate::rigid_chain::{Drive, JointKind, RigidChain};
+use crate::rigid_chain::{Drive, RigidChain};
 use crate::selection::Selection;
 use crate::shaft_friction::Estimated;
 use serde::Serialize;
@@ -143,8 +143,7 @@ pub fn geometry(model: &Model, selection: &Selection) -> Result<Vec<Vec<String>>
             // No minus before what rounds to zero.
             triple.map(|x| format!("{:.3}", if x.abs() < 5e-4 { 0.0 } else { x })).join(" ")
         };
-        let slides =
-            JointKind::named(found.kind).is_some_and(JointKind::slides).then_some("slides");
+        let slides = model.kinds().slides(joint).then_some("slides");
         let open = (!found.resolved).then_some("not resolved");
         let note: Vec<&str> = slides.into_iter().chain(open).collect();
         let point = if slides.is_some() { DASH.to_owned() } else { triple(found.point) };

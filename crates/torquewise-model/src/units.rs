@@ -13,11 +13,12 @@ pub fn heading(kinds: &JointKinds, text: &str) -> String {
     let Some((name, unit)) = text.trim_end_matches(']').rsplit_once('[') else {
         return text.to_owned();
     };
-    let others = Vec::from(kinds.clone());
-    let is_there = |kind: &JointKind| *kind == JointKind::default() || others.contains(kind);
-    let there = JointKind::ALL.into_iter().filter(is_there);
-    let mut units: Vec<String> = there.map(|kind| self::unit(kind, unit)).collect();
-    units.dedup();
+    let mut units = vec![unit.to_owned()];
+    for own in Vec::from(kinds.clone()).into_iter().map(|kind| self::unit(kind, unit)) {
+        if !units.contains(&own) {
+            units.push(own);
+        }
+    }
     format!("{name}[{}]", units.join(", "))
 }
 

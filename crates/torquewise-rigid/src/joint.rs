@@ -28,8 +28,7 @@ struct JointType {
     letter: char,
     unit: &'static str,
     effort_unit: &'static str,
-    /// How far the body behind it turns about z \[rad\] and slides along z \[m\], per unit of its
-    /// coordinate.
+    /// See [`JointKind::twist`].
     twist: [f64; 2],
     functions: Functions,
 }
@@ -44,12 +43,14 @@ pub enum Functions {
 }
 
 impl JointKind {
-    /// All kinds, the usual first, in the order of the variants.
+    /// All kinds, the usual first.
     pub const ALL: [Self; 2] = [Self::Revolute, Self::Prismatic];
 
     const fn own(self) -> &'static JointType {
-        const TYPES: [JointType; JointKind::ALL.len()] = [revolute::REVOLUTE, prismatic::PRISMATIC];
-        &TYPES[self as usize]
+        match self {
+            Self::Revolute => &revolute::REVOLUTE,
+            Self::Prismatic => &prismatic::PRISMATIC,
+        }
     }
 
     /// `revolute` or `prismatic`, as a URDF has it too.

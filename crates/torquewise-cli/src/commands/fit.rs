@@ -78,7 +78,7 @@ pub(crate) fn run(arguments: &Arguments, words: &[OsString]) -> Result<Outcome> 
 
     let judged = test.as_ref().map(|test| evaluate_prepared(&fit.model, test, &watch()));
     let judged = judged.transpose()?;
-    let mut outcome = outcome(&fit, &fit.summary()?, judged.clone(), arguments.explain);
+    let mut outcome = outcome(&fit, &fit.summary()?, judged.as_ref(), arguments.explain);
     outcome.json["file"] = json!(arguments.output.display().to_string());
     let costs = CallCosts::of(&fit.model)?;
     if arguments.explain {
@@ -137,7 +137,7 @@ fn quoted(word: &str) -> String {
 pub(crate) fn outcome(
     fit: &FitResult,
     summary: &FitSummary<'_>,
-    test: Option<Evaluation>,
+    test: Option<&Evaluation>,
     explain: bool,
 ) -> Outcome {
     let mut text = Vec::new();
@@ -167,16 +167,16 @@ pub(crate) fn outcome(
     let mut warnings: Vec<String> = warnings.map(ToString::to_string).collect();
     warnings.extend(fit.log.iter().flat_map(Prepared::warnings));
     let (mut notes, mut json) = (fit.notes(), object(summary));
-    let verdict = test.as_ref().map_or_else(|| fit.verdict(), |test| fit.verdict_with(test));
+    let verdict = test.map_or_else(|| fit.verdict(), |test| fit.verdict_with(test));
     text.push(format!("\nverdict: {verdict}\n"));
     if let Some(scores) = test {
         text.push("\nOn the test log:\n\n".to_owned());
-        text.push(score_table::text(&scores, &fit.model.kinds()));
-        json["test"] = object(&scores);
+        text.push(score_table::text(scores, &fit.model.kinds()));
+        json["test"] = object(scores);
         json["verdict"] = json!(verdict.grade.to_string());
         json["because"] = json!(verdict.because);
-        warnings.extend(scores.warnings);
-        notes.extend(scores.notes);
+        warnings.extend_from_slice(&scores.warnings);
+        notes.extend_from_slice(&scores.notes);
     }
     let is_unusable = verdict.grade == Grade::Unusable;
     Outcome { text: text.concat(), json, warnings, notes, is_unusable }
