@@ -27,8 +27,8 @@ enum Told<T> {
 
 /// Does work without the interpreter, with an observer to be handed to the engine, and shows it.
 ///
-/// - `progress`: is called with what is done, rows since the last call and rows in all, the last
-///   two if they are known
+/// - `progress`: is called with what is done, how much since the last call and how much in all, if
+///   that is known: rows, or starts, offers and cut-offs of stages that tell their share
 pub(crate) fn work<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -113,13 +113,17 @@ struct Bar<'a, 'py> {
     progress: Option<&'a Bound<'py, PyAny>>,
     doing: String,
     rows: usize,
+    /// Rows in all.
     total: Option<u64>,
+    /// What is done of a stage that tells its share.
+    made: usize,
     shown: Instant,
 }
 
 impl<'a, 'py> Bar<'a, 'py> {
     fn new(progress: Option<&'a Bound<'py, PyAny>>) -> Self {
-        Self { progress, doing: String::new(), rows: 0, total: None, shown: Instant::now() }
+        let shown = Instant::now();
+        Self { progress, doing: String::new(), rows: 0, total: None, made: 0, shown }
     }
 
     fn show(&mut self, event: Event) -> PyResult<()> {
@@ -128,25 +132,40 @@ impl<'a, 'py> Bar<'a, 'py> {
                 self.rows += rows;
                 if self.shown.elapsed() < SHOW { Ok(()) } else { self.call() }
             }
-            Event::Reading { doing, rows } => self.begin(doing.to_owned(), rows),
-            Event::Stage(stage) => self.begin(stage.to_string(), self.total),
+            Event::Reading { doing, rows } => {
+                self.total = rows;
+                self.begin(doing.to_owned())
+            }
+            Event::Stage(stage) => match stage.share() {
+                None => self.begin(stage.to_string()),
+                Some((made, most)) => {
+                    if self.doing != stage.doing() || made < self.made {
+                        self.begin(stage.doing().to_owned())?;
+                    }
+                    let more = made - std::mem::replace(&mut self.made, made);
+                    self.tell(more, Some(most as u64))
+                }
+            },
         }
     }
 
-    fn begin(&mut self, doing: String, total: Option<u64>) -> PyResult<()> {
+    fn begin(&mut self, doing: String) -> PyResult<()> {
         self.call()?;
-        (self.doing, self.total) = (doing, total);
+        (self.doing, self.made) = (doing, 0);
         self.call()
     }
 
     fn call(&mut self) -> PyResult<()> {
         let rows = std::mem::take(&mut self.rows);
+        // A stage that reads no rows has no total of them.
+        self.tell(rows, self.total.filter(|_| rows > 0))
+    }
+
+    fn tell(&mut self, more: usize, total: Option<u64>) -> PyResult<()> {
         self.shown = Instant::now();
         match self.progress {
             Some(progress) if !self.doing.is_empty() => {
-                // A stage that reads no rows has no total of them.
-                let total = self.total.filter(|_| rows > 0);
-                progress.call1((&self.doing, rows, total)).map(drop)
+                progress.call1((&self.doing, more, total)).map(drop)
             }
             _ => Ok(()),
         }

@@ -58,7 +58,10 @@ def test_absurd_values_are_left_out_and_told(pendulum, tmp_path, column, rows, v
     assert ours == pytest.approx(theirs, rel=0.15)
 
 
-def test_pushes_are_found_in_a_real_log_and_other_free_motion_is_quiet(pendulum, tmp_path):
+@pytest.mark.parametrize(("sizes", "per_hour"), [([8.0] * 10, 60), (np.linspace(3, 8, 10), 1200)])
+def test_pushes_are_found_in_a_real_log_and_other_free_motion_is_quiet(
+    sizes, per_hour, pendulum, tmp_path
+):
     path, options, _ = pendulum
     table = pd.read_csv(path)
     half, last = len(table) // 2, 3 * len(table) // 4
@@ -71,19 +74,19 @@ def test_pushes_are_found_in_a_real_log_and_other_free_motion_is_quiet(pendulum,
     def contacts(name):
         free = tmp_path / "free.csv"
         return torquewise.contacts(
-            model, tmp_path / f"{name}.csv", free=free, false_alarms=60, **options
+            model, tmp_path / f"{name}.csv", free=free, false_alarms=per_hour, **options
         )
 
     quiet = contacts("other")
     begins = np.linspace(2.0, quiet.t[-1] - quiet.t[0] - 2.0, 10) + pushed["time"][0]
     for k, begin in enumerate(begins):
         rows = (pushed["time"] >= begin) & (pushed["time"] < begin + 0.4)
-        push = 8.0 * quiet.external[:, k % 2].std() * np.hanning(rows.sum())
+        push = sizes[k] * quiet.external[:, k % 2].std() * np.hanning(rows.sum())
         pushed.loc[rows, f"tau{k % 2 + 1}"] += push if k % 4 < 2 else -push
     pushed.to_csv(tmp_path / "pushed.csv", index=False)
     found = contacts("pushed").contacts
 
-    # Sixty an hour are stated: a third of one in as long.
-    assert len(quiet.contacts) <= 1 and quiet.blind == []
+    alarms = max(1.0, 2.0 * per_hour * (quiet.t[-1] - quiet.t[0]) / 3600.0)
+    assert len(quiet.contacts) <= alarms and quiet.blind == []
     of_push = [[own for own in found if abs(own["begin"] - begin) < 0.5] for begin in begins]
-    assert sum(map(bool, of_push)) >= 9 and len(found) <= 11
+    assert sum(map(bool, of_push)) >= 9 and len(found) <= 10 + alarms

@@ -8,6 +8,7 @@ use crate::rounds::Request;
 use crate::summary::summarise;
 use crate::unseen::{BLOCKS, Errors, Unseen, even_blocks};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use torquewise_model::model::{Candidate, Choice};
 use torquewise_motion::RawRecording;
 use torquewise_motion::signals::bandwidth::Band;
@@ -87,7 +88,6 @@ pub fn tune<L: RawRecording>(
             survey => survey?,
         };
         let request = Request::first(&survey, options, of_logs, before, watch)?;
-        Progress::Bandwidth.tell(watch)?;
         let Some(grid) = Grid::of(logs, &request, watch)? else {
             return Ok(Tuned { recording, request, choices: Vec::new() });
         };
@@ -230,12 +230,16 @@ fn cutoffs(
     (request, delay): (&Request, f64),
     watch: Watch<'_>,
 ) -> Result<Vec<Tried>, IdentifyError> {
+    let cutoffs = logs.cutoffs();
+    let (made, most) = (AtomicUsize::new(0), cutoffs.len().div_ceil(2) + 2);
     let all = |cutoffs: Vec<f64>| -> Result<Vec<Tried>, IdentifyError> {
-        let found =
-            cutoffs.par_iter().map(|&cutoff| at(logs, request, (cutoff, &[delay]), 0.0, watch));
+        let found = cutoffs.par_iter().map(|&cutoff| {
+            let made = made.fetch_add(1, Ordering::Relaxed);
+            Progress::Bandwidth { made, most }.tell(watch)?;
+            at(logs, request, (cutoff, &[delay]), 0.0, watch)
+        });
         Ok(found.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
     };
-    let cutoffs = logs.cutoffs();
     let mut tried = all(cutoffs.iter().step_by(2).copied().collect())?;
     let best = tried.iter().min_by(|a, b| a.errors.all().total_cmp(&b.errors.all()));
     let Some(best) = best.map(|best| best.cutoff) else { return Ok(tried) };

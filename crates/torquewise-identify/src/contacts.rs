@@ -170,14 +170,9 @@ impl Thresholds {
             }
             Ok(())
         })?;
-        let hours = seconds / 3_600.0;
         let own_rate = false_alarms_per_hour / n as f64;
         let multiple = |(peaks, level): (&mut Peaks, &f64)| {
-            let (begin, count, mean, largest) = peaks.tail();
-            // Its own standard error, that few peaks may not promise too little.
-            let mean = mean * (1.0 + 1.0 / count.sqrt());
-            let most = begin + mean * (count / hours / own_rate).ln().max(0.0);
-            (level + if is_free { most.max(largest) } else { most }).sqrt()
+            (level + peaks.excess_at(own_rate * seconds / 3_600.0, is_free)).sqrt()
         };
         // Rows that the model was learned from miss less than those of other motion.
         let unseen = model.training.unseen_rms();
@@ -294,21 +289,34 @@ impl Peaks {
         }
     }
 
-    /// The exponential tail of the largest of them: the level that it begins at, how many were
-    /// beyond, at least one, their mean excess by their median, which a few of another kind do not
-    /// move, and the largest of all.
-    fn tail(&mut self) -> (f64, f64, f64, f64) {
+    /// The excess that a number of peaks is expected to be beyond in as much other motion: that of as
+    /// many here. Where one is too many, or the largest may be contacts, the largest peaks but those
+    /// that make up `TAIL` are taken to fall off exponentially, with a mean excess by their median.
+    fn excess_at(&mut self, expected: f64, is_free: bool) -> f64 {
         if let Some((_, _, most)) = self.open.take() {
             self.push(most);
         }
         self.excess.sort_unstable_by(|a, b| b.total_cmp(a));
+        let stands_for = (self.left_out + 1) as f64;
+        let at = |place: usize| self.excess.get(place).copied().unwrap_or(0.0);
+        if is_free && expected >= stands_for {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "an index"
+            )]
+            return at((expected / stands_for) as usize - 1);
+        }
         let (most, part) = TAIL;
         let kept = (self.excess.len() / part).min(most);
-        let at = |place: usize| self.excess.get(place).copied().unwrap_or(0.0);
-        let (level, largest) = (at(kept), at(0));
-        let mut beyond: Vec<f64> = self.excess[..kept].iter().map(|x| x - level).collect();
+        let begin = at(kept);
+        let mut beyond: Vec<f64> = self.excess[..kept].iter().map(|x| x - begin).collect();
         let mean = quantile(&mut beyond, 0.5) / std::f64::consts::LN_2;
-        (level, (kept * (self.left_out + 1)).max(1) as f64, mean, largest)
+        let count = f64::max(kept as f64 * stands_for, 1.0);
+        // Its own standard error, that few peaks may not promise too little.
+        let mean = mean * (1.0 + 1.0 / count.sqrt());
+        let far = begin + mean * (count / expected).ln().max(0.0);
+        if is_free { far.max(at(0)) } else { far }
     }
 }
 

@@ -23,6 +23,8 @@ pub struct Trace {
     pub motion: Motion,
     /// τ̂ \[N·m\], rows × n.
     pub tau_hat: Mat<f64>,
+    /// Between which the measured torque is expected \[N·m\], rows × n each; none if nobody asked.
+    pub bounds: Option<[Mat<f64>; 2]>,
     /// Pattern of each row.
     pub patterns: Vec<Pattern>,
     /// Way of each joint since its last reversal \[rad\], rows × n, above zero forward; NaN where
@@ -213,6 +215,7 @@ impl<'m> Look<'m> {
             trace: Trace {
                 stride: self.stride,
                 tau_hat: signal(4),
+                bounds: None,
                 motion,
                 patterns,
                 since_reversal: signal(5),

@@ -135,7 +135,6 @@ pub(crate) fn learn(
             spec.drive = known(&kinds);
         }
     }
-    Progress::Choices.tell(watch)?;
     learner.choose(&mut spec, &chain, &offers, &mut choices)?;
     choices.extend(balanced.iter().map(|&joint| offers::given_balance(motion, joint)));
     if learner.is_linear(&spec) {

@@ -176,7 +176,11 @@ fn attempt(trial: &TrialPlan, test_seed: u64) -> Result<Trial> {
     let is_regression = |work| {
         matches!(
             work,
-            Work::Geometry | Work::Starts { .. } | Work::Choices | Work::Sums | Work::Step(_)
+            Work::Geometry
+                | Work::Starts { .. }
+                | Work::Choices { .. }
+                | Work::Sums
+                | Work::Step(_)
         )
     };
     let entered = entered.into_inner().unwrap_or_else(PoisonError::into_inner);

@@ -22,10 +22,20 @@ pub enum Progress {
         /// So many of them led to the best arm.
         agreeing: usize,
     },
-    /// Friction, springs and shared shafts are chosen (E13).
-    Choices,
-    /// Cut-offs and delays of a filter are tried (E12).
-    Bandwidth,
+    /// Offers of friction, springs and shared shafts were decided (E13).
+    Choices {
+        /// So many.
+        made: usize,
+        /// So many at most: fewer where they no longer change.
+        most: usize,
+    },
+    /// Cut-offs of a filter were tried (E12).
+    Bandwidth {
+        /// So many.
+        made: usize,
+        /// So many at most.
+        most: usize,
+    },
     /// Normal equations are summed.
     Sums,
     /// Terms are selected in a step, counted from 1.
@@ -62,30 +72,43 @@ impl Progress {
     /// What is done of how much, at most, where that is known.
     pub fn share(self) -> Option<(usize, usize)> {
         match self {
-            Self::Starts { made, most, .. } => Some((made, most)),
+            Self::Starts { made, most, .. }
+            | Self::Choices { made, most }
+            | Self::Bandwidth { made, most } => Some((made, most)),
             _ => None,
+        }
+    }
+
+    /// What is done, without how far it is.
+    pub fn doing(self) -> &'static str {
+        match self {
+            Self::Survey => "looking through the log",
+            Self::Patterns => "clustering",
+            Self::Geometry | Self::Starts { .. } => "learning the geometry",
+            Self::Choices { .. } => "choosing friction",
+            Self::Bandwidth { .. } => "trying cut-offs of the filter",
+            Self::Sums => "summing",
+            Self::Step(_) => "selecting terms",
+            Self::Refit => "fitting all rows",
+            Self::Judging => "judging on rows held out",
+            Self::Working => "working",
+            Self::Done => "done",
         }
     }
 }
 
 impl fmt::Display for Progress {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self.doing())?;
         match self {
-            Self::Survey => out.write_str("looking through the log"),
-            Self::Patterns => out.write_str("clustering"),
-            Self::Geometry => out.write_str("learning the geometry"),
-            Self::Starts { made, most, agreeing } => write!(
-                out,
-                "learning the geometry, {made} of at most {most} starts, best found {agreeing} times"
-            ),
-            Self::Choices => out.write_str("choosing friction"),
-            Self::Bandwidth => out.write_str("trying cut-offs of the filter"),
-            Self::Sums => out.write_str("summing"),
-            Self::Step(step) => write!(out, "selecting terms, step {step}"),
-            Self::Refit => out.write_str("fitting all rows"),
-            Self::Judging => out.write_str("judging on rows held out"),
-            Self::Working => out.write_str("working"),
-            Self::Done => out.write_str("done"),
+            Self::Starts { made, most, agreeing } => {
+                write!(out, ", {made} of at most {most} starts, best found {agreeing} times")
+            }
+            Self::Choices { made, most } | Self::Bandwidth { made, most } => {
+                write!(out, ", {made} of at most {most}")
+            }
+            Self::Step(step) => write!(out, ", step {step}"),
+            _ => Ok(()),
         }
     }
 }

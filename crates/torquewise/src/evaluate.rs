@@ -131,7 +131,7 @@ pub fn evaluate_prepared(
     log: &Prepared,
     observer: Observer<'_>,
 ) -> Result<Evaluation> {
-    let watched = Watched::new(log.rows(), observer, "predicting", log.rows_hint());
+    let watched = log.watched(observer, "predicting");
     let mut evaluation = scored(model, &watched)?;
     if let Some((motion, noise)) = log.raw_torque()? {
         evaluation.interval_coverage_percent = coverage(model, &watched, (&motion, 1))?;
@@ -166,7 +166,7 @@ pub fn rollouts(
 }
 
 /// Percentage of torques that bounds are for, and rows of which it is counted, about.
-const PERCENT: f64 = 95.0;
+pub(crate) const PERCENT: f64 = 95.0;
 const ROWS: usize = 4_000;
 
 /// Part of measured torques within their interval, n; `None` of a model without a covariance.

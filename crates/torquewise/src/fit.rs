@@ -138,7 +138,7 @@ impl<'a> Fit<'a> {
         let Some(log) = &fit.log else { return Ok(fit) };
         fit.found.model.training.filter = log.filter();
         if log.logs().paths().len() > 1 {
-            let watched = Watched::new(log.rows(), self.observer, "comparing the logs", None);
+            let watched = log.watched(self.observer, "comparing the logs");
             let at_odds = disagreements(&fit.found.model, &watched, &|k| log.file_of(k))?;
             fit.found.warnings.extend(at_odds.into_iter().map(Warning::Disagreement));
         }
@@ -252,7 +252,7 @@ fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<Fit
     let ((log, found), seconds, step_seconds) = timed(observer, |progress| {
         let Tuned { recording, request, choices } = tune(raw.as_ref(), &by_chain, progress)?;
         let log = Prepared::Conditioned(Box::new(recording));
-        let watched = Watched::new(log.rows(), observer, "reading", rows);
+        let watched = log.watched(observer, "reading");
         let mut found = match &plan.method {
             Method::Chain(_) => reconstruct_from(&watched, request, plan, progress)?,
             Method::Library(_) => reconstruct(&watched, plan, progress)?,
@@ -272,7 +272,7 @@ pub(crate) fn timed<T>(
     let is_stopped = AtomicBool::new(false);
     let start = Moment::now();
     let done = work(&|stage| {
-        if !matches!(stage, Progress::Working | Progress::Starts { .. } | Progress::Choices) {
+        if stage != Progress::Working && stage.share().is_none() {
             events.lock().unwrap_or_else(PoisonError::into_inner).push((stage, Moment::now()));
         }
         let told = observer(Event::Stage(stage));

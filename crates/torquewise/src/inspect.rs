@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::log::Prepared;
-use crate::observe::{Observer, Watched};
+use crate::observe::Observer;
 use crate::options::MOST_WHOLE;
 use crate::summary::AllRepairs;
 use serde::Serialize;
@@ -67,7 +67,7 @@ pub struct Inspection {
 /// # }
 /// ```
 pub fn inspect(log: &Prepared, observer: Observer<'_>) -> Result<Inspection> {
-    let watched = Watched::new(log.rows(), observer, "looking through the log", None);
+    let watched = log.watched(observer, "looking through the log");
     let survey = survey(&watched)?;
     let patterns = find_patterns(&survey, &PatternPlan::default())?;
     let mut counts = [0; 3];

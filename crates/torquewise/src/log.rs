@@ -168,6 +168,7 @@ impl Log {
 }
 
 /// What a model is fitted to, or judged by: log files, or motion at hand.
+#[derive(Clone, Copy)]
 pub enum Source<'a> {
     /// Files, conditioned as they ask for.
     Log(&'a Log),

@@ -1,13 +1,14 @@
 //! The page of a fit: what was found, and how far to trust it.
 
-use crate::error::Result;
-use crate::evaluate::Evaluation;
+use crate::error::{Error, Result};
+use crate::evaluate::{Evaluation, PERCENT};
 use crate::fit::FitResult;
 use crate::log::Prepared;
-use crate::observe::{Observer, Watched};
+use crate::observe::Observer;
 use crate::physics::{PhysicsCheck, STATES};
+use crate::predict::Interval;
 use torquewise_export::{Cost, ExportError, torque_costs};
-use torquewise_identify::diagnose;
+use torquewise_identify::{IdentifyError, diagnose};
 use torquewise_model::Model;
 use torquewise_report::{CallCost, Findings, fit_report};
 
@@ -25,9 +26,13 @@ pub fn page(
     observer: Observer<'_>,
 ) -> Result<Option<String>> {
     let look = |log: &Prepared| {
-        let rows = log.rows_hint();
-        let watched = Watched::new(log.rows(), observer, "looking at the residuals", rows);
-        diagnose(&fit.model, &fit.patterns, &watched)
+        let watched = log.watched(observer, "looking at the residuals");
+        let mut seen = diagnose(&fit.model, &fit.patterns, &watched)?;
+        if let Ok(interval) = Interval::new(&fit.model, log.rows(), PERCENT) {
+            let bounds = interval.bounds(&seen.trace.motion, &seen.trace.tau_hat);
+            seen.trace.bounds = Some(bounds.map_err(IdentifyError::Read)?);
+        }
+        Ok::<_, Error>(seen)
     };
     let Some(log) = &fit.log else { return Ok(None) };
     let verdict = test.map_or_else(|| fit.verdict(), |(_, scores)| fit.verdict_with(scores));

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::evaluate::prepare;
 use crate::log::Log;
-use crate::observe::{Observer, Watched};
+use crate::observe::Observer;
 use torquewise_model::Model;
 
 pub use torquewise_identify::payload::{DriveGains, LoadPlace, Payload};
@@ -35,7 +35,7 @@ pub fn payload(
     observer: Observer<'_>,
 ) -> Result<Payload> {
     let log = prepare(model, log)?;
-    let watched = Watched::new(log.rows(), observer, "weighing", log.rows_hint());
+    let watched = log.watched(observer, "weighing");
     Ok(Payload::find(model, &watched, place)?)
 }
 
@@ -55,6 +55,6 @@ pub fn gains(
     observer: Observer<'_>,
 ) -> Result<DriveGains> {
     let log = prepare(model, log)?;
-    let watched = Watched::new(log.rows(), observer, "weighing", log.rows_hint());
+    let watched = log.watched(observer, "weighing");
     Ok(DriveGains::find(model, &watched, place, mass)?)
 }

@@ -1,5 +1,6 @@
 //! Logs ready to be read, as they are or filtered, and what is known of their signals.
 
+use crate::observe::{Observer, Watched};
 use std::collections::BTreeMap;
 use torquewise_identify::excitation::list;
 use torquewise_logs::conditioned::RawLogs;
@@ -45,6 +46,11 @@ impl Prepared {
             Some(logs) => logs,
             None => self.logs(),
         }
+    }
+
+    /// The same, counted for whoever watches.
+    pub fn watched<'a>(&'a self, observer: Observer<'a>, doing: &'static str) -> Watched<'a> {
+        Watched::new(self.rows(), observer, doing, self.rows_hint())
     }
 
     /// About how many rows there are, if the files tell.

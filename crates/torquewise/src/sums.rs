@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::fit::{FitResult, timed};
 use crate::log::{Log, Rows};
-use crate::observe::{Event, Observer, Watched};
+use crate::observe::{Event, Observer};
 use crate::options::FitOptions;
 use crate::prepared::Prepared;
 use torquewise_identify::plan::{ChainOptions, FrictionKind, LibraryOptions};
@@ -47,7 +47,7 @@ pub fn sum_up(
         return Err(Error::FrictionOfSums);
     }
     let log = log.prepare(Rows::Filtered)?;
-    let watched = Watched::new(log.rows(), observer, "summing", log.rows_hint());
+    let watched = log.watched(observer, "summing");
     let watch = |stage| observer(Event::Stage(stage));
     let signals = conditioning(&log);
     let summary = match request {

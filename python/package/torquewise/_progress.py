@@ -16,8 +16,9 @@ Told = Callable[[str, int, int | None], object]
 def shown(progress: Progress) -> Iterator[Told | None]:
     """The function that is told what is done, or None.
 
-    progress: a function of (what, rows since the last call, rows in all or None); True for a bar;
-    None for a bar on a terminal; False for nothing.
+    progress: a function of (what, how much since the last call, how much in all or None), in rows,
+    or in starts, offers or cut-offs where those are what is done; True for a bar; None for a bar on
+    a terminal; False for nothing.
     """
     if callable(progress):
         yield progress
@@ -54,9 +55,7 @@ class _Bar:
         if doing != self._doing:
             self.close()
             self._doing = doing
-            self._own = self._tqdm(
-                desc=doing, total=total, unit=" rows", unit_scale=True, leave=False
-            )
+            self._own = self._tqdm(desc=doing, total=total, unit="", unit_scale=True, leave=False)
         if total is not None:
             self._own.total = total
         self._own.update(rows)

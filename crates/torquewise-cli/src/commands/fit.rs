@@ -2,6 +2,7 @@
 
 use crate::arguments::{METHOD, PlanArguments, RobotArguments, choice};
 use crate::call_costs::CallCosts;
+use crate::commands::payload::load_text;
 use crate::error::Result;
 use crate::files::{check_files, staged, write_whole};
 use crate::outcome::{Outcome, object};
@@ -19,10 +20,11 @@ use torquewise::evaluate::{Evaluation, evaluate_prepared};
 use torquewise::identify::Warning;
 use torquewise::log::{Prepared, Rows};
 use torquewise::model::units::heading;
-use torquewise::model::{Model, number};
+use torquewise::model::{Model, ModelError, number};
 use torquewise::page::{LogFile, Origin, page};
+use torquewise::payload::{LoadPlace, payload};
 use torquewise::summary::FitSummary;
-use torquewise::{Error, Fit, FitResult, Grade};
+use torquewise::{Error, Fit, FitResult, Grade, Library, Log};
 
 /// Reconstruct the equations of motion from logs
 #[derive(Args, Debug)]
@@ -39,6 +41,10 @@ pub(crate) struct Arguments {
     /// Log of another motion to judge the model by, in the report too; repeat for several
     #[arg(long, value_name = "LOG")]
     test: Vec<PathBuf>,
+    /// Log of the arm with a load on its last link, which is weighed by the model; repeat for other
+    /// loads
+    #[arg(long, value_name = "LOG")]
+    loaded: Vec<PathBuf>,
     /// Stepwise regression (default) or one-shot SINDy baseline
     #[arg(help_heading = "Method", long, value_parser = choice(&METHOD), default_value = "stepwise")]
     method: &'static str,
@@ -54,7 +60,8 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, words: &[OsString]) -> Result<Outcome> {
-    let inputs = arguments.logs.iter().chain(&arguments.test).chain(arguments.robot.file());
+    let logs = [&arguments.logs, &arguments.test, &arguments.loaded];
+    let inputs = logs.into_iter().flatten().chain(arguments.robot.file());
     let html = arguments.report.iter().map(|file| (file.as_path(), &["html", "htm"][..]));
     check_files(inputs, html.chain([(arguments.output.as_path(), &[][..])]))?;
     let mut options = arguments.plan.options(arguments.method)?;
@@ -64,12 +71,18 @@ pub(crate) fn run(arguments: &Arguments, words: &[OsString]) -> Result<Outcome> 
     options.geometry = arguments.robot.geometry(log.joints())?;
     let test = Some(&arguments.test).filter(|test| !test.is_empty());
     let test = test.map(|test| arguments.signals.open(test)).transpose()?;
-    if let Some(test) = &test {
-        test.files.require_tau()?;
-        if test.joints() != log.joints() {
-            let [found, expected] = [test, &log].map(|log| log.joints().join(", "));
+    let loaded = arguments.loaded.iter();
+    let loaded = loaded.map(|file| arguments.signals.open(std::slice::from_ref(file)));
+    let loaded = loaded.collect::<Result<Vec<Log>>>()?;
+    for other in test.iter().chain(&loaded) {
+        other.files.require_tau()?;
+        if other.joints() != log.joints() {
+            let [found, expected] = [other, &log].map(|log| log.joints().join(", "));
             return Err(Error::OtherArm { found, expected }.into());
         }
+    }
+    if !loaded.is_empty() {
+        options.library.get_or_insert(Library::Chain);
     }
     let fit = Fit::new(&log).options(options).observer(&watch()).run()?;
     fit.model.save(staged(&arguments.output)?)?;
@@ -80,6 +93,7 @@ pub(crate) fn run(arguments: &Arguments, words: &[OsString]) -> Result<Outcome> 
     let judged = judged.transpose()?;
     let mut outcome = outcome(&fit, &fit.summary()?, judged.as_ref(), arguments.explain);
     outcome.json["file"] = json!(arguments.output.display().to_string());
+    weigh(arguments, &loaded, &fit.model, &mut outcome)?;
     let costs = CallCosts::of(&fit.model)?;
     if arguments.explain {
         outcome.text += &costs.text();
@@ -92,6 +106,27 @@ pub(crate) fn run(arguments: &Arguments, words: &[OsString]) -> Result<Outcome> 
         outcome.json["report"] = json!(file.display().to_string());
     }
     Ok(outcome)
+}
+
+/// Weighs the load of each log that has one.
+fn weigh(
+    arguments: &Arguments,
+    loaded: &[Log],
+    model: &Model,
+    outcome: &mut Outcome,
+) -> Result<()> {
+    let mut loads = Vec::new();
+    for (file, log) in arguments.loaded.iter().zip(loaded) {
+        let flange = LoadPlace::named(model, None, None).ok_or(Error::from(ModelError::NoChain))?;
+        let load = payload(model, log, flange, &watch())?;
+        outcome.text.extend([format!("\n{}: {}", file.display(), load_text(&load))]);
+        outcome.warnings.extend(load.hints());
+        loads.push(object(&load));
+    }
+    if !loads.is_empty() {
+        outcome.json["loads"] = json!(loads);
+    }
+    Ok(())
 }
 
 fn report(

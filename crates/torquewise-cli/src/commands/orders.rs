@@ -13,7 +13,6 @@ use std::path::PathBuf;
 use torquewise::identify::Warning;
 use torquewise::log::Rows;
 use torquewise::model::{JointKinds, number};
-use torquewise::observe::Watched;
 use torquewise::report::{chart_figure, order_charts};
 use torquewise::stepwise::orders::{OrderCurve, OrderPlan, OrderPoint, orders};
 
@@ -69,7 +68,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         interaction: arguments.interaction.into(),
         patterns: arguments.patterns.plan()?,
     };
-    let curves = orders(&Watched::new(logs.rows(), &watch(), "trying orders", None), &plan)?;
+    let curves = orders(&logs.watched(&watch(), "trying orders"), &plan)?;
     let mut text: Vec<String> =
         curves.iter().map(|curve| curve_text(curve, log.joints())).collect();
     if let Some(file) = &arguments.output {

@@ -15,7 +15,6 @@ use torquewise::inspect::{PatternRows, missing_patterns};
 use torquewise::log::Rows;
 use torquewise::model::number;
 use torquewise::motion::Recording;
-use torquewise::observe::Watched;
 
 /// Tell standstill, uniform and variable velocity apart
 #[derive(Args, Debug)]
@@ -37,13 +36,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let log = arguments.filter.signals.open(&arguments.logs)?;
     let logs = arguments.filter.prepare(&log, Rows::Every)?;
     let found = {
-        let (shown, rows) = (watch(), logs.rows_hint());
-        let watched = Watched::new(logs.rows(), &shown, "looking through the log", rows);
+        let shown = watch();
+        let watched = logs.watched(&shown, "looking through the log");
         find_patterns(&survey(&watched)?, &arguments.patterns.plan()?)?
     };
     // All rows, beyond the sample that was clustered.
     let mut table = PatternTable::create(arguments.output.as_deref())?;
-    Watched::new(logs.rows(), &watch(), "labelling rows", logs.rows_hint())
+    logs.watched(&watch(), "labelling rows")
         .read(&mut |_, block| Ok(table.append(&found.label(block))?))?;
     Ok(outcome(arguments, &found, table.finish()?))
 }

@@ -14,7 +14,7 @@ use torquewise::Log;
 use torquewise::logs::{Profile, is_bag};
 use torquewise::model::shaft_friction::Estimated;
 use torquewise::model::{Model, number};
-use torquewise::payload::{LoadPlace, gains, payload};
+use torquewise::payload::{LoadPlace, Payload, gains, payload};
 
 /// Estimate the load on a link from seconds of motion, with a model of the bare arm
 #[derive(Args, Debug)]
@@ -76,22 +76,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         return run_gains(arguments, &model, &log, (place, mass));
     }
     let found = payload(&model, &log, place, &watch())?;
-    let mut table = Table::new(["load", "value", "±", "unit"]);
-    let all = std::iter::once(found.mass).chain(found.center).chain(found.inertia);
-    let names = ROWS.iter().flat_map(|(names, unit)| names.iter().map(move |name| (name, unit)));
-    for ((name, unit), estimated) in names.zip(all) {
-        let Estimated { value, std_error } = estimated;
-        table.row(name, [number(value), number(std_error), (*unit).to_owned()]);
-    }
-    let frame = found.link.as_ref().map_or_else(
-        || "z along the axis of its joint, origin where it is next to the axis before".to_owned(),
-        |link| format!("frame of {link}"),
-    );
-    let mut text = format!(
-        "{} rows; {frame}; ± is one standard error, moments are about the centre\n\n{}\n",
-        found.rows,
-        table.text()
-    );
+    let mut text = load_text(&found) + "\n";
     let mut left = Table::new(["torque left [N m]", "without load", "with load"]);
     let pairs = found.residual_without.iter().zip(&found.residual_with);
     for (joint, (without, with)) in model.joints.iter().zip(pairs) {
@@ -106,6 +91,26 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         json["file"] = json!(file);
     }
     Ok(Outcome { text, json, warnings: found.hints(), ..Outcome::default() })
+}
+
+/// The load, of which log, in which frame, and how certain.
+pub(super) fn load_text(found: &Payload) -> String {
+    let mut table = Table::new(["load", "value", "±", "unit"]);
+    let all = std::iter::once(found.mass).chain(found.center).chain(found.inertia);
+    let names = ROWS.iter().flat_map(|(names, unit)| names.iter().map(move |name| (name, unit)));
+    for ((name, unit), estimated) in names.zip(all) {
+        let Estimated { value, std_error } = estimated;
+        table.row(name, [number(value), number(std_error), (*unit).to_owned()]);
+    }
+    let frame = found.link.as_ref().map_or_else(
+        || "z along the axis of its joint, origin where it is next to the axis before".to_owned(),
+        |link| format!("frame of {link}"),
+    );
+    format!(
+        "{} rows; {frame}; ± is one standard error, moments are about the centre\n\n{}",
+        found.rows,
+        table.text()
+    )
 }
 
 fn run_gains(

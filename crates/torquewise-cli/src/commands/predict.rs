@@ -18,7 +18,6 @@ use torquewise::model::friction::FrictionLaw;
 use torquewise::model::units::heading;
 use torquewise::model::{FrictionTerm, Model, Parts, Torque, Weighted, number};
 use torquewise::motion::{Motion, ReadError, Recording, Signals};
-use torquewise::observe::Watched;
 use torquewise::predict::{Interval, MotionRange};
 use torquewise::summary::AllRepairs;
 
@@ -138,17 +137,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut largest = vec![0.0_f64; model.n_joints()];
     let mut rows = 0;
     let mut path = written.torque.path();
-    Watched::new(logs.rows(), &watch(), "predicting", logs.rows_hint()).read(
-        &mut |trajectory, block| {
-            rows += block.n_rows();
-            range.add(block);
-            let tau_hat = written.append(&mut writer, &path.follow(trajectory, block))?;
-            for (joint, largest) in largest.iter_mut().enumerate() {
-                *largest = tau_hat.col(joint).iter().fold(*largest, |l, tau| l.max(tau.abs()));
-            }
-            Ok(())
-        },
-    )?;
+    logs.watched(&watch(), "predicting").read(&mut |trajectory, block| {
+        rows += block.n_rows();
+        range.add(block);
+        let tau_hat = written.append(&mut writer, &path.follow(trajectory, block))?;
+        for (joint, largest) in largest.iter_mut().enumerate() {
+            *largest = tau_hat.col(joint).iter().fold(*largest, |l, tau| l.max(tau.abs()));
+        }
+        Ok(())
+    })?;
     writer.finish()?;
     let (file, repairs) = (output.display(), logs.repairs());
     let mut table =

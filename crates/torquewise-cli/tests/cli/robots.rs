@@ -212,6 +212,34 @@ fn a_load_is_weighed_and_added_to_a_model_of_its_own() {
 }
 
 #[test]
+fn a_fit_weighs_loads_of_other_logs_alike_with_axes_that_are_given_and_learned() {
+    let terminal = fitted();
+    for (file, mass, seed) in [("half", 0.6, 3), ("whole", 1.1, 4)] {
+        terminal.write("loaded.urdf", &robot(mass));
+        let motion = format!("--seconds 20 --rate 50 --case 2 --seed {seed}");
+        terminal.done(&format!("simulate loaded.urdf -o {file}.csv {motion}"));
+    }
+    let loads = |with: &str| -> Vec<[f64; 2]> {
+        let line = format!("fit log.csv --loaded half.csv --loaded whole.csv {with} -o both.json");
+        let found = terminal.json(&line);
+        let mass = |load: &serde_json::Value| {
+            ["value", "std_error"].map(|key| load["mass"][key].as_f64().unwrap())
+        };
+        found["loads"].as_array().unwrap().iter().map(mass).collect()
+    };
+
+    let (given, learned) = (loads("--urdf arm.urdf"), loads(""));
+
+    for (own, truth) in [&given, &learned].into_iter().flat_map(|all| all.iter().zip([0.5, 1.0])) {
+        let off = (own[0] - truth).abs();
+        assert!(off < 0.02 * truth && off < 3.0 * own[1], "{given:?} {learned:?}");
+    }
+    assert_eq!([given.len(), learned.len()], [2, 2]);
+    terminal
+        .refused("fit log.csv --loaded half.csv --library energy -o x.json", &["along a chain"]);
+}
+
+#[test]
 fn a_load_that_hangs_on_another_link_is_said_to() {
     let terminal = fitted();
     let strapped = "<link name=\"weight\"><inertial><mass value=\"0.5\"/><inertia ixx=\"1e-4\" ixy=\"0\" \

@@ -11,6 +11,7 @@ use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 use torquewise_rigid::{Chain, JointKinds};
+use torquewise_stepwise::Progress;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::{FrictionLibrary, REVERSAL, WIDTHS, WORTH, reversal_label};
 use torquewise_stepwise::held_out::{CvScore, listed};
@@ -229,9 +230,11 @@ impl ChainLearner<'_> {
         let known = bodies + spec.drive.len();
         let mut chosen: Vec<usize> = offers.iter().map(|offer| offer.usual).collect();
         let mut record = vec![None; offers.len()];
-        for _ in 0..SWEEPS {
+        for sweep in 0..SWEEPS {
             let before = chosen.clone();
             for (k, offer) in offers.iter().enumerate() {
+                let made = sweep * offers.len() + k;
+                Progress::Choices { made, most: SWEEPS * offers.len() }.tell(self.watch)?;
                 let judged = |way: usize| -> Option<CvScore> {
                     let others =
                         (0..offers.len()).map(|other| if other == k { way } else { chosen[other] });

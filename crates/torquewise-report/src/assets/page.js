@@ -190,7 +190,7 @@
       if (low !== first || high !== last) return [low, high];
       if (spec.x.range) return spec.x.range;
       if (spec.x.places.length) return [-0.5, spec.x.places.length - 0.5];
-      const isLine = spec.series.every((s) => ["line", "broad", "dashed"].includes(s.mark) && s.low.length === 0);
+      const isLine = spec.series.every((s) => s.mark === "line" || ["broad", "dashed"].includes(s.mark) && s.low.length === 0);
       if (spec.x.log) {
         const ratio = low === high ? 3 : (high / low) ** (isLine ? 0 : 0.04);
         return [low / ratio, high * ratio];
@@ -248,10 +248,26 @@
     ctx.restore();
   }
 
+  /* Between the ends of each two points that follow one another, with no gap between. */
+  function fillSpread(plot, xs, low, high, fill) {
+    const at = (x, y) => [plot.valToPos(x, "x", true), plot.valToPos(y, "y", true)];
+    const rows = [...xs.keys()].filter((row) => low[row] !== undefined);
+    plot.ctx.fillStyle = fill;
+    plot.ctx.beginPath();
+    rows.slice(1).forEach((row, k) => {
+      const before = rows[k];
+      if ([low[before], high[before], low[row], high[row]].includes(null)) return;
+      plot.ctx.moveTo(...at(xs[before], low[before]));
+      for (const [x, y] of [[xs[row], low[row]], [xs[row], high[row]], [xs[before], high[before]]]) plot.ctx.lineTo(...at(x, y));
+    });
+    plot.ctx.fill();
+  }
+
   function drawSpread(plot, spec, data) {
     clipped(plot, (ctx, _, ratio) => {
       spec.series.forEach((series, i) => {
         if (!data.low[i].length || !plot.series[i + 1].show) return;
+        if (series.mark === "line") return fillSpread(plot, data.x, data.low[i], data.high[i], tint(series.colour, "30"));
         ctx.strokeStyle = colour(series.colour);
         ctx.lineWidth = 1.5 * ratio;
         const cap = 4 * ratio;

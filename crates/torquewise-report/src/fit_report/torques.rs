@@ -4,6 +4,7 @@ use crate::fit_report::Findings;
 use crate::fit_report::clock::{self, Clock};
 use crate::html::number::significant;
 use crate::html::{Chart, Colour, Item, Mark, Section, Series};
+use faer::Mat;
 use torquewise_identify::Diagnosis;
 use torquewise_model::{Torque, units};
 
@@ -45,7 +46,14 @@ fn charts(findings: &Findings<'_>, diagnosis: &Diagnosis, link: &str) -> Item {
             let points = clock.curve(|row| tau[(row, joint)]);
             Series::new("measured", Mark::BroadLine, Colour::Measured, points)
         });
-        let predicted = Series::line("predicted", clock.curve(|row| trace.tau_hat[(row, joint)]));
+        let curve = |tau: &Mat<f64>| clock.curve(|row| tau[(row, joint)]);
+        let predicted = match &trace.bounds {
+            None => Series::line("predicted", curve(&trace.tau_hat)),
+            Some([low, high]) => Series {
+                spread: curve(low).iter().zip(curve(high)).map(|(a, b)| [a[1], b[1]]).collect(),
+                ..Series::line("predicted, 95 % interval", curve(&trace.tau_hat))
+            },
+        };
         let title = format!("{}, NRMSE {} %", score.name, significant(score.nrmse_percent, 3));
         let series = measured.into_iter().chain([predicted]).chain(friction).collect();
         let label = units::unit(model.kinds().of(joint), "torque [N·m]");
