@@ -160,18 +160,18 @@ impl Kinematics {
         moved.slides.clear();
         moved.bodies.clear();
         moved.bodies.reserve(self.n_joints());
-        let mut before = moved.base;
         for (joint, placement) in self.placements.iter().enumerate() {
             let state =
                 [0, 1, 2].map(|signal| self.coupling.drive(joint, |joint| state(joint)[signal]));
-            if self.kinds.all_turn() {
-                before = before.next(placement, state);
+            let before = moved.bodies.last().unwrap_or(&moved.base);
+            let body = if self.kinds.all_turn() {
+                before.next(placement, state)
             } else {
                 let kind = self.kinds.of(joint);
-                before = before.moved(placement, kind, state);
                 moved.slides.push(state.map(|signal| signal * T::splat(kind.twist()[1])));
-            }
-            moved.bodies.push(before);
+                before.moved(placement, kind, state)
+            };
+            moved.bodies.push(body);
         }
     }
 

@@ -194,10 +194,15 @@ pub fn evenly(m: usize, count: usize) -> Vec<usize> {
 /// Puts the values of so many lanes into the rows of a joint from `first` on.
 pub(crate) fn put(rows: &mut [f64], (first, count): (usize, usize), value: Lanes) {
     let values: [f64; N_LANES] = value.into();
-    let target = &mut rows[first..first + count];
-    // Of known length, a copy is one instruction.
-    match target.first_chunk_mut() {
+    match rows[first..first + count].first_chunk_mut() {
         Some(whole) => *whole = values,
-        None => target.copy_from_slice(&values[..count]),
+        None => put_few(&mut rows[first..first + count], &values),
     }
+}
+
+/// Apart, so that the usual copy, whose length is known, is no call.
+#[cold]
+#[inline(never)]
+fn put_few(rows: &mut [f64], values: &[f64]) {
+    rows.iter_mut().zip(values).for_each(|(row, value)| *row = *value);
 }

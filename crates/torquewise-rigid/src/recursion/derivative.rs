@@ -16,17 +16,15 @@ impl<T: Scalar> Moved<T> {
         let mut known = MotionDerivative::none();
         for (joint, body) in self.bodies.iter().enumerate().skip(moved) {
             let before = if joint == 0 { &self.base } else { &self.bodies[joint - 1] };
-            let [rotation, origin, gravity] = if joint == moved {
+            let own = (joint == moved).then(|| {
                 let GeometryDerivative { rotation, origin, gravity, .. } = derivative;
-                [splat(rotation), self.shift_of(joint, (rotation, origin)), splat(gravity)]
-            } else {
-                [Vector3::zeros(); 3]
-            };
-            let from = MotionDerivative { acceleration: known.acceleration - gravity, ..known };
+                known.acceleration -= splat(gravity);
+                [splat(rotation), self.shift_of(joint, (rotation, origin))]
+            });
             known = if self.kinds.slides(joint) {
-                from.slid([before, body], [&rotation, &origin], self.sliding(joint))
+                known.slid([before, body], own, self.sliding(joint))
             } else {
-                from.next([before, body], [&rotation, &origin])
+                known.next([before, body], own)
             };
             tangents.push(known);
         }
@@ -72,21 +70,23 @@ impl<T: Scalar> MotionDerivative<T> {
     /// The change of the next body.
     ///
     /// - `before`, `body`: the motion of the body before and of this one
-    /// - `rotation`, `origin`: how its own frame turns and shifts, in the frame before
-    fn next(&self, [before, body]: [&Body<T>; 2], [rotation, origin]: [&Vector3<T>; 2]) -> Self {
+    /// - `own`: how its own frame turns and shifts, in the frame before, if it does
+    fn next(&self, [before, body]: [&Body<T>; 2], own: Option<[Vector3<T>; 2]>) -> Self {
         let back = |v: Vector3<T>| body.rotation.tr_mul(&v);
         let (w, o) = (&before.omega, &body.origin);
-        let omega = back(self.omega - rotation.cross(w));
+        let Self { mut omega, mut alpha, mut acceleration } = *self;
+        acceleration =
+            acceleration + alpha.cross(o) + omega.cross(&w.cross(o)) + w.cross(&omega.cross(o));
+        if let Some([rotation, origin]) = own {
+            omega -= rotation.cross(w);
+            alpha -= rotation.cross(&before.alpha);
+            let whole = times(&body.rotation, &body.acceleration);
+            acceleration = acceleration + before.alpha.cross(&origin) + w.cross(&w.cross(&origin))
+                - rotation.cross(&whole);
+        }
+        let omega = back(omega);
         let spin = along_z(body.omega.z - body.rotation.column(2).dot(w));
-        let alpha = back(self.alpha - rotation.cross(&before.alpha)) + omega.cross(&spin);
-        let whole = times(&body.rotation, &body.acceleration);
-        let acceleration = self.acceleration
-            + self.alpha.cross(o)
-            + self.omega.cross(&w.cross(o))
-            + w.cross(&self.omega.cross(o))
-            + before.alpha.cross(origin)
-            + w.cross(&w.cross(origin))
-            - rotation.cross(&whole);
+        let alpha = back(alpha) + omega.cross(&spin);
         Self { omega, alpha, acceleration: back(acceleration) }
     }
 
@@ -94,12 +94,12 @@ impl<T: Scalar> MotionDerivative<T> {
     fn slid(
         &self,
         [before, body]: [&Body<T>; 2],
-        moves: [&Vector3<T>; 2],
+        own: Option<[Vector3<T>; 2]>,
         [speed, rate]: [Vector3<T>; 2],
     ) -> Self {
         let carried = Body { acceleration: body.acceleration - rate, ..*body };
-        let own = self.next([before, &carried], moves);
-        Self { acceleration: own.acceleration + own.omega.cross(&(speed + speed)), ..own }
+        let next = self.next([before, &carried], own);
+        Self { acceleration: next.acceleration + next.omega.cross(&(speed + speed)), ..next }
     }
 
     /// The change of the wrench that the motion takes.
