@@ -162,9 +162,8 @@ fn text(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found
     let scores = methods(
         log.joints(),
         found.iter().map(|Found { name, fit, scores, .. }| {
-            let counts = [fit.candidates, fit.model.n_coefficients()];
             let errors = scores.joints.iter().map(|joint| joint.nrmse_percent);
-            (*name, counts, fit.seconds, errors.collect())
+            (*name, fit, errors.collect())
         }),
     );
     format!(
