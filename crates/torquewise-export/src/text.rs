@@ -1,5 +1,6 @@
 //! Functions as statements, in the signs that C, Rust and Python share, for the templates.
 
+use crate::cost::Cost;
 use crate::graph::{Function, Graph, Id, Input, Node};
 use crate::program::{Memory, Precision, Program, Quantity};
 use minijinja::{Value, context};
@@ -65,7 +66,7 @@ pub(crate) fn values(program: &Program, language: &impl Language) -> Value {
         let unread = signals.iter().copied().filter(|signal| !body.reads(signal));
         context! {
             unread => unread.collect::<Vec<_>>(),
-            cost => program.cost_of(roots).to_string(),
+            cost => Cost::of(&program.graph, roots).to_string(),
             lines => language.statements(&body, role, program),
             signals,
         }
@@ -77,7 +78,7 @@ pub(crate) fn values(program: &Program, language: &impl Language) -> Value {
             is_matrix => quantity.is_matrix(),
             result => quantity.result(),
             count => roots.len(),
-            summary => format!("{name:18}{formula:24}{}", program.cost_of(roots)),
+            summary => format!("{name:18}{formula:24}{}", Cost::of(&program.graph, roots)),
             ..part(role(*quantity), roots)
         }
     };
