@@ -202,9 +202,6 @@ pub struct ArmParameter {
 /// What torque determines of the links (Gautier and Khalil): first moments across the axis
 /// \[kg·m\] and moments about the origin of the joint \[kg·m²\], the rest counted into the link
 /// before, and of a slide its mass; a list for each joint.
-///
-/// # Errors
-/// As [`joint_geometry`].
 fn link_parameters(
     chain: &RigidChain,
     joints: &[String],

@@ -141,7 +141,6 @@ fn write_files(arguments: &Arguments, found: &[Found], svg: &str) -> Result<()> 
         tests: &[],
         model: &folder.join(found[0].file).display().to_string(),
         command: "torquewise demo",
-        version: env!("CARGO_PKG_VERSION"),
         date: &date,
     };
     let html = page(&found[0].fit, None, origin, &watch())?.unwrap_or_default();

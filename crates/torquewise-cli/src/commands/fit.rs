@@ -113,7 +113,6 @@ fn report(
         tests: &tests,
         model: &quoted(&arguments.output.display().to_string()),
         command: &format!("torquewise {}", command.join(" ")),
-        version: env!("CARGO_PKG_VERSION"),
         date: &date(SystemTime::now()),
     };
     Ok(page(fit, test, origin, &watch())?.unwrap_or_default())

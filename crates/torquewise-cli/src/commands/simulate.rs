@@ -95,19 +95,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         check_rows(seconds, rate, MOST_NOISY_ROWS)?;
     }
     let twin = twin.map(|model| TwinLog::new(&model, &plan)).transpose()?;
+    let recording: &dyn Recording = match &twin {
+        Some(twin) => twin,
+        None => &clean,
+    };
     match noise {
         // The level of the noise is relative to the whole log, which therefore has to be held.
         Some(noise) => {
             let whole = match &twin {
-                Some(twin) => twin.whole()?,
+                Some(twin) => twin.trajectories()?.remove(0),
                 None => clean.whole()?.motion,
             };
             write_log(output, &add_noise(&whole, &noise, seed)?)?;
         }
-        None => match &twin {
-            Some(twin) => write_log(output, twin)?,
-            None => write_log(output, &clean)?,
-        },
+        None => write_log(output, recording)?,
     }
     let (file, rows, joints) = (output.display(), clean.n_rows(), arm.joints());
     let json = json!({
