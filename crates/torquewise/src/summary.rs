@@ -2,30 +2,18 @@
 
 use crate::error::Result;
 use crate::fit::FitResult;
-use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use torquewise_motion::Repairs;
 
-/// What was repaired in all logs, and in each.
-#[derive(Clone, Debug, Serialize)]
-pub struct AllRepairs<'a> {
-    /// All logs together.
-    pub total: Repairs,
-    /// By the name of the log; logs that are sound are not listed.
-    pub logs: &'a BTreeMap<String, Repairs>,
-}
-
-impl<'a> AllRepairs<'a> {
-    /// Adds up what was repaired.
-    pub fn of(logs: &'a BTreeMap<String, Repairs>) -> Self {
-        Self { total: logs.values().sum(), logs }
-    }
+/// What was repaired in all logs, and in each by its name; logs that are sound are not listed.
+pub fn all_repairs(logs: &BTreeMap<String, Repairs>) -> Value {
+    json!({ "total": logs.values().sum::<Repairs>(), "logs": logs })
 }
 
 /// What was repaired in all logs together, in words; none if they are sound.
 pub fn repairs_note(logs: &BTreeMap<String, Repairs>) -> Option<String> {
-    (!logs.is_empty()).then(|| AllRepairs::of(logs).total.to_string())
+    (!logs.is_empty()).then(|| logs.values().sum::<Repairs>().to_string())
 }
 
 impl FitResult {
@@ -59,7 +47,7 @@ impl FitResult {
             "cutoff_hz": training.filter.map(|filter| filter.cutoff_hz),
             "delay_s": training.filter.map(|filter| filter.delay),
             "geometry_found": training.geometry_found,
-            "conditioning": AllRepairs::of(&training.conditioning),
+            "conditioning": all_repairs(&training.conditioning),
             "candidates": self.candidates,
             "candidates_by_step": self.steps.iter().map(|step| step.candidates).collect::<Vec<_>>(),
             "active": model.active(),

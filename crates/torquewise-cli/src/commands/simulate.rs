@@ -12,7 +12,7 @@ use faer::MatRef;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use torquewise::dynamics::{MotionKind, MotionPlan, Noise, SimulatedLog, add_noise, arms};
-use torquewise::inspect::PatternRows;
+use torquewise::inspect::pattern_rows;
 use torquewise::logs::LogWriter;
 use torquewise::motion::{Pattern, Recording};
 use torquewise::observe::Watched;
@@ -118,7 +118,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         "seconds": seconds,
         "rate_hz": rate,
         "seed": seed,
-        "patterns": PatternRows::of(write_truth(arguments.truth.as_deref(), &clean)?),
+        "patterns": pattern_rows(write_truth(arguments.truth.as_deref(), &clean)?),
         "file": file.to_string(),
         "truth": arguments.truth.as_ref().map(|truth| truth.display().to_string()),
     });
