@@ -198,7 +198,6 @@ impl Fit {
                 tests: &tests,
                 model: "model.json",
                 command: "torquewise.fit(…)",
-                version: env!("CARGO_PKG_VERSION"),
                 date: &date,
             };
             page(&found, test.as_ref().zip(scores.as_ref()), origin, observer)

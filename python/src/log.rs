@@ -13,7 +13,7 @@ use std::sync::Arc;
 use torquewise::identify::{find_patterns, survey};
 use torquewise::inspect::missing_patterns;
 use torquewise::log::Rows;
-use torquewise::logs::{self, Clock, Frame, Options, Profile};
+use torquewise::logs::{self, Clock, Frame, Logs, Options, Profile};
 use torquewise::motion::{Motion, Pattern, Recording};
 use torquewise::observe::Watched;
 use torquewise::{Filter, FitOptions};
@@ -56,17 +56,17 @@ impl Log {
         let profile = profile.map(|file| Profile::read(&file)).transpose().map_err(log_error)?;
         let clock = if repair { Clock::Repair } else { Clock::Strict };
         let options = Options { profile, topic, clock };
-        let mut log = match sources {
-            Sources::Files(files) => py.detach(|| torquewise::Log::open_all(&files, &options)),
+        let files = match sources {
+            Sources::Files(files) => py.detach(|| Logs::open_with(&files, &options)),
             Sources::Frames(frames) => {
                 let frame = |(label, frame)| -> (PathBuf, Arc<dyn Frame>) {
                     (PathBuf::from(label), Arc::new(Shared(frame)))
                 };
                 let frames: Vec<_> = frames.into_iter().map(frame).collect();
-                py.detach(|| torquewise::Log::of_frames(&frames, &options))
+                py.detach(|| Logs::of_frames(&frames, &options))
             }
-        }
-        .map_err(raised)?;
+        };
+        let mut log = torquewise::Log::from(files.map_err(log_error)?);
         log.filter = match filter {
             None => Filter::Auto,
             Some(FilterWord::Word(word)) if word == "auto" => Filter::Auto,

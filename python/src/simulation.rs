@@ -15,7 +15,7 @@ use torquewise::excite::{
     ExcitationPlan, JointValues, Limits, Torques, Wishes, excite as plan_motions, joint_trajectory,
     limits,
 };
-use torquewise::motion::bounded_file;
+use torquewise::motion::{Recording, bounded_file};
 use torquewise::twin::{self, TwinLog};
 
 /// An arm: a name of a built-in one, a path of a `.urdf` or a `.toml` with a DH table, or a model.
@@ -90,7 +90,7 @@ pub(crate) fn simulate<'py>(
     let joints = arm.joints().to_vec();
     let made = move || -> Result<_, torquewise::Error> {
         let clean = if let Some(model) = &twin {
-            TwinLog::new(model, &plan)?.whole()?
+            TwinLog::new(model, &plan)?.trajectories()?.remove(0)
         } else {
             let log = SimulatedLog::new(&arm, &plan)?;
             friction.map_or(Ok(log.clone()), |own| log.with_friction(own))?.whole()?.motion

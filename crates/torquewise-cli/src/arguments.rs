@@ -30,9 +30,14 @@ pub(crate) fn choice<T: Copy + Send + Sync>(
     })
 }
 
-const ACTIVATION: [Word<&str>; 2] = [
-    ("scaled", "Each joint by its own range, sensitivity from the noise floor", "scaled"),
-    ("paper", "Fixed constants, as published with the method", "paper"),
+/// The same where the word itself is what the option is set to.
+pub(crate) fn words(all: &[(&'static str, &'static str)]) -> PossibleValuesParser {
+    all.iter().map(|(name, help)| PossibleValue::new(name).help(help)).collect::<Vec<_>>().into()
+}
+
+const ACTIVATION: [(&str, &str); 2] = [
+    ("scaled", "Each joint by its own range, sensitivity from the noise floor"),
+    ("paper", "Fixed constants, as published with the method"),
 ];
 
 /// What is known of an arm before its log is read.
@@ -76,12 +81,12 @@ fn direction(text: &str) -> Result<[f64; 3], String> {
 }
 
 /// How rows are clustered.
-#[derive(Args, Clone, Copy, Debug, Serialize)]
+#[derive(Args, Clone, Debug, Serialize)]
 #[command(next_help_heading = "Patterns of motion")]
 pub(crate) struct PatternArguments {
     /// Constants of the activation index
-    #[arg(long, value_parser = choice(&ACTIVATION), default_value = "scaled")]
-    activation: &'static str,
+    #[arg(long, value_parser = words(&ACTIVATION), default_value = "scaled")]
+    activation: String,
     /// Number of clusters from 1 to 9, or `auto` for the elbow
     #[arg(long, value_name = "auto|K", default_value = "auto", value_parser = clusters)]
     // Named in full, since clap takes a plain Option for one that may be left out.
@@ -92,8 +97,8 @@ pub(crate) struct PatternArguments {
 }
 
 impl PatternArguments {
-    pub(crate) fn plan(self) -> Result<PatternPlan> {
-        Ok(fit_options(object(&self))?.patterns())
+    pub(crate) fn plan(&self) -> Result<PatternPlan> {
+        Ok(fit_options(object(self))?.patterns())
     }
 }
 
@@ -106,33 +111,26 @@ pub(crate) fn fit_options(mut flags: Value) -> Result<FitOptions> {
     Ok(FitOptions::of_keywords(&keywords)?)
 }
 
-const LIBRARY: [Word<&str>; 3] = [
+const LIBRARY: [(&str, &str); 3] = [
     (
         "energy",
         "M(q) and V(q), shared by all joints: exact for rigid arms of revolute joints; all terms \
          for up to four joints, or with --interaction, else those of a learned chain",
-        "energy",
     ),
     (
         "product",
         "Products of sines, cosines, velocities and accelerations, for each joint on its own",
-        "product",
     ),
     (
         "chain",
         "Energies of a chain of rigid bodies whose geometry is learned too: for four joints and \
          more, noisy logs and friction",
-        "chain",
     ),
 ];
 
-pub(crate) const METHOD: [Word<&str>; 2] = [
-    (
-        "stepwise",
-        "Gravity from standstill, Coriolis from uniform, inertia from variable velocity",
-        "stepwise",
-    ),
-    ("sindy", "One-shot SINDy: the product library on all rows, without noise correction", "sindy"),
+pub(crate) const METHOD: [(&str, &str); 2] = [
+    ("stepwise", "Gravity from standstill, Coriolis from uniform, inertia from variable velocity"),
+    ("sindy", "One-shot SINDy: the product library on all rows, without noise correction"),
 ];
 
 /// How a log becomes a model, the method left open.
@@ -141,11 +139,11 @@ pub(crate) const METHOD: [Word<&str>; 2] = [
 pub(crate) struct PlanArguments {
     /// Candidates [default: energy; product with --method sindy; chain for filtered logs, friction,
     /// or five joints and more]
-    #[arg(long, value_parser = choice(&LIBRARY))]
-    library: Option<&'static str>,
+    #[arg(long, value_parser = words(&LIBRARY))]
+    library: Option<String>,
     /// Friction of the joints [default: auto with --library chain, else none]
-    #[arg(long, value_parser = choice(&FRICTION))]
-    friction: Option<&'static str>,
+    #[arg(long, value_parser = words(&FRICTION))]
+    friction: Option<String>,
     /// Energy library: at most this many joint angles in a term [default: as many as are feasible]
     #[arg(help_heading = "Term libraries", long, value_name = "K", value_parser = clap::value_parser!(u8).range(1..=16))]
     interaction: Option<u8>,

@@ -1,32 +1,30 @@
 //! How terms are selected and fitted, and which friction is looked for.
 
-use crate::arguments::{Word, choice, fitting, kinds_of_joints};
+use crate::arguments::{fitting, kinds_of_joints, words};
 use crate::error::{CliError, Result};
 use clap::Args;
 use serde::Serialize;
 
-pub(crate) const FRICTION: [Word<&str>; 4] = [
-    ("none", "None", "none"),
-    ("linear", "Offset, viscous and dry friction", "linear"),
-    ("stribeck", "The same and the Stribeck curve, forward and backward apart", "stribeck"),
+pub(crate) const FRICTION: [(&str, &str); 4] = [
+    ("none", "None"),
+    ("linear", "Offset, viscous and dry friction"),
+    ("stribeck", "The same and the Stribeck curve, forward and backward apart"),
     (
         "auto",
         "Whichever predicts held-out rows best; of a chain joint by joint, with memory of the path \
          at rest and reversal, and with load, where they pay",
-        "auto",
     ),
 ];
 
-const REFINE: [Word<&str>; 1] = [(
+const REFINE: [(&str, &str); 1] = [(
     "rollout",
     "Windows of the log, simulated with the measured torque: for a model that is to move like the arm",
-    "rollout",
 )];
 
-const SELECT: [Word<&str>; 3] = [
-    ("bic", "BIC-like information criterion", "bic"),
-    ("lasso", "LASSO, then least squares", "lasso"),
-    ("stlsq", "Sequentially thresholded least squares", "stlsq"),
+const SELECT: [(&str, &str); 3] = [
+    ("bic", "BIC-like information criterion"),
+    ("lasso", "LASSO, then least squares"),
+    ("stlsq", "Sequentially thresholded least squares"),
 ];
 
 /// What becomes of candidates once the rows are summed.
@@ -34,8 +32,8 @@ const SELECT: [Word<&str>; 3] = [
 #[command(next_help_heading = "Term libraries")]
 pub(crate) struct SelectionArguments {
     /// Which terms of a library stay [default: bic; stlsq with --method sindy]
-    #[arg(long, value_parser = choice(&SELECT))]
-    select: Option<&'static str>,
+    #[arg(long, value_parser = words(&SELECT))]
+    select: Option<String>,
     /// Drop coefficients of a library that are at most this large [paper: 0.1]
     #[arg(long, value_name = "X")]
     #[arg(value_parser = fitting(|x: &f64| *x >= 0.0 && x.is_finite(), "expected a number that is zero or more"))]
@@ -50,8 +48,8 @@ pub(crate) struct SelectionArguments {
     counterbalance: Vec<String>,
     /// Refine a learned chain once its torque is fitted; what this counts is chosen on held-out
     /// windows, and at most 2 % more of the torque is left
-    #[arg(help_heading = "Learned chain", long, value_parser = choice(&REFINE))]
-    refine: Option<&'static str>,
+    #[arg(help_heading = "Learned chain", long, value_parser = words(&REFINE))]
+    refine: Option<String>,
     /// Disable the correction of the bias that measurement noise causes, as --method sindy always does
     #[arg(help_heading = "Method", long)]
     no_noise_correction: bool,

@@ -1,5 +1,6 @@
 //! Text in columns.
 
+use torquewise::FitResult;
 use torquewise::model::number;
 
 const WIDEST: usize = 250;
@@ -50,14 +51,14 @@ impl Table {
 /// Methods beside each other: candidates, coefficients, seconds, and the error of each joint.
 pub(crate) fn methods<'a>(
     joints: &[String],
-    rows: impl IntoIterator<Item = (&'a str, [usize; 2], f64, Vec<f64>)>,
+    rows: impl IntoIterator<Item = (&'a str, &'a FitResult, Vec<f64>)>,
 ) -> Table {
     let mut headings = ["method", "candidates", "active", "seconds"].map(str::to_owned).to_vec();
     headings.extend(joints.iter().map(|name| format!("NRMSE {name} [%]")));
     let mut table = Table::new(headings);
-    for (name, counts, seconds, errors) in rows {
-        let counts = counts.map(|count| count.to_string()).into_iter();
-        let seconds = format!("{seconds:.2}");
+    for (name, fit, errors) in rows {
+        let counts = [fit.candidates, fit.model.n_coefficients()].map(|count| count.to_string());
+        let (counts, seconds) = (counts.into_iter(), format!("{:.2}", fit.seconds));
         table.row(name, counts.chain([seconds]).chain(errors.into_iter().map(number)));
     }
     table

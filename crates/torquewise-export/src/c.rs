@@ -43,8 +43,8 @@ impl Language for C {
         let signals = role.signals();
         let named = |(name, value): &(String, String)| format!("const {real} {name} = {value};");
         let mut lines: Vec<String> = body.read(&signals, "state->").iter().map(named).collect();
-        for angle in &body.angles {
-            let j = angle.joint + 1;
+        for (joint, angle) in &body.angles {
+            let j = joint + 1;
             lines.extend(angle.sin.then(|| format!("const {real} s{j} = sin{f}(q{j});")));
             lines.extend(angle.cos.then(|| format!("const {real} c{j} = cos{f}(q{j});")));
         }

@@ -46,7 +46,7 @@ pub(crate) fn from_energies(
         let weight = graph.constant(weighted.coefficient);
         let powers = angles(graph, &weighted.term.function);
         let place = places.entry(weighted.term.place).or_default();
-        place.push(Monomial::new(weight, powers));
+        place.push(Monomial { weight, powers });
     }
     let zero = graph.constant(0.0);
     let (mut matrix, mut potential) = (vec![zero; n * n], zero);
@@ -141,10 +141,11 @@ fn equation(graph: &Graph, sum: Sum, order: Order, grouping: Grouping) -> Id {
                 Vec::new()
             }
         };
-        groups.entry(group).or_default().push(Monomial::new(weight, powers));
+        groups.entry(group).or_default().push(Monomial { weight, powers });
     }
     let part = |(group, monomials): (Vec<(Id, u32)>, _)| {
-        Monomial::new(polynomial(graph, monomials, order), group.into_iter().collect())
+        let weight = polynomial(graph, monomials, order);
+        Monomial { weight, powers: group.into_iter().collect() }
     };
     polynomial(graph, groups.into_iter().map(part).collect(), order)
 }

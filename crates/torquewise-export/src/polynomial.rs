@@ -16,8 +16,8 @@ pub(crate) enum Order {
 
 #[derive(Clone, Debug)]
 pub(crate) struct Monomial {
-    weight: Id,
-    powers: BTreeMap<Id, u32>,
+    pub(crate) weight: Id,
+    pub(crate) powers: BTreeMap<Id, u32>,
 }
 
 /// The angle functions of a term as powers of nodes.
@@ -48,12 +48,6 @@ pub(crate) fn motions(graph: &Graph, term: &Term) -> BTreeMap<Id, u32> {
 
 fn raise(powers: &mut BTreeMap<Id, u32>, atom: Id, power: u32) {
     *powers.entry(atom).or_insert(0) += power;
-}
-
-impl Monomial {
-    pub(crate) fn new(weight: Id, powers: BTreeMap<Id, u32>) -> Self {
-        Self { weight, powers }
-    }
 }
 
 /// Σ weight·Π atom^power as one node.

@@ -232,16 +232,12 @@ impl Program {
 
     /// What a call of a function costs.
     pub fn cost(&self, quantity: Quantity) -> Cost {
-        self.cost_of(self.roots(quantity))
+        Cost::of(&self.graph, self.roots(quantity))
     }
 
     fn roots(&self, quantity: Quantity) -> &[Id] {
         let known = self.functions.iter().find(|(other, _)| *other == quantity);
         known.map_or(&[], |(_, roots)| roots)
-    }
-
-    pub(crate) fn cost_of(&self, roots: &[Id]) -> Cost {
-        Cost::of(&self.graph, roots)
     }
 
     /// What a user has to know of this model, in ASCII.

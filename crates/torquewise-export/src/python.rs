@@ -58,8 +58,8 @@ impl Language for Python {
         let signals = role.signals().into_iter().map(|signal| (signal, signal));
         let read = state.iter().copied().chain(signals).chain(more.iter().copied());
         let mut lines: Vec<String> = read.map(|(signal, from)| entries(signal, from)).collect();
-        for angle in &body.angles {
-            let j = angle.joint + 1;
+        for (joint, angle) in &body.angles {
+            let j = joint + 1;
             lines.extend(angle.sin.then(|| format!("s{j} = sin(q{j})")));
             lines.extend(angle.cos.then(|| format!("c{j} = cos(q{j})")));
         }

@@ -85,7 +85,7 @@ impl<'a> Recursion<'a> {
         let mut beyond = Composite { mass: 0.0, first: [zero; 3], moments: [[zero; 3]; 3] };
         for (j, link) in self.chain.links.iter().enumerate().rev() {
             let all = self.with(link, &beyond);
-            let ([x, y, _], [turn, slide]) = (all.first, link.kind.twist());
+            let ([x, y, _], [turn, slide]) = (all.first, link.kind.twist);
             let force = self.scaled(turn, &[self.graph.neg(y), x, zero]);
             let push = [zero, zero, self.graph.constant(slide * all.mass)];
             let moment = self.scaled(slide, &[y, self.graph.neg(x), zero]);
@@ -145,7 +145,7 @@ impl<'a> Recursion<'a> {
             omega = self.inward(joint, &omega);
             alpha = self.inward(joint, &alpha);
             acceleration = self.inward(joint, &acceleration);
-            let [turn, slide] = link.kind.twist();
+            let [turn, slide] = link.kind.twist;
             // ω×z q̇ + z q̈ of what turns, 2 ω×z q̇ + z q̈ of what slides.
             alpha = self.plus(&alpha, &self.along_z(&omega, turn, [speed, rate]));
             let twice = self.graph.add(speed, speed);
@@ -167,7 +167,7 @@ impl<'a> Recursion<'a> {
 
     /// What the motor of a link holds of a wrench: its moment about z, its force along it.
     fn effort(&self, link: &BaseLink, wrench: &Wrench) -> Id {
-        let [turn, slide] = link.kind.twist().map(|part| self.graph.constant(part));
+        let [turn, slide] = link.kind.twist.map(|part| self.graph.constant(part));
         let held = self.graph.mul(turn, wrench.moment[2]);
         self.graph.add(held, self.graph.mul(slide, wrench.force[2]))
     }
@@ -274,7 +274,7 @@ impl<'a> Recursion<'a> {
     fn origin(&self, joint: usize) -> Vector {
         let (graph, link) = (self.graph, &self.chain.links[joint]);
         let own = link.origin.map(|x| graph.constant(x));
-        let ([sine, cosine], [_, slide]) = (link.twist, link.kind.twist());
+        let ([sine, cosine], [_, slide]) = (link.twist, link.kind.twist);
         let q = graph.input(Input::Q(joint));
         let along = [0.0, -slide * sine, slide * cosine].map(|x| graph.mul(graph.constant(x), q));
         self.plus(&own, &along)

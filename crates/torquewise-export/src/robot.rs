@@ -122,8 +122,8 @@ impl Robot {
             context! {
                 name => &joint.name,
                 link => &joint.link,
-                kind => joint.kind.name(),
-                motion => joint.kind.mjcf(),
+                kind => joint.kind.name,
+                motion => joint.kind.mjcf,
                 parent => k.checked_sub(1).map_or(&self.base, |before| &self.joints[before].link),
                 origin => numbers(joint.frame.origin.into()),
                 rpy => numbers(rpy(&joint.frame.rotation)),

@@ -33,7 +33,7 @@ impl Language for Rust {
         let named = |(name, value): &(String, String)| format!("let {name} = {value};");
         let read = body.read(&role.signals(), "self.");
         let mut lines: Vec<String> = read.iter().map(named).collect();
-        for &Angle { joint, sin, cos } in &body.angles {
+        for (joint, &Angle { sin, cos }) in &body.angles {
             let j = joint + 1;
             let name = |held: bool, letter: char| {
                 if held { format!("{letter}{j}") } else { "_".to_owned() }

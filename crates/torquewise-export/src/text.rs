@@ -1,9 +1,10 @@
 //! Functions as statements, in the signs that C, Rust and Python share, for the templates.
 
+use crate::cost::Cost;
 use crate::graph::{Function, Graph, Id, Input, Node};
 use crate::program::{Memory, Precision, Program, Quantity};
 use minijinja::{Value, context};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Longest expression that is written in one line; longer ones are given names in between.
 const LINE: usize = 84;
@@ -65,7 +66,7 @@ pub(crate) fn values(program: &Program, language: &impl Language) -> Value {
         let unread = signals.iter().copied().filter(|signal| !body.reads(signal));
         context! {
             unread => unread.collect::<Vec<_>>(),
-            cost => program.cost_of(roots).to_string(),
+            cost => Cost::of(&program.graph, roots).to_string(),
             lines => language.statements(&body, role, program),
             signals,
         }
@@ -77,7 +78,7 @@ pub(crate) fn values(program: &Program, language: &impl Language) -> Value {
             is_matrix => quantity.is_matrix(),
             result => quantity.result(),
             count => roots.len(),
-            summary => format!("{name:18}{formula:24}{}", program.cost_of(roots)),
+            summary => format!("{name:18}{formula:24}{}", Cost::of(&program.graph, roots)),
             ..part(role(*quantity), roots)
         }
     };
@@ -108,10 +109,9 @@ pub(crate) fn values(program: &Program, language: &impl Language) -> Value {
     }
 }
 
-/// sin and cos of one joint, as far as they are needed; `s1` and `c1`.
-#[derive(Clone, Copy, Debug)]
+/// Which of sin and cos of one joint are needed; `s1` and `c1`.
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Angle {
-    pub(crate) joint: usize,
     pub(crate) sin: bool,
     pub(crate) cos: bool,
 }
@@ -120,8 +120,9 @@ pub(crate) struct Angle {
 /// and results are expressions of all these.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Body {
-    pub(crate) inputs: Vec<Input>,
-    pub(crate) angles: Vec<Angle>,
+    pub(crate) inputs: BTreeSet<Input>,
+    /// By the joint, counted from 0.
+    pub(crate) angles: BTreeMap<usize, Angle>,
     pub(crate) steps: Vec<(String, String)>,
     pub(crate) results: Vec<String>,
 }
@@ -146,8 +147,6 @@ impl Body {
             }
         }
         body.results = roots.iter().map(|root| texts[root].text.clone()).collect();
-        body.inputs.sort_unstable();
-        body.angles.sort_by_key(|angle| angle.joint);
         body
     }
 
@@ -206,21 +205,17 @@ impl Body {
                 return Text { text: language.constant(value), level };
             }
             Node::Input(input) => {
-                self.note(*input);
+                self.inputs.insert(*input);
                 let (signal, joint) = signal_of(*input);
                 return plain(format!("{signal}{}", joint + 1));
             }
             Node::Sin(multiples) | Node::Cos(multiples) => {
                 let joint = multiples.iter().position(|&k| k != 0).unwrap_or(0);
-                self.note(Input::Q(joint));
-                if self.angles.iter().all(|angle| angle.joint != joint) {
-                    self.angles.push(Angle { joint, sin: false, cos: false });
-                }
+                self.inputs.insert(Input::Q(joint));
+                let angle = self.angles.entry(joint).or_default();
                 let is_sin = matches!(node, Node::Sin(_));
-                if let Some(angle) = self.angles.iter_mut().find(|angle| angle.joint == joint) {
-                    angle.sin |= is_sin;
-                    angle.cos |= !is_sin;
-                }
+                angle.sin |= is_sin;
+                angle.cos |= !is_sin;
                 return plain(format!("{}{}", if is_sin { 's' } else { 'c' }, joint + 1));
             }
             _ => {}
@@ -235,13 +230,6 @@ impl Body {
                 }
                 _ => return joined,
             }
-        }
-    }
-
-    /// Notes an input, once.
-    fn note(&mut self, input: Input) {
-        if !self.inputs.contains(&input) {
-            self.inputs.push(input);
         }
     }
 

@@ -62,7 +62,7 @@ impl DriveTerm {
     /// A counterbalance of a joint: what a spring adds to V(q) that no mass does, since the masses
     /// that weigh are those that resist. Of a slide: a constant force and a spring.
     pub(crate) fn counterbalance(n_joints: usize, joint: usize, kind: JointKind) -> Vec<Self> {
-        let functions = match kind.functions() {
+        let functions = match kind.functions {
             Functions::Harmonics => {
                 vec![(Trig::Cos, 1, 1), (Trig::Sin, 1, 1), (Trig::Cos, 2, 1), (Trig::Sin, 2, 1)]
             }

@@ -206,7 +206,7 @@ fn digits(bases: &[Basis], mut place: usize) -> Vec<usize> {
 impl Basis {
     /// The functions of a joint up to a degree.
     pub(crate) fn new(kind: JointKind, degree: usize) -> Self {
-        match kind.functions() {
+        match kind.functions {
             Functions::Harmonics => Self::Harmonics(degree),
             Functions::Powers => Self::Powers(degree),
         }

@@ -256,22 +256,32 @@ impl FrictionTerm {
 
     /// The shaft as a sum over its joints: `dq5 + dq6`, `dq5 - 0.5*dq6`.
     pub(crate) fn sum(&self, letter: &str, times: &str) -> String {
-        let mut text = String::new();
-        for (joint, &shaft) in self.shaft.iter().enumerate().filter(|(_, shaft)| **shaft != 0.0) {
-            text.push_str(match (shaft < 0.0, text.is_empty()) {
-                (true, true) => "-",
-                (true, false) => " - ",
-                (false, true) => "",
-                (false, false) => " + ",
-            });
-            if (shaft.abs() - 1.0).abs() > f64::EPSILON {
-                // Writing to a String cannot fail.
-                let _ = write!(text, "{}{times}", shaft.abs());
-            }
-            text += &indexed(letter, joint);
-        }
-        text
+        sum_of(self.shaft.iter().copied(), [" + ", " - "], letter, times)
     }
+}
+
+/// Σ kⱼ·letterⱼ over the joints whose k is not zero, joints counted from 1.
+pub(crate) fn sum_of(
+    multiples: impl Iterator<Item = f64>,
+    [plus, minus]: [&str; 2],
+    letter: &str,
+    times: &str,
+) -> String {
+    let mut text = String::new();
+    for (joint, k) in multiples.enumerate().filter(|(_, k)| *k != 0.0) {
+        text.push_str(match (k < 0.0, text.is_empty()) {
+            (true, true) => "-",
+            (true, false) => minus,
+            (false, true) => "",
+            (false, false) => plus,
+        });
+        if (k.abs() - 1.0).abs() > f64::EPSILON {
+            // Writing to a String cannot fail.
+            let _ = write!(text, "{}{times}", k.abs());
+        }
+        text += &indexed(letter, joint);
+    }
+    text
 }
 
 /// A letter with its joint, counted from 1: `q2`, in LaTeX `q_{2}`.

@@ -6,31 +6,11 @@ use crate::print::{DASH, with_error};
 use crate::rigid_chain::{Drive, RigidChain};
 use crate::selection::Selection;
 use crate::shaft_friction::Estimated;
+use crate::weighted::LEAST_T;
 use serde::Serialize;
 use torquewise_rigid::base_parameters::base_parameters;
+use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::recursion::PER_BODY;
-
-/// A parameter with a larger part of it uncertain is not determined.
-const LEAST_T: f64 = 2.0;
-
-/// An axis at q = 0, in a frame at the base with z up, against gravity.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct JointAxis {
-    /// A point on it \[m\].
-    pub point: [f64; 3],
-    /// Its direction, a unit vector.
-    pub direction: [f64; 3],
-}
-
-/// The axes of a chain at q = 0, base to tip, in a frame with its origin on the first and z up.
-///
-/// # Errors
-/// [`ModelError::Chain`] if its geometry is none.
-pub fn axes(chain: &RigidChain) -> Result<Vec<JointAxis>, ModelError> {
-    let frames = chain.axes()?.upright();
-    let axis = |(direction, point): ([f64; 3], [f64; 3])| JointAxis { point, direction };
-    Ok(frames.into_iter().map(axis).collect())
-}
 
 /// Where an axis lies at q = 0, and how in respect of the one before.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -63,18 +43,18 @@ const RESOLVED: f64 = 0.1;
 /// Where the axes of the chain of a model lie; nothing of a model without one.
 ///
 /// # Errors
-/// As [`axes`].
+/// [`ModelError::Chain`] if its geometry is none.
 pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
     let Some(chain) = &model.chain else { return Ok(Vec::new()) };
-    let lines = axes(chain)?;
+    let lines = chain.axes()?.upright();
     let found = model.training.geometry_found.as_ref();
     let errors = model.training.held_out_errors().unwrap_or_default();
-    let of = |(joint, axis): (usize, &JointAxis)| -> Result<JointGeometry, ModelError> {
-        let measured = |of: &dyn Fn(&[JointAxis]) -> f64| -> Result<Option<Estimated>, ModelError> {
+    let of = |(joint, axis): (usize, &Placement)| -> Result<JointGeometry, ModelError> {
+        let measured = |of: &dyn Fn(&[Placement]) -> f64| -> Result<Option<Estimated>, ModelError> {
             let std_error = geometry_error(chain, of)?;
             Ok(Some(Estimated { value: of(&lines).abs(), std_error }))
         };
-        let relative = |of: fn(&JointAxis, &JointAxis) -> f64| match joint.checked_sub(1) {
+        let relative = |of: fn(&Placement, &Placement) -> f64| match joint.checked_sub(1) {
             None => Ok(None),
             Some(before) => measured(&|axes| of(&axes[before], &axes[joint])),
         };
@@ -83,8 +63,7 @@ pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
         let has_distance = turns(joint) && joint.checked_sub(1).is_none_or(turns);
         let distance_to_previous_m = if has_distance { relative(distance)? } else { None };
         let before = joint.saturating_sub(1);
-        let is_across =
-            |k: &usize| norm(cross(lines[*k].direction, lines[before].direction)) > NEARLY;
+        let is_across = |k: &usize| lines[*k].axis().cross(&lines[before].axis()).norm() > NEARLY;
         let across = (0..before).rev().find(is_across).filter(|_| is_across(&joint));
         let along_previous_m = match across.filter(|&first| (first..=joint).all(turns)) {
             None => None,
@@ -101,9 +80,9 @@ pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
             .all(|found| found.std_error < RESOLVED);
         Ok(JointGeometry {
             joint: model.joints[joint].clone(),
-            kind: chain.kinds.of(joint).name(),
-            axis: axis.direction,
-            point: axis.point,
+            kind: chain.kinds.of(joint).name,
+            axis: axis.axis().into(),
+            point: axis.origin.into(),
             angle_to_previous_deg: relative(angle)?,
             distance_to_previous_m,
             along_previous_m,
@@ -115,9 +94,8 @@ pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
 
 /// The same as a table.
 ///
-/// # Errors
-/// As [`axes`].
-pub fn geometry(model: &Model, selection: &Selection) -> Result<Vec<Vec<String>>, ModelError> {
+/// - `found`: what [`joint_geometry`] says of the model
+pub fn geometry(model: &Model, found: &[JointGeometry], selection: &Selection) -> Vec<Vec<String>> {
     let headings = [
         "joint",
         "axis at q = 0 (x y z)",
@@ -128,10 +106,7 @@ pub fn geometry(model: &Model, selection: &Selection) -> Result<Vec<Vec<String>>
         "",
     ];
     let mut table = vec![headings.map(str::to_owned).to_vec()];
-    for (joint, found) in joint_geometry(model)?.into_iter().enumerate() {
-        if !selection.has_joint(joint) {
-            continue;
-        }
+    for (joint, found) in found.iter().enumerate().filter(|(k, _)| selection.has_joint(*k)) {
         let relative = |measured: Option<Estimated>| match measured {
             None => DASH.to_owned(),
             Some(Estimated { value, std_error }) if std_error < 1e-12 => {
@@ -148,7 +123,7 @@ pub fn geometry(model: &Model, selection: &Selection) -> Result<Vec<Vec<String>>
         let note: Vec<&str> = slides.into_iter().chain(open).collect();
         let point = if slides.is_some() { DASH.to_owned() } else { triple(found.point) };
         table.push(vec![
-            found.joint,
+            found.joint.clone(),
             triple(found.axis),
             point,
             relative(found.angle_to_previous_deg),
@@ -157,62 +132,51 @@ pub fn geometry(model: &Model, selection: &Selection) -> Result<Vec<Vec<String>>
             note.join(", "),
         ]);
     }
-    Ok(table)
+    table
 }
 
 /// Angle between two axes \[°\].
-fn angle(a: &JointAxis, b: &JointAxis) -> f64 {
-    let across = norm(cross(a.direction, b.direction));
-    across.atan2(dot(a.direction, b.direction)).to_degrees()
+fn angle(a: &Placement, b: &Placement) -> f64 {
+    let (a, b) = (a.axis(), b.axis());
+    a.cross(&b).norm().atan2(a.dot(&b)).to_degrees()
 }
 
 /// Distance of two axes as lines \[m\], with a sign where they are not parallel.
-fn distance(a: &JointAxis, b: &JointAxis) -> f64 {
-    let between = [0, 1, 2].map(|k| b.point[k] - a.point[k]);
-    let normal = cross(a.direction, b.direction);
-    if norm(normal) > NEARLY {
-        dot(between, normal) / norm(normal)
+fn distance(a: &Placement, b: &Placement) -> f64 {
+    let between = b.origin - a.origin;
+    let normal = a.axis().cross(&b.axis());
+    if normal.norm() > NEARLY {
+        between.dot(&normal) / normal.norm()
     } else {
-        norm(cross(between, b.direction))
+        between.cross(&b.axis()).norm()
     }
 }
 
 /// Where along `axis`, from the point that it is given by, another that is not parallel comes nearest
 /// to it \[m\].
-fn foot(other: &JointAxis, axis: &JointAxis) -> f64 {
-    let between = [0, 1, 2].map(|k| other.point[k] - axis.point[k]);
-    let cos = dot(other.direction, axis.direction);
-    (dot(between, axis.direction) - cos * dot(between, other.direction)) / (1.0 - cos * cos)
+fn foot(other: &Placement, axis: &Placement) -> f64 {
+    let between = other.origin - axis.origin;
+    let (other, axis) = (other.axis(), axis.axis());
+    let cos = other.dot(&axis);
+    (between.dot(&axis) - cos * between.dot(&other)) / (1.0 - cos * cos)
 }
 
 /// Sine of the angle below which two axes are nearly parallel: where they come nearest to each other
 /// says nothing, and may be far off.
 const NEARLY: f64 = 0.1;
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn norm(a: [f64; 3]) -> f64 {
-    dot(a, a).sqrt()
-}
-
-fn cross([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
-    [b * z - c * y, c * x - a * z, a * y - b * x]
-}
-
 /// Step of a difference by a parameter of the geometry \[rad, m\].
 const STEP: f64 = 1e-6;
 
 /// Standard error of a function of the axes; zero where they are exact.
-fn geometry_error(chain: &RigidChain, of: &dyn Fn(&[JointAxis]) -> f64) -> Result<f64, ModelError> {
+fn geometry_error(chain: &RigidChain, of: &dyn Fn(&[Placement]) -> f64) -> Result<f64, ModelError> {
     let before = chain.covariance.len().saturating_sub(chain.fitted.len());
     let mut weights = vec![0.0; chain.covariance.len()];
     for (&parameter, weight) in chain.fitted.iter().zip(weights.iter_mut().skip(before)) {
         let at = |step: f64| {
             let mut moved = chain.clone();
             moved.geometry[parameter] += step;
-            axes(&moved).map(|axes| of(&axes))
+            moved.axes().map(|axes| of(&axes.upright()))
         };
         *weight = (at(STEP)? - at(-STEP)?) / (2.0 * STEP);
     }
@@ -238,9 +202,6 @@ pub struct ArmParameter {
 /// What torque determines of the links (Gautier and Khalil): first moments across the axis
 /// \[kg·m\] and moments about the origin of the joint \[kg·m²\], the rest counted into the link
 /// before, and of a slide its mass; a list for each joint.
-///
-/// # Errors
-/// As [`axes`].
 fn link_parameters(
     chain: &RigidChain,
     joints: &[String],
@@ -291,7 +252,7 @@ impl ArmParameter {
 /// What torque determines of the links as a table, a line for each link.
 ///
 /// # Errors
-/// As [`axes`].
+/// As [`joint_geometry`].
 pub fn links(
     chain: &RigidChain,
     joints: &[String],
@@ -312,7 +273,7 @@ pub fn links(
 /// What torque determines of the links, rotors and springs of a model; nothing of one without a chain.
 ///
 /// # Errors
-/// As [`axes`].
+/// As [`joint_geometry`].
 pub fn parameters(model: &Model) -> Result<Vec<ArmParameter>, ModelError> {
     let Some(chain) = &model.chain else { return Ok(Vec::new()) };
     let links = link_parameters(chain, &model.joints)?.into_iter().flatten();

@@ -43,7 +43,7 @@ impl Degree {
 pub fn angle_functions(kinds: &[JointKind], order: u8) -> Vec<Term> {
     let mut functions = vec![(Term::one(kinds.len()), 0)];
     for (joint, &kind) in kinds.iter().enumerate() {
-        let (first, most, cosines) = match kind.functions() {
+        let (first, most, cosines) = match kind.functions {
             Functions::Harmonics => (Trig::Sin, 1, order),
             Functions::Powers => (Trig::Position, MOST_POWER, 0),
         };
@@ -138,7 +138,7 @@ fn parts(kinds: &[JointKind]) -> impl Iterator<Item = (Place, Vec<Basis>)> {
 /// How many terms [`product_library`] lists, told without listing them; at most `usize::MAX`.
 pub fn product_library_size(kinds: &[JointKind], trig_order: u8, degrees: &[Degree]) -> usize {
     // Of one joint: 1, and a sine or none with cosines, two of each order above; or 1, q and q².
-    let of_joint = |kind: JointKind, order: usize| match kind.functions() {
+    let of_joint = |kind: JointKind, order: usize| match kind.functions {
         _ if order == 0 => 1,
         Functions::Harmonics => 2,
         Functions::Powers => usize::from(order <= MOST_POWER.into()),

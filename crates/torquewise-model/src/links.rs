@@ -4,14 +4,14 @@ use crate::rigid_chain::RigidChain;
 use crate::term::Kind;
 use torquewise_motion::Motion;
 use torquewise_rigid::recursion::MOST_JOINTS;
-use torquewise_rigid::{Kinematics, MotionState, Moved};
+use torquewise_rigid::{Kinematics, MotionState};
 
 /// Rigid links, moved by the recursion.
 #[derive(Clone, Debug)]
 pub(crate) struct Links {
-    kinematics: Kinematics,
+    pub(crate) kinematics: Kinematics,
     weightless: Kinematics,
-    inertial: Vec<f64>,
+    pub(crate) inertial: Vec<f64>,
 }
 
 impl Links {
@@ -24,34 +24,28 @@ impl Links {
         fits.then_some(Self { kinematics, weightless, inertial })
     }
 
-    /// Adds the torque of the links at one state \[N·m\], n.
-    pub(crate) fn add_torque(&self, state: MotionState<'_, f64>, torque: &mut [f64]) {
-        let mut own = [0.0; MOST_JOINTS];
-        self.kinematics.torque(state, &self.inertial, &mut own[..torque.len()]);
-        torque.iter_mut().zip(own).for_each(|(torque, own)| *torque += own);
-    }
-
-    pub(crate) fn add_part(&self, kind: Kind, state: MotionState<'_, f64>, torque: &mut [f64]) {
+    /// Adds the torque of the links at one state \[N·m\], n, whole or a part of it.
+    pub(crate) fn add_torque(
+        &self,
+        part: Option<Kind>,
+        state: MotionState<'_, f64>,
+        torque: &mut [f64],
+    ) {
         let n = torque.len();
         let rest = &[0.0; MOST_JOINTS][..n];
-        let (kinematics, state) = match kind {
-            Kind::Gravity => (&self.kinematics, MotionState { dq: rest, ddq: rest, ..state }),
-            Kind::Coriolis => (&self.weightless, MotionState { ddq: rest, ..state }),
-            Kind::Inertia => (&self.weightless, MotionState { dq: rest, ..state }),
-            Kind::Friction => return,
+        let (kinematics, state) = match part {
+            None => (&self.kinematics, state),
+            Some(Kind::Gravity) => (&self.kinematics, MotionState { dq: rest, ddq: rest, ..state }),
+            Some(Kind::Coriolis) => (&self.weightless, MotionState { ddq: rest, ..state }),
+            Some(Kind::Inertia) => (&self.weightless, MotionState { dq: rest, ..state }),
+            Some(Kind::Friction) => return,
         };
         let mut own = [0.0; MOST_JOINTS];
         kinematics.torque(state, &self.inertial, &mut own[..n]);
         torque.iter_mut().zip(own).for_each(|(torque, own)| *torque += own);
     }
 
-    /// Hands over the torque at each row of a motion: row, joint, \[N·m\].
-    pub(crate) fn visit_torque(&self, motion: &Motion, put: impl FnMut(usize, usize, f64)) {
-        let signals = [motion.q(), motion.dq(), motion.ddq()].map(Some);
-        self.kinematics.torques(signals, &self.inertial, put);
-    }
-
-    /// Hands over its parts: row, joint, part, \[N·m\].
+    /// Hands over the parts of the torque at each row of a motion: row, joint, part, \[N·m\].
     pub(crate) fn visit_parts(
         &self,
         motion: &Motion,
@@ -68,10 +62,5 @@ impl Links {
                 put(row, joint, kind, torque);
             });
         }
-    }
-
-    /// Hands over M(q) \[kg·m²\]: row, column, value of each entry on and above the diagonal.
-    pub(crate) fn visit_mass_matrix(&self, q: &[f64], put: impl FnMut(usize, usize, f64)) {
-        self.kinematics.mass_matrix(q, &self.inertial, &mut Moved::default(), put);
     }
 }

@@ -47,13 +47,6 @@ pub struct Drift {
     pub covered: Option<Vec<f64>>,
 }
 
-/// An arm simulated by its model.
-#[derive(Clone, Debug)]
-pub struct Simulator<'m> {
-    torque: Torque,
-    friction: &'m [Weighted<FrictionTerm>],
-}
-
 /// Where a simulated arm is.
 #[derive(Clone, Debug)]
 pub struct Moving {
@@ -65,18 +58,7 @@ pub struct Moving {
     pub ddq: Vec<f64>,
 }
 
-impl<'m> Simulator<'m> {
-    /// Makes a model ready to move.
-    pub fn new(model: &'m Model) -> Self {
-        Self { torque: Torque::new(model), friction: &model.friction }
-    }
-
-    /// An arm at the end of a path, at some speed \[rad/s\], n.
-    pub fn start(&self, path: Path, dq: Vec<f64>) -> Moving {
-        let ddq = vec![0.0; dq.len()];
-        Moving { path, dq, ddq }
-    }
-
+impl Torque {
     /// Lets a torque \[N·m\], n, act for a short time \[s\].
     ///
     /// Links move by the midpoint rule. Dry friction is that of the speed at the end of the step, so
@@ -92,8 +74,8 @@ impl<'m> Simulator<'m> {
             x.iter().zip(rate).map(|(x, rate)| x + half * rate).collect()
         };
         let (q, dq) = (ahead(arm.path.q(), &arm.dq), ahead(&arm.dq, &arm.ddq));
-        let mass = self.torque.mass_matrix(&q)?;
-        let (gravity, coriolis) = (self.torque.gravity(&q)?, self.torque.coriolis(&q, &dq)?);
+        let mass = self.mass_matrix(&q)?;
+        let (gravity, coriolis) = (self.gravity(&q)?, self.coriolis(&q, &dq)?);
         let momentum = &mass * faer::ColRef::from_slice(&arm.dq);
         let pushed: Vec<f64> =
             (0..n).map(|j| momentum[j] + seconds * (tau[j] - gravity[j] - coriolis[j])).collect();
@@ -236,15 +218,16 @@ impl Window<'_> {
     /// Where it leads at each horizon \[s\], ascending; q, n each.
     ///
     /// # Errors
-    /// As [`Simulator::step`].
+    /// As [`Torque::step`].
     pub fn simulated(
         &self,
-        simulator: &Simulator<'_>,
+        torque: &Torque,
         horizons: &[f64],
         see: &mut SeeStep<'_>,
     ) -> Result<Vec<Vec<f64>>, ModelError> {
         let Self { rows, path, first } = self;
-        let mut arm = simulator.start(path.clone(), rows.dq[*first].clone());
+        let (path, dq) = (path.clone(), rows.dq[*first].clone());
+        let mut arm = Moving { path, ddq: vec![0.0; dq.len()], dq };
         let (mut row, mut t) = (*first, rows.t[*first]);
         let mut reached = Vec::new();
         for horizon in horizons {
@@ -253,7 +236,7 @@ impl Window<'_> {
                 let seconds = STEP.min(end - t);
                 let middle = t + 0.5 * seconds;
                 row = rows.before(row, middle);
-                simulator.step(&mut arm, &rows.between(&rows.tau, row, middle), seconds)?;
+                torque.step(&mut arm, &rows.between(&rows.tau, row, middle), seconds)?;
                 see(&arm, seconds);
                 t += seconds;
             }
@@ -328,22 +311,22 @@ pub fn drifts(
     horizons: &[f64],
 ) -> Result<Vec<Drift>, ReadError> {
     let Some(&longest) = horizons.last() else { return Ok(Vec::new()) };
-    let simulator = Simulator::new(model);
-    let others: Vec<Simulator<'_>> = others.iter().map(Simulator::new).collect();
+    let torque = Torque::new(model);
+    let others: Vec<Torque> = others.iter().map(Torque::new).collect();
     let n = model.n_joints();
     let mut inside = vec![vec![0_usize; n]; horizons.len()];
     let mut squares = vec![(0, [vec![0.0; n], vec![0.0; n]]); horizons.len()];
     let mut count = 0;
     windows(model, recording, longest, &mut |windows| {
         let ends = |window: &Window<'_>| {
-            let of = |simulator| window.simulated(simulator, horizons, &mut |_, _| ());
+            let of = |torque| window.simulated(torque, horizons, &mut |_, _| ());
             // An arm whose inertia is next to nothing in some direction runs away.
-            let of = |simulator| match of(simulator) {
+            let of = |torque| match of(torque) {
                 Err(ModelError::NoInertia) => Ok(vec![vec![f64::NAN; n]; horizons.len()]),
                 ends => ends,
             };
             let others = others.iter().map(of).collect::<Result<Vec<_>, ModelError>>()?;
-            Ok((of(&simulator)?, others))
+            Ok((of(&torque)?, others))
         };
         let ends = windows.par_iter().map(ends).collect::<Result<Vec<_>, ModelError>>()?;
         for (window, (ends, others)) in windows.iter().zip(ends) {

@@ -3,12 +3,10 @@
 use crate::energy::Place;
 use crate::harmonic::summed_angles;
 use crate::term::{Kind, Term};
-use crate::weighted::Weighted;
+use crate::weighted::{LEAST_T, Weighted};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Coefficients below so many standard errors do not differ from zero.
-const LEAST_T: f64 = 2.0;
 /// Part of the largest coefficient of a sum below which one is rounding.
 const ROUNDING: f64 = 1e-12;
 

@@ -2,6 +2,7 @@
 
 use crate::friction::{FrictionLaw, FrictionTerm};
 use crate::model::Model;
+use crate::weighted::LEAST_T;
 use serde::Serialize;
 
 /// A number with its standard error, both in one unit; the error is 0 where it is not known.
@@ -58,8 +59,6 @@ pub struct ShaftFriction<'m> {
     shaft: &'m [f64],
 }
 
-/// Standard errors from which on a number differs from zero.
-const RESOLVED: f64 = 2.0;
 /// What is left of the turn of a reversal after its travel.
 const LEFT: f64 = 0.1;
 /// Even steps in which a decay is looked for, and halvings of the step that it is in.
@@ -299,7 +298,7 @@ impl<'m> ShaftFriction<'m> {
 impl Estimated {
     fn resolved(self) -> Option<Self> {
         let is_known = self.value.is_finite() && self.std_error.is_finite();
-        (is_known && self.value.abs() > RESOLVED * self.std_error).then_some(self)
+        (is_known && self.value.abs() > LEAST_T * self.std_error).then_some(self)
     }
 
     fn positive(self) -> Option<Self> {

@@ -1,6 +1,6 @@
 //! Terms: products of sines and cosines, or slide positions, with velocities, accelerations.
 
-use crate::friction::indexed;
+use crate::friction::{indexed, sum_of};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -211,7 +211,9 @@ impl Factor {
     fn written(&self, is_latex: bool) -> String {
         let [sin, cos, q, times] =
             if is_latex { [r"\sin", r"\cos", "q_", r"\,"] } else { ["sin", "cos", "q", "*"] };
-        let (angle, power) = (self.angle(q, times), exponent(self.power, is_latex));
+        let multiples = self.multiples.iter().map(|&k| f64::from(k));
+        let angle = sum_of(multiples, ["+", "-"], q, times);
+        let power = exponent(self.power, is_latex);
         let function = match self.function {
             Trig::Sin => sin,
             Trig::Cos => cos,
@@ -228,23 +230,6 @@ impl Factor {
     /// Whether it is a function of one angle, once.
     fn is_plain(&self) -> bool {
         self.multiples.iter().filter(|&&k| k != 0).count() == 1 && self.multiples.contains(&1)
-    }
-
-    /// The angle as text: `q2`, `2*q2`, `q2+q3`.
-    fn angle(&self, letter: &str, times: &str) -> String {
-        let mut text = String::new();
-        for (j, &k) in self.multiples.iter().enumerate().filter(|&(_, &k)| k != 0) {
-            let sign = if k < 0 {
-                "-"
-            } else if text.is_empty() {
-                ""
-            } else {
-                "+"
-            };
-            let count = if k.abs() == 1 { String::new() } else { format!("{}{times}", k.abs()) };
-            text = text + sign + &count + &indexed(letter, j);
-        }
-        text
     }
 }
 

@@ -10,7 +10,7 @@ use crate::term::{Factor, Kind};
 use faer::{Mat, prelude::Solve};
 use torquewise_motion::Motion;
 use torquewise_motion::path::Path;
-use torquewise_rigid::MotionState;
+use torquewise_rigid::{MotionState, Moved};
 
 /// The parts of the torque (1) and (17).
 #[derive(Clone, Debug)]
@@ -52,7 +52,7 @@ pub struct Torque {
     n_joints: usize,
     factors: Vec<Factor>,
     joints: Vec<Vec<Product>>,
-    friction: Vec<Weighted<FrictionTerm>>,
+    pub(crate) friction: Vec<Weighted<FrictionTerm>>,
     /// Travels of the elements by which friction remembers the path \[rad\].
     travels: Vec<f64>,
     /// Whether friction depends on the load of a gear.
@@ -110,7 +110,7 @@ impl Torque {
         let mut tau = vec![0.0; self.n_joints];
         self.visit_terms(state, memory, |joint, _, value| tau[joint] += value)?;
         if let Some(links) = &self.links {
-            links.add_torque(state, &mut tau);
+            links.add_torque(None, state, &mut tau);
         }
         Ok(tau)
     }
@@ -150,7 +150,9 @@ impl Torque {
         self.check_joints(motion)?;
         let mut tau = Mat::zeros(motion.n_rows(), self.n_joints);
         self.visit_rows(motion, |row, joint, _, value| tau[(row, joint)] += value)?;
-        links.visit_torque(motion, |row, joint, value| tau[(row, joint)] += value);
+        let signals = [motion.q(), motion.dq(), motion.ddq()].map(Some);
+        let add = |row, joint, value: f64| tau[(row, joint)] += value;
+        links.kinematics.torques(signals, &links.inertial, add);
         Ok(tau)
     }
 
@@ -200,7 +202,8 @@ impl Torque {
             }
         }
         if let Some(links) = &self.links {
-            links.visit_mass_matrix(q, |i, j, value| {
+            let moved = &mut Moved::default();
+            links.kinematics.mass_matrix(q, &links.inertial, moved, |i, j, value| {
                 matrix[(i, j)] += value;
                 if i != j {
                     matrix[(j, i)] += value;
@@ -293,7 +296,7 @@ impl Torque {
             }
         })?;
         if let Some(links) = &self.links {
-            links.add_part(wanted, MotionState { q, dq, ddq }, &mut tau);
+            links.add_torque(Some(wanted), MotionState { q, dq, ddq }, &mut tau);
         }
         Ok(tau)
     }
@@ -357,7 +360,7 @@ impl Torque {
             }
         }
         if let (true, Some(links)) = (self.is_load_dependent, &self.links) {
-            links.add_part(Kind::Gravity, MotionState { q, dq, ddq }, &mut gravity);
+            links.add_torque(Some(Kind::Gravity), MotionState { q, dq, ddq }, &mut gravity);
         }
         self.visit_laws((&gravity, dq), memory, |k, value| {
             let Weighted { term, coefficient, .. } = &self.friction[k];

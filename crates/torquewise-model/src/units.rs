@@ -4,7 +4,7 @@ use torquewise_rigid::{JointKind, JointKinds};
 
 /// A unit of a joint that turns, as that of one of a kind: `N·m·s/rad` is `N·s/m` where it slides.
 pub fn unit(kind: JointKind, text: &str) -> String {
-    text.replace("N·m", kind.effort_unit()).replace("rad", kind.unit())
+    text.replace("N·m", kind.effort_unit).replace("rad", kind.unit)
 }
 
 /// A heading such as `F_c [N·m]` or `q [rad]`, with the units of sliding joints beside those of

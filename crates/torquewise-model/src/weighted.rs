@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Standard errors from which on a number differs from zero.
+pub(crate) const LEAST_T: f64 = 2.0;
+
 /// A term with its coefficient and the standard error of it; both in the units of the coefficient.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -256,18 +256,24 @@ impl Geometry {
         (0..self.n_joints()).map(of_joint).collect()
     }
 
-    /// The axis of each joint at q = 0 in a frame with z up, against gravity: its direction, and
-    /// the origin of the joint \[m\], n.
-    pub fn upright(&self) -> Vec<([f64; 3], [f64; 3])> {
+    /// The frame of each joint at q = 0 in one at the base with z up, against gravity, n.
+    pub fn upright(&self) -> Vec<Placement> {
         let up = -Vector3::from(self.gravity());
         let mut rotation = between(&up, &Vector3::z()).into_inner();
         let mut origin = Vector3::zeros();
         let frame = |placement: Placement| {
             origin += rotation * placement.origin;
             rotation *= placement.rotation;
-            (rotation.column(2).into_owned().into(), origin.into())
+            Placement { rotation, origin }
         };
         self.placements().into_iter().map(frame).collect()
+    }
+}
+
+impl Placement {
+    /// Its z, which is the axis of a joint, in the parent frame.
+    pub fn axis(&self) -> Vector3<f64> {
+        self.rotation.column(2).into_owned()
     }
 }
 

@@ -5,6 +5,7 @@ mod revolute;
 
 use serde::{Deserialize, Serialize};
 use std::fmt::{Display, Formatter};
+use std::ops::Deref;
 
 /// How a joint lets a body move; z of its frame is the axis.
 #[derive(
@@ -20,17 +21,23 @@ pub enum JointKind {
 }
 
 /// All that is asked of a kind of joint.
-struct JointType {
-    /// As a URDF has it.
-    name: &'static str,
-    /// As an MJCF has it.
-    mjcf: &'static str,
-    letter: char,
-    unit: &'static str,
-    effort_unit: &'static str,
-    /// See [`JointKind::twist`].
-    twist: [f64; 2],
-    functions: Functions,
+#[derive(Debug)]
+pub struct JointType {
+    /// `revolute` or `prismatic`, as a URDF has it too.
+    pub name: &'static str,
+    /// `hinge` or `slide`, as an MJCF has it.
+    pub mjcf: &'static str,
+    /// `r` or `p`, as kinds of an arm are written in a row.
+    pub letter: char,
+    /// Unit of the coordinate.
+    pub unit: &'static str,
+    /// Unit of what the motor gives.
+    pub effort_unit: &'static str,
+    /// How far the body behind it turns about z \[rad\] and slides along z \[m\], per unit of its
+    /// coordinate.
+    pub twist: [f64; 2],
+    /// The functions of its coordinate that the energy of an arm may hold.
+    pub functions: Functions,
 }
 
 /// The functions of the coordinate of a joint that the energy of an arm may hold (E4, E26).
@@ -42,74 +49,42 @@ pub enum Functions {
     Powers,
 }
 
-impl JointKind {
-    /// All kinds, the usual first.
-    pub const ALL: [Self; 2] = [Self::Revolute, Self::Prismatic];
+impl Deref for JointKind {
+    type Target = JointType;
 
-    const fn own(self) -> &'static JointType {
+    #[inline]
+    fn deref(&self) -> &JointType {
         match self {
             Self::Revolute => &revolute::REVOLUTE,
             Self::Prismatic => &prismatic::PRISMATIC,
         }
     }
+}
 
-    /// `revolute` or `prismatic`, as a URDF has it too.
-    pub fn name(self) -> &'static str {
-        self.own().name
-    }
-
-    /// `hinge` or `slide`, as an MJCF has it.
-    pub fn mjcf(self) -> &'static str {
-        self.own().mjcf
-    }
-
-    /// `r` or `p`, as kinds of an arm are written in a row.
-    pub fn letter(self) -> char {
-        self.own().letter
-    }
-
-    /// Unit of the coordinate.
-    pub fn unit(self) -> &'static str {
-        self.own().unit
-    }
-
-    /// Unit of what the motor gives.
-    pub fn effort_unit(self) -> &'static str {
-        self.own().effort_unit
-    }
-
-    /// The functions of its coordinate that the energy of an arm may hold.
-    pub fn functions(self) -> Functions {
-        self.own().functions
-    }
-
-    /// How far the body behind it turns about z \[rad\] and slides along z \[m\], per unit of its
-    /// coordinate.
-    #[inline]
-    pub const fn twist(self) -> [f64; 2] {
-        self.own().twist
-    }
+impl JointKind {
+    /// All kinds, the usual first.
+    pub const ALL: [Self; 2] = [Self::Revolute, Self::Prismatic];
 
     /// Whether it turns what is behind it.
     pub fn turns(self) -> bool {
-        self.twist()[0] != 0.0
+        self.twist[0] != 0.0
     }
 
     /// Whether it slides what is behind it.
     #[inline]
     pub fn slides(self) -> bool {
-        self.twist()[1] != 0.0
+        self.twist[1] != 0.0
     }
 
     /// The kind of a name, as a URDF has it.
     pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
+        Self::ALL.into_iter().find(|kind| kind.name == name)
     }
 
     /// Reads `rrpr`, `RRPR` or `r,r,p,r`; `None` where a letter is of no kind.
     pub fn read_all(text: &str) -> Option<Vec<Self>> {
         let kind = |letter: char| {
-            Self::ALL.into_iter().find(|kind| kind.letter() == letter.to_ascii_lowercase())
+            Self::ALL.into_iter().find(|kind| kind.letter == letter.to_ascii_lowercase())
         };
         let letters = text.chars().filter(|letter| !matches!(letter, ',' | ' '));
         letters.map(kind).collect()
@@ -140,7 +115,7 @@ impl From<JointKinds> for Vec<JointKind> {
 /// `rrpr`; nothing where all are revolute.
 impl Display for JointKinds {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        self.kinds.iter().try_for_each(|kind| write!(f, "{}", kind.letter()))
+        self.kinds.iter().try_for_each(|kind| write!(f, "{}", kind.letter))
     }
 }
 
@@ -181,7 +156,7 @@ impl JointKinds {
 
     /// `rrpr`: the letters of n joints.
     pub fn letters(&self, n: usize) -> String {
-        self.all(n).into_iter().map(JointKind::letter).collect()
+        self.all(n).into_iter().map(|kind| kind.letter).collect()
     }
 
     /// Those that [`JointKind::read_all`] reads.

@@ -168,7 +168,7 @@ impl Kinematics {
                 before.next(placement, state)
             } else {
                 let kind = self.kinds.of(joint);
-                moved.slides.push(state.map(|signal| signal * T::splat(kind.twist()[1])));
+                moved.slides.push(state.map(|signal| signal * T::splat(kind.twist[1])));
                 before.moved(placement, kind, state)
             };
             moved.bodies.push(body);
@@ -193,7 +193,7 @@ impl Kinematics {
         let mut origin = Vector3::zeros();
         let mut sum = Vector3::zeros();
         for (joint, placement) in self.placements.iter().enumerate() {
-            let [angle, slide] = self.kinds.of(joint).twist();
+            let [angle, slide] = self.kinds.of(joint).twist;
             let q = self.coupling.drive(joint, |joint| q[joint]);
             let (sin, cos) = (angle * q).sin_cos();
             origin += turned * placement.origin;
@@ -294,7 +294,7 @@ impl<T: Scalar> Body<T> {
     ///
     /// - `state`: its q, q̇ and q̈
     fn moved(&self, placement: &Placement, kind: JointKind, state: [T; 3]) -> Self {
-        let [turn, slide] = kind.twist().map(|part| state.map(|signal| signal * T::splat(part)));
+        let [turn, slide] = kind.twist.map(|part| state.map(|signal| signal * T::splat(part)));
         let turned = self.next(placement, turn);
         if kind.slides() { turned.slid(self, slide) } else { turned }
     }
@@ -319,7 +319,7 @@ impl<T: Scalar> Body<T> {
         if !kind.slides() {
             return self.loads(axis, arm);
         }
-        let [turn, slide] = kind.twist().map(T::splat);
+        let [turn, slide] = kind.twist.map(T::splat);
         let (loads, pushes) = (self.loads(axis, arm), self.pushes(axis));
         std::array::from_fn(|k| loads[k] * turn + pushes[k] * slide)
     }
@@ -380,7 +380,7 @@ impl<T: Scalar> Wrench<T> {
         if !kind.slides() {
             return self.moment.z;
         }
-        let [turn, slide] = kind.twist().map(T::splat);
+        let [turn, slide] = kind.twist.map(T::splat);
         self.moment.z * turn + self.force.z * slide
     }
 

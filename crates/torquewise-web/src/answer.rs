@@ -8,7 +8,7 @@ use torquewise::evaluate::{evaluate_prepared, prepare};
 use torquewise::exported::{ExportOptions, Target, export, function_name};
 use torquewise::inspect::inspect;
 use torquewise::log::Rows;
-use torquewise::logs::{LogError, LogInput, Options, Profile, preview, suggest};
+use torquewise::logs::{LogError, LogInput, Logs, Options, Profile, preview, suggest};
 use torquewise::model::from_json;
 use torquewise::observe::Observer;
 use torquewise::{Diagnostic, Error, Filter, Fit, FitOptions, Log};
@@ -91,7 +91,7 @@ impl LogAt {
         let profile = self.profile.as_ref().map(|own| Profile::from_toml(&own.to_toml()));
         let options = Options { profile: profile.transpose()?, ..Options::default() };
         let filter = self.cutoff.map_or(Filter::Auto, Filter::Hz);
-        Ok(Log { filter, ..Log::of_inputs(&self.inputs(held), &options)? })
+        Ok(Log { filter, ..Log::from(Logs::of_inputs(&self.inputs(held), &options)?) })
     }
 }
 

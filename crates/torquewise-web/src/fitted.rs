@@ -23,7 +23,6 @@ pub(crate) fn fitted(
         tests: &[],
         model: "model.json",
         command: &format!("torquewise fit {} -o model.json", files.join(" ")),
-        version: env!("CARGO_PKG_VERSION"),
         date,
     };
     let (notes, warnings): (Vec<_>, Vec<_>) =

@@ -4,7 +4,8 @@ use crate::error::Result;
 use crate::fit::{FitResult, fit_plan};
 use crate::observe::{NOBODY, Observer, Watched};
 use crate::options::FitOptions;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+use serde_json::json;
 use torquewise_identify::Method;
 use torquewise_identify::plan::LibraryOptions;
 use torquewise_identify::score::{Scores, score};
@@ -21,25 +22,12 @@ pub struct Comparison {
 }
 
 /// What a method came to.
-#[derive(Debug, Serialize)]
+#[derive(Debug)]
 pub struct Contender {
     /// The fit itself.
-    #[serde(skip)]
     pub fit: FitResult,
-    /// Terms offered.
-    pub candidates: usize,
-    /// The same step by step.
-    pub candidates_by_step: Vec<usize>,
-    /// Time it took \[s\].
-    pub seconds: f64,
-    /// Terms that act on each joint, n.
-    pub active: Vec<usize>,
-    /// Terms in all.
-    pub active_total: usize,
-    /// Error on the test log of each joint, of the standard deviation of its torque \[%\], n.
-    pub nrmse_percent: Vec<f64>,
-    /// The same \[N·m\], n.
-    pub rmse: Vec<f64>,
+    /// Its errors on the test log.
+    pub scores: Scores,
 }
 
 /// Fits both methods to a training recording and scores them on a test recording.
@@ -62,22 +50,30 @@ pub fn compare(
     let contend = |plan| -> Result<Contender> {
         let fit = fit_plan(train, None, plan, observer)?;
         let scores = score(&fit.model, &Watched::new(test, NOBODY, "predicting", None))?;
-        Ok(Contender::new(fit, &scores))
+        Ok(Contender { fit, scores })
     };
     Ok(Comparison { stepwise: contend(&stepwise)?, sindy: contend(&sindy)? })
 }
 
 impl Contender {
-    fn new(fit: FitResult, scores: &Scores) -> Self {
-        Self {
-            candidates: fit.candidates,
-            candidates_by_step: fit.steps.iter().map(|step| step.candidates).collect(),
-            seconds: fit.seconds,
-            active: fit.model.active(),
-            active_total: fit.model.n_coefficients(),
-            nrmse_percent: scores.joints.iter().map(|joint| joint.nrmse_percent).collect(),
-            rmse: scores.joints.iter().map(|joint| joint.rmse).collect(),
-            fit,
-        }
+    /// Error on the test log of each joint, of the standard deviation of its torque \[%\], n.
+    pub fn nrmse_percent(&self) -> Vec<f64> {
+        self.scores.joints.iter().map(|joint| joint.nrmse_percent).collect()
+    }
+}
+
+impl Serialize for Contender {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Self { fit, scores } = self;
+        let found = json!({
+            "candidates": fit.candidates,
+            "candidates_by_step": fit.steps.iter().map(|step| step.candidates).collect::<Vec<_>>(),
+            "seconds": fit.seconds,
+            "active": fit.model.active(),
+            "active_total": fit.model.n_coefficients(),
+            "nrmse_percent": self.nrmse_percent(),
+            "rmse": scores.joints.iter().map(|joint| joint.rmse).collect::<Vec<_>>(),
+        });
+        found.serialize(serializer)
     }
 }

@@ -1,6 +1,6 @@
 //! A model as an object that other programs read.
 
-use crate::summary::AllRepairs;
+use crate::summary::all_repairs;
 use serde_json::{Value, json};
 use torquewise_model::selection::Selection;
 use torquewise_model::shaft_friction::ShaftFriction;
@@ -63,7 +63,7 @@ pub fn description(model: &Model, selection: &Selection) -> Result<Value, ModelE
         "friction_parameters": shafts.collect::<Vec<_>>(),
         "friction": laws.collect::<Vec<_>>(),
         "choices": model.choices,
-        "conditioning": AllRepairs::of(&model.training.conditioning),
+        "conditioning": all_repairs(&model.training.conditioning),
     }))
 }
 

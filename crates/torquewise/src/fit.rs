@@ -187,7 +187,10 @@ impl FitResult {
     }
 
     /// Where M(q) is weakest, looked for once.
-    pub(crate) fn mass_matrix(&self) -> Result<&MassMatrix> {
+    ///
+    /// # Errors
+    /// [`Error::Model`] if M(q) cannot be computed.
+    pub fn mass_matrix(&self) -> Result<&MassMatrix> {
         if let Some(known) = self.weakest.get() {
             return Ok(known);
         }

@@ -4,28 +4,17 @@ use crate::error::Result;
 use crate::log::Prepared;
 use crate::observe::Observer;
 use crate::options::MOST_WHOLE;
-use crate::summary::AllRepairs;
+use crate::summary::all_repairs;
 use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use torquewise_identify::{PatternPlan, Patterns, Survey, Warning, find_patterns, survey};
 use torquewise_motion::{Pattern, Recording, Repairs};
 
-/// Rows of a pattern of motion.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct PatternRows {
-    /// `standstill`, `uniform` or `variable`.
-    pub name: &'static str,
-    /// How many rows show it.
-    pub rows: u64,
-}
-
-impl PatternRows {
-    /// Counts of all patterns, least active first.
-    pub fn of(counts: [u64; 3]) -> Vec<Self> {
-        let counts = Pattern::ALL.iter().zip(counts);
-        counts.map(|(pattern, rows)| Self { name: pattern.name(), rows }).collect()
-    }
+/// Counts of the rows of all patterns with their names, least active first.
+pub fn pattern_rows(counts: [u64; 3]) -> Value {
+    let counts = Pattern::ALL.iter().zip(counts);
+    counts.map(|(pattern, rows)| json!({ "name": pattern.name(), "rows": rows })).collect()
 }
 
 /// All that is known about logs.
@@ -160,11 +149,11 @@ impl Serialize for Inspection {
             "gaps": self.gaps(),
             "seconds": survey.seconds,
             "rate_hz": survey.rate(),
-            "patterns": PatternRows::of(self.counts),
+            "patterns": pattern_rows(self.counts),
             "missing": self.missing,
             "missing_patterns": absent.map(|name| name.name()).collect::<Vec<_>>(),
             "ignored_columns": self.ignored_columns,
-            "conditioning": AllRepairs::of(&self.repairs),
+            "conditioning": all_repairs(&self.repairs),
         });
         found.serialize(serializer)
     }

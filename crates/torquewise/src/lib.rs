@@ -66,14 +66,12 @@ pub use options::{FitOptions, Library};
 pub use setting::{Remedy, Wording};
 #[cfg(feature = "figures")]
 pub use torquewise_export as export;
-pub use torquewise_identify as diagnose;
 pub use torquewise_identify as identify;
 pub use torquewise_identify::verdict::{Grade, Verdict};
 pub use torquewise_logs as logs;
 pub use torquewise_model as model;
 pub use torquewise_model::{Model, Torque};
 pub use torquewise_motion as motion;
-pub use torquewise_motion::signals;
 pub use torquewise_regression as regression;
 #[cfg(feature = "figures")]
 pub use torquewise_report as report;
@@ -84,7 +82,6 @@ pub use torquewise_sim::control;
 #[cfg(feature = "simulation")]
 pub use torquewise_sim::excite;
 pub use torquewise_stepwise as stepwise;
-pub use torquewise_stepwise as survey;
 pub use torquewise_stepwise::FrictionKind;
 pub use torquewise_stepwise::Progress;
 

@@ -3,9 +3,8 @@
 use crate::error::{Error, Result};
 use crate::options::Facts;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use torquewise_logs::conditioned::RawLogs;
-use torquewise_logs::{ConditionedLogs, Frame, LogInput, Logs, Options};
+use torquewise_logs::{ConditionedLogs, Logs, Options};
 use torquewise_model::model::TrainingFilter;
 use torquewise_motion::Recording;
 use torquewise_motion::signals::{Conditioning, Cutoff};
@@ -75,25 +74,7 @@ impl Log {
     /// # Errors
     /// As [`Log::open`], and if they are of different arms.
     pub fn open_all(files: &[PathBuf], options: &Options) -> Result<Self> {
-        let files = Logs::open_with(files, options)?;
-        Ok(Self { files, filter: Filter::Auto, delay: None })
-    }
-
-    /// The same for files that need not lie on a disk.
-    ///
-    /// # Errors
-    /// As [`Log::open_all`].
-    pub fn of_inputs(files: &[LogInput], options: &Options) -> Result<Self> {
-        Ok(Self { files: Logs::of_inputs(files, options)?, filter: Filter::Auto, delay: None })
-    }
-
-    /// Tables in memory, each with a label for messages, read as files with the same columns.
-    ///
-    /// # Errors
-    /// As [`Log::open_all`].
-    pub fn of_frames(frames: &[(PathBuf, Arc<dyn Frame>)], options: &Options) -> Result<Self> {
-        let files = Logs::of_frames(frames, options)?;
-        Ok(Self { files, filter: Filter::Auto, delay: None })
+        Ok(Logs::open_with(files, options)?.into())
     }
 
     /// Joint names, base to tip.
@@ -164,6 +145,13 @@ impl Log {
             (asked, _, _) => asked.unwrap_or_default(),
         };
         Self { filter, delay: Some(delay), ..self.clone() }.prepare(rows)
+    }
+}
+
+impl From<Logs> for Log {
+    /// Files that are open, or tables in memory, filtered where that is wanted.
+    fn from(files: Logs) -> Self {
+        Self { files, filter: Filter::Auto, delay: None }
     }
 }
 

@@ -115,13 +115,8 @@ pub(crate) struct Facts {
     pub(crate) filtered: bool,
 }
 
-/// What is fitted, as far as its options differ.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Fitted {
-    Energy(Regression),
-    Product(Regression),
-    Chain,
-}
+/// What is fitted, as far as its options differ; a chain is always stepwise.
+type Fitted = (Library, Regression);
 
 impl FitOptions {
     /// One-shot SINDy over the product library: the baseline.
@@ -147,38 +142,34 @@ impl FitOptions {
     pub(crate) fn plan(&self, log: Facts) -> Result<Plan> {
         let kinds = self.kinds.as_ref();
         if let Some(kinds) = kinds.filter(|own| log.joints > 0 && own.len() != log.joints) {
-            let letters: String = kinds.iter().map(|kind| kind.letter()).collect();
+            let letters: String = kinds.iter().map(|kind| kind.letter).collect();
             let found = kinds.len();
             let joints = if found == 1 { "joint" } else { "joints" };
             let reason = format!("{letters} is of {found} {joints}, the log has {}", log.joints);
             return Err(Error::WrongValue { setting: "kinds", reason });
         }
         let (library, because) = self.fitted(log);
-        let fitted = match library {
-            Library::Energy => Fitted::Energy(self.regression),
-            Library::Product => Fitted::Product(self.regression),
-            Library::Chain if self.regression == Regression::OneShot => {
+        if library == Library::Chain {
+            if self.regression == Regression::OneShot {
                 return Err(Error::SindyOfChain);
             }
-            Library::Chain => {
-                check_joints(log.joints)?;
-                Fitted::Chain
-            }
-        };
+            check_joints(log.joints)?;
+        }
+        let fitted = (library, self.regression);
         self.refuse_unused(fitted, &because, &[])?;
         Ok(self.plan_of(fitted))
     }
 
     /// Plans for stepwise reconstruction, and for one-shot SINDy over the product library.
     pub(crate) fn plans_to_compare(&self) -> Result<[Plan; 2]> {
-        let stepwise = match self.library {
-            None | Some(Library::Energy) => Fitted::Energy(Regression::Stepwise),
-            Some(Library::Product) => Fitted::Product(Regression::Stepwise),
-            Some(Library::Chain) => return Err(Error::CompareChain),
-        };
+        let library = self.library.unwrap_or(Library::Energy);
+        if library == Library::Chain {
+            return Err(Error::CompareChain);
+        }
+        let stepwise = (library, Regression::Stepwise);
         let because = "one-shot SINDy is compared with it";
         self.refuse_unused(stepwise, because, &["trig_order"])?;
-        Ok([stepwise, Fitted::Product(Regression::OneShot)].map(|fitted| self.plan_of(fitted)))
+        Ok([stepwise, (Library::Product, Regression::OneShot)].map(|fitted| self.plan_of(fitted)))
     }
 
     /// The plan for sums that were made under `settings`, which go before these options.
@@ -187,10 +178,10 @@ impl FitOptions {
     /// [`Error::UnusedOption`]
     pub fn plan_for_sums(&self, settings: &SumSettings) -> Result<Plan> {
         let fitted = match &settings.library {
-            None => Fitted::Chain,
+            None => (Library::Chain, Regression::Stepwise),
             Some(library) => match library.kind {
-                LibraryKind::Energy { .. } => Fitted::Energy(library.regression),
-                LibraryKind::Product { .. } => Fitted::Product(library.regression),
+                LibraryKind::Energy { .. } => (Library::Energy, library.regression),
+                LibraryKind::Product { .. } => (Library::Product, library.regression),
             },
         };
         if settings.library.is_some() && self.has_friction() {
@@ -239,11 +230,10 @@ impl FitOptions {
 
     /// Fails at the first option given that `fitted` does not use.
     fn refuse_unused(&self, fitted: Fitted, because: &str, spared: &[&str]) -> Result<()> {
-        let chain = fitted == Fitted::Chain;
-        let energy = matches!(fitted, Fitted::Energy(_));
-        let product = matches!(fitted, Fitted::Product(_));
-        let by_step = fitted == Fitted::Product(Regression::Stepwise);
-        let one_shot = fitted == Fitted::Product(Regression::OneShot);
+        let [energy, product, chain] =
+            [Library::Energy, Library::Product, Library::Chain].map(|own| fitted.0 == own);
+        let by_step = fitted == (Library::Product, Regression::Stepwise);
+        let one_shot = fitted == (Library::Product, Regression::OneShot);
         let all = [
             ("friction", self.has_friction(), !one_shot, Remedy::Stepwise),
             ("interaction", self.interaction.is_some(), energy, Remedy::Energy),
@@ -258,19 +248,19 @@ impl FitOptions {
         ];
         for (setting, is_given, is_used, remedy) in all {
             if is_given && !is_used && !spared.contains(&setting) {
-                let (fitted, because) = (fitted.name(), because.to_owned());
+                let (fitted, because) = (name(fitted), because.to_owned());
                 return Err(Error::UnusedOption { setting, fitted, because, remedy });
             }
         }
         Ok(())
     }
 
-    fn plan_of(&self, fitted: Fitted) -> Plan {
+    fn plan_of(&self, (library, regression): Fitted) -> Plan {
         let energy = LibraryKind::Energy { interaction: self.interaction };
-        let method = match fitted {
-            Fitted::Energy(regression) => self.library_options(energy, regression),
-            Fitted::Product(regression) => self.library_options(self.product(), regression),
-            Fitted::Chain => {
+        let method = match library {
+            Library::Energy => self.library_options(energy, regression),
+            Library::Product => self.library_options(self.product(), regression),
+            Library::Chain => {
                 let usual = ChainOptions::default();
                 Method::Chain(ChainOptions {
                     geometry: self.geometry.clone(),
@@ -325,15 +315,13 @@ impl FitOptions {
     }
 }
 
-impl Fitted {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Energy(Regression::Stepwise) => "the energy library",
-            Self::Energy(Regression::OneShot) => "one-shot SINDy over the energy library",
-            Self::Product(Regression::Stepwise) => "the product library",
-            Self::Product(Regression::OneShot) => "one-shot SINDy over the product library",
-            Self::Chain => "a learned chain of rigid bodies",
-        }
+fn name(fitted: Fitted) -> &'static str {
+    match fitted {
+        (Library::Energy, Regression::Stepwise) => "the energy library",
+        (Library::Energy, Regression::OneShot) => "one-shot SINDy over the energy library",
+        (Library::Product, Regression::Stepwise) => "the product library",
+        (Library::Product, Regression::OneShot) => "one-shot SINDy over the product library",
+        (Library::Chain, _) => "a learned chain of rigid bodies",
     }
 }
 

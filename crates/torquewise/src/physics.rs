@@ -14,14 +14,6 @@ use torquewise_model::{Checks, Model, ModelError, check};
 pub const STATES: usize = 10_000;
 const SEED: u64 = 0;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Range {
-    /// Where the log of the model took them.
-    Trained,
-    /// Anywhere in a turn, from −π to π.
-    WholeTurn,
-}
-
 /// What was measured, and which properties hold.
 #[derive(Clone, Debug)]
 pub struct PhysicsCheck {
@@ -47,7 +39,7 @@ impl MassMatrix {
     /// # Errors
     /// [`ModelError::Shape`] if the parts of the model do not fit each other.
     pub fn of(model: &Model) -> Result<Self, ModelError> {
-        let states = random_states(model, Range::Trained, STATES);
+        let states = random_states(model, &model.training.q_range, STATES);
         let (smallest_eigenvalue, q) = weakest_state(model, states.iter().map(|(q, _)| q))?;
         Ok(Self { positive_definite: smallest_eigenvalue > 0.0, smallest_eigenvalue, q })
     }
@@ -65,8 +57,8 @@ impl PhysicsCheck {
     /// # Errors
     /// As [`MassMatrix::of`].
     pub fn of(model: &Model, states: usize) -> Result<Self, ModelError> {
-        let at = |range| check(model, &random_states(model, range, states));
-        Ok(Self { trained: at(Range::Trained)?, whole: at(Range::WholeTurn)? })
+        let at = |q_range: &[[f64; 2]]| check(model, &random_states(model, q_range, states));
+        Ok(Self { trained: at(&model.training.q_range)?, whole: at(&[])? })
     }
 
     /// The worst of both ranges, of M(q) − M(q)ᵀ and of dM/dt − 2C.
@@ -188,19 +180,16 @@ fn angles(q: &[f64]) -> String {
     format!("({})", angles.join(", "))
 }
 
-/// (q, dq), evenly drawn from a range of angles, and from the speeds the model was fitted on; a
-/// turn and 1 rad/s where these are not known.
-fn random_states(model: &Model, range: Range, count: usize) -> Vec<(Vec<f64>, Vec<f64>)> {
+/// (q, dq), evenly drawn from ranges of angles, and from the speeds the model was fitted on; from −π
+/// to π and 1 rad/s where none are given.
+fn random_states(model: &Model, q_range: &[[f64; 2]], count: usize) -> Vec<(Vec<f64>, Vec<f64>)> {
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let mut between = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
-    let training = &model.training;
-    let ranges: Vec<([f64; 2], f64)> = (0..model.n_joints())
-        .map(|joint| {
-            let trained = training.q_range.get(joint).filter(|_| range == Range::Trained);
-            let q = trained.copied().unwrap_or([-PI, PI]);
-            (q, training.dq_peak.get(joint).copied().unwrap_or(1.0))
-        })
-        .collect();
+    let of_joint = |joint: usize| {
+        let q = q_range.get(joint).copied().unwrap_or([-PI, PI]);
+        (q, model.training.dq_peak.get(joint).copied().unwrap_or(1.0))
+    };
+    let ranges: Vec<([f64; 2], f64)> = (0..model.n_joints()).map(of_joint).collect();
     (0..count)
         .map(|_| {
             let state =

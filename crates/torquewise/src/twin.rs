@@ -83,17 +83,6 @@ impl TwinLog {
     pub fn new(model: &Model, plan: &MotionPlan) -> Result<Self> {
         Ok(Self { motion: SimulatedLog::new(&arm(model)?, plan)?, torque: Torque::new(model) })
     }
-
-    /// All rows at once.
-    ///
-    /// # Errors
-    /// `Error::Arm` if a torque overflows.
-    pub fn whole(&self) -> Result<Motion> {
-        let motion = self.motion.whole()?.motion;
-        let tau = Some(self.torque.over(&self.torque.path().follow(0, &motion))?);
-        let motion = Motion::new(Signals { tau, ..motion.into_signals() });
-        Ok(motion.map_err(torquewise_sim::SimError::from)?)
-    }
 }
 
 impl Recording for TwinLog {

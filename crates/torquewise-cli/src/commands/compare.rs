@@ -40,8 +40,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let contenders = [("stepwise", &compared.stepwise), ("sindy", &compared.sindy)];
     let joints = train.rows().joints();
     let warnings = contenders.iter().flat_map(|(name, contender)| {
-        let useless: Vec<String> = (joints.iter().zip(&contender.nrmse_percent))
-            .filter(|(_, error)| **error > 100.0 && error.is_finite())
+        let useless: Vec<String> = (joints.iter().zip(contender.nrmse_percent()))
+            .filter(|(_, error)| *error > 100.0 && error.is_finite())
             .map(|(joint, _)| joint.clone())
             .collect();
         let own = contender.fit.warnings.iter().map(ToString::to_string);
@@ -50,10 +50,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         });
         own.chain(of_mean).map(move |warning| format!("{name}: {warning}"))
     });
-    let rows = contenders.iter().map(|(name, found)| {
-        let counts = [found.candidates, found.active_total];
-        (*name, counts, found.seconds, found.nrmse_percent.clone())
-    });
+    let rows = contenders.iter().map(|(name, found)| (*name, &found.fit, found.nrmse_percent()));
     let own = arguments.test.iter().filter(|file| arguments.logs.contains(file));
     let trained = own.map(|file| {
         let file = file.display();

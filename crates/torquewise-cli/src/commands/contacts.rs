@@ -85,8 +85,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             Ok(table.append(&row.chunks(1).map(Values::Numbers).collect::<Vec<_>>())?)
         })?;
     table.finish()?;
-    let found = (thresholds, found);
-    let mut outcome = outcome(arguments, &model, &found, rows);
+    let mut outcome = outcome(arguments, &model, (&thresholds, &found), rows);
     if let Some(file) = &arguments.figure {
         let charts = charts(curves, &model);
         write_whole(file, &chart_figure("External torque", &charts, 2)?)?;
@@ -106,10 +105,12 @@ fn charts(curves: Vec<[Growing; 3]>, model: &Model) -> Vec<Chart> {
     curves.into_iter().zip(&model.joints).map(chart).collect()
 }
 
-type Found = (Thresholds, Vec<Contact>);
-
-fn outcome(arguments: &Arguments, model: &Model, found: &Found, rows: usize) -> Outcome {
-    let (thresholds, found) = found;
+fn outcome(
+    arguments: &Arguments,
+    model: &Model,
+    (thresholds, found): (&Thresholds, &[Contact]),
+    rows: usize,
+) -> Outcome {
     let mut table = Table::new(["threshold [N·m]", "in motion", "at rest"]);
     let both = thresholds.torque.iter().zip(&thresholds.at_rest);
     for (name, (most, rest)) in model.joints.iter().zip(both) {

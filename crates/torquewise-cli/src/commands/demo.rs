@@ -141,7 +141,6 @@ fn write_files(arguments: &Arguments, found: &[Found], svg: &str) -> Result<()> 
         tests: &[],
         model: &folder.join(found[0].file).display().to_string(),
         command: "torquewise demo",
-        version: env!("CARGO_PKG_VERSION"),
         date: &date,
     };
     let html = page(&found[0].fit, None, origin, &watch())?.unwrap_or_default();
@@ -162,9 +161,8 @@ fn text(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found
     let scores = methods(
         log.joints(),
         found.iter().map(|Found { name, fit, scores, .. }| {
-            let counts = [fit.candidates, fit.model.n_coefficients()];
             let errors = scores.joints.iter().map(|joint| joint.nrmse_percent);
-            (*name, counts, fit.seconds, errors.collect())
+            (*name, fit, errors.collect())
         }),
     );
     format!(

@@ -11,7 +11,7 @@ use crate::signal_arguments::SignalArguments;
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::evaluate::{evaluate_prepared, prepare, rollouts};
-use torquewise::summary::AllRepairs;
+use torquewise::summary::all_repairs;
 
 /// Compare the torque a model predicts with the torque measured
 #[derive(Args, Debug)]
@@ -52,7 +52,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     let repairs = log.repairs();
     let mut json = object(&scores);
-    json["conditioning"] = object(&AllRepairs::of(&repairs));
+    json["conditioning"] = all_repairs(&repairs);
     Ok(Outcome {
         text: format!(
             "{}{}\n{} rows\n{}{}",

@@ -142,22 +142,19 @@ fn robot(arguments: &Arguments, model: &Model, exported: &Exported) -> Outcome {
 
 fn check_usage(arguments: &Arguments) -> Result<()> {
     let Arguments { to, precision, name, no_binary, .. } = arguments;
-    let misplaced = match to {
-        Target::C | Target::Rust => None,
-        _ if *precision == Precision::Single => Some("--precision float is for --to c and rust"),
-        _ => None,
-    };
+    let single = *precision == Precision::Single && !matches!(to, Target::C | Target::Rust);
     let named = name.is_some() && !matches!(to, Target::C | Target::Fmu | Target::Ros2);
-    let misplaced = misplaced
-        .or((arguments.onto.is_some() && *to != Target::Urdf).then_some("--onto is for --to urdf"))
-        .or((arguments.test_vectors && (!to.is_code() || arguments.samples.is_some()))
-            .then_some("--test-vectors is for the code of one model"))
-        .or(named.then_some("--name is for --to c, fmu and ros2"))
-        .or((*no_binary && *to != Target::Fmu).then_some("--no-binary is for --to fmu"));
-    match misplaced {
-        Some(text) => Err(CliError::Usage(format!("{text}: leave it out"))),
-        None => Ok(()),
-    }
+    let is_one_code = to.is_code() && arguments.samples.is_none();
+    let all = [
+        (single, "--precision float is for --to c and rust"),
+        (arguments.onto.is_some() && *to != Target::Urdf, "--onto is for --to urdf"),
+        (arguments.test_vectors && !is_one_code, "--test-vectors is for the code of one model"),
+        (named, "--name is for --to c, fmu and ros2"),
+        (*no_binary && *to != Target::Fmu, "--no-binary is for --to fmu"),
+    ];
+    all.into_iter()
+        .find(|(is_misplaced, _)| *is_misplaced)
+        .map_or(Ok(()), |(_, text)| Err(CliError::Usage(format!("{text}: leave it out"))))
 }
 
 fn check_paths(arguments: &Arguments, vectors: Option<&PathBuf>) -> Result<()> {

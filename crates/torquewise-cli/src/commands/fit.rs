@@ -1,6 +1,6 @@
 //! The main job: logs to a model file.
 
-use crate::arguments::{METHOD, PlanArguments, RobotArguments, choice};
+use crate::arguments::{METHOD, PlanArguments, RobotArguments, words};
 use crate::call_costs::CallCosts;
 use crate::commands::payload::load_text;
 use crate::error::Result;
@@ -23,7 +23,6 @@ use torquewise::model::units::heading;
 use torquewise::model::{Model, ModelError, number};
 use torquewise::page::{LogFile, Origin, page};
 use torquewise::payload::{LoadPlace, payload};
-use torquewise::summary::FitSummary;
 use torquewise::{Error, Fit, FitResult, Grade, Library, Log};
 
 /// Reconstruct the equations of motion from logs
@@ -46,8 +45,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "LOG")]
     loaded: Vec<PathBuf>,
     /// Stepwise regression (default) or one-shot SINDy baseline
-    #[arg(help_heading = "Method", long, value_parser = choice(&METHOD), default_value = "stepwise")]
-    method: &'static str,
+    #[arg(help_heading = "Method", long, value_parser = words(&METHOD), default_value = "stepwise")]
+    method: String,
     /// Show what was chosen on the way: signals, steps, candidates, and what each call costs
     #[arg(help_heading = "Output", long)]
     explain: bool,
@@ -64,7 +63,7 @@ pub(crate) fn run(arguments: &Arguments, words: &[OsString]) -> Result<Outcome> 
     let inputs = logs.into_iter().flatten().chain(arguments.robot.file());
     let html = arguments.report.iter().map(|file| (file.as_path(), &["html", "htm"][..]));
     check_files(inputs, html.chain([(arguments.output.as_path(), &[][..])]))?;
-    let mut options = arguments.plan.options(arguments.method)?;
+    let mut options = arguments.plan.options(&arguments.method)?;
     // Wrong usage is told before the log is read.
     options.check()?;
     let log = arguments.signals.open(&arguments.logs)?;
@@ -91,7 +90,7 @@ pub(crate) fn run(arguments: &Arguments, words: &[OsString]) -> Result<Outcome> 
 
     let judged = test.as_ref().map(|test| evaluate_prepared(&fit.model, test, &watch()));
     let judged = judged.transpose()?;
-    let mut outcome = outcome(&fit, &fit.summary()?, judged.as_ref(), arguments.explain);
+    let mut outcome = outcome(&fit, judged.as_ref(), arguments.explain)?;
     outcome.json["file"] = json!(arguments.output.display().to_string());
     weigh(arguments, &loaded, &fit.model, &mut outcome)?;
     let costs = CallCosts::of(&fit.model)?;
@@ -149,7 +148,6 @@ fn report(
         tests: &tests,
         model: &quoted(&arguments.output.display().to_string()),
         command: &format!("torquewise {}", command.join(" ")),
-        version: env!("CARGO_PKG_VERSION"),
         date: &date(SystemTime::now()),
     };
     Ok(page(fit, test, origin, &watch())?.unwrap_or_default())
@@ -171,12 +169,11 @@ fn quoted(word: &str) -> String {
 /// What a fit came to: what can be acted on, and with `explain` what was chosen on the way.
 pub(crate) fn outcome(
     fit: &FitResult,
-    summary: &FitSummary<'_>,
     test: Option<&Evaluation>,
     explain: bool,
-) -> Outcome {
+) -> Result<Outcome> {
     let mut text = Vec::new();
-    let flaw = summary.mass_matrix.flaw();
+    let flaw = fit.mass_matrix()?.flaw();
     let at_rest = |warning: &&Warning| matches!(warning, Warning::ConstantJoints { .. });
     let at_rest = fit.warnings.iter().find(at_rest);
     if let Some(flaw) = flaw {
@@ -190,18 +187,20 @@ pub(crate) fn outcome(
     if explain {
         text.push(steps(fit) + "\n");
     }
-    text.push(joints(summary, fit));
+    text.push(joints(fit));
     if explain {
         text.push(choices(&fit.model));
         text.push(format!(
             "\n{} of {} candidates kept, {:.2} s\n",
-            summary.active_total, summary.candidates, fit.seconds
+            fit.model.n_coefficients(),
+            fit.candidates,
+            fit.seconds
         ));
     }
     let warnings = fit.warnings.iter().filter(|warning| !warning.is_remark());
     let mut warnings: Vec<String> = warnings.map(ToString::to_string).collect();
     warnings.extend(fit.log.iter().flat_map(Prepared::warnings));
-    let (mut notes, mut json) = (fit.notes(), object(summary));
+    let (mut notes, mut json) = (fit.notes(), fit.summary()?);
     let verdict = test.map_or_else(|| fit.verdict(), |test| fit.verdict_with(test));
     text.push(format!("\nverdict: {verdict}\n"));
     if let Some(scores) = test {
@@ -214,7 +213,7 @@ pub(crate) fn outcome(
         notes.extend_from_slice(&scores.notes);
     }
     let is_unusable = verdict.grade == Grade::Unusable;
-    Outcome { text: text.concat(), json, warnings, notes, is_unusable }
+    Ok(Outcome { text: text.concat(), json, warnings, notes, is_unusable })
 }
 
 /// How long the log is, and how it was filtered.
@@ -243,22 +242,24 @@ fn steps(fit: &FitResult) -> String {
     steps.text()
 }
 
-fn joints(summary: &FitSummary<'_>, fit: &FitResult) -> String {
-    let residual = heading(&fit.model.kinds(), "residual [N·m]");
+fn joints(fit: &FitResult) -> String {
+    let (model, training) = (&fit.model, &fit.model.training);
+    let residual = heading(&model.kinds(), "residual [N·m]");
     let mut headings = vec!["joint", "terms", &residual, "residual [% of std]"];
-    let mut errors = vec![summary.residual_rms, &summary.residual_percent];
+    let percent = training.residual_rms.iter().zip(&training.torque_std);
+    let percent: Vec<f64> = percent.map(|(rms, std)| 100.0 * rms / std).collect();
+    let mut errors = vec![&training.residual_rms, &percent];
     // The same figure as in the verdict.
-    let held_out = fit.model.training.held_out_errors().unwrap_or_default();
+    let held_out = training.held_out_errors().unwrap_or_default();
     let held_out: Vec<f64> = held_out.iter().map(|error| 100.0 * error).collect();
     if !held_out.is_empty() {
         headings.push("held out [% of std]");
         errors.push(&held_out);
     }
     let mut table = Table::new(headings);
-    for (joint, name) in summary.joints.iter().enumerate() {
+    for ((joint, name), terms) in model.joints.iter().enumerate().zip(model.active()) {
         let errors = errors.iter().map(|values| values.get(joint).copied().unwrap_or(f64::NAN));
-        let terms = summary.active[joint].to_string();
-        table.row(name, std::iter::once(terms).chain(errors.map(number)));
+        table.row(name, std::iter::once(terms.to_string()).chain(errors.map(number)));
     }
     table.text()
 }

@@ -15,8 +15,8 @@ use torquewise::inspect::{Inspection, inspect};
 use torquewise::log::Rows;
 use torquewise::logs::{LogError, LogInput, suggest};
 use torquewise::model::number;
+use torquewise::stepwise::{NoiseFloor, Survey};
 use torquewise::summary::repairs_note;
-use torquewise::survey::{NoiseFloor, Survey};
 
 /// Show what a log holds and what it lacks
 #[derive(Args, Debug)]

@@ -1,6 +1,6 @@
 //! All that a fit needs of logs, in a file that adds to others.
 
-use crate::arguments::{METHOD, PlanArguments, choice};
+use crate::arguments::{METHOD, PlanArguments, words};
 use crate::conditioning;
 use crate::error::Result;
 use crate::files::check_files;
@@ -25,8 +25,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.request")]
     request: Option<PathBuf>,
     /// Stepwise regression (default) or one-shot SINDy baseline
-    #[arg(help_heading = "Method", long, value_parser = choice(&METHOD), default_value = "stepwise")]
-    method: &'static str,
+    #[arg(help_heading = "Method", long, value_parser = words(&METHOD), default_value = "stepwise")]
+    method: String,
     #[command(flatten)]
     plan: PlanArguments,
     #[command(flatten)]
@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let inputs = arguments.logs.iter().chain(&arguments.request);
     check_files(inputs, [(arguments.output.as_path(), &[][..])])?;
-    let options = arguments.plan.options(arguments.method)?;
+    let options = arguments.plan.options(&arguments.method)?;
     // Wrong usage is told before the log is read.
     arguments.plan.selection.refuse()?;
     options.check()?;

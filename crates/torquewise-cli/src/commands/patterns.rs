@@ -11,7 +11,7 @@ use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 use torquewise::identify::{Patterns, find_patterns, survey};
-use torquewise::inspect::{PatternRows, missing_patterns};
+use torquewise::inspect::{missing_patterns, pattern_rows};
 use torquewise::log::Rows;
 use torquewise::model::number;
 use torquewise::motion::Recording;
@@ -61,7 +61,7 @@ fn outcome(arguments: &Arguments, found: &Patterns, counts: [u64; 3]) -> Outcome
     let json = json!({
         "clusters": found.n_clusters(),
         "inertia": found.inertia,
-        "patterns": PatternRows::of(counts),
+        "patterns": pattern_rows(counts),
         "file": file,
     });
     Outcome {

@@ -19,7 +19,7 @@ use torquewise::model::units::heading;
 use torquewise::model::{FrictionTerm, Model, Parts, Torque, Weighted, number};
 use torquewise::motion::{Motion, ReadError, Recording, Signals};
 use torquewise::predict::{Interval, MotionRange};
-use torquewise::summary::AllRepairs;
+use torquewise::summary::all_repairs;
 
 /// Predict the torque of a log, with or without measured torque, or at one pose
 ///
@@ -160,7 +160,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         "columns": columns.iter().map(|column| &column.name).collect::<Vec<_>>(),
         "largest_torque": largest,
         "file": file.to_string(),
-        "conditioning": AllRepairs::of(&repairs),
+        "conditioning": all_repairs(&repairs),
     });
     let (text, warnings) = (text + &conditioning::text(&repairs), range.warnings(&model));
     let notes = left_out(&logs, rows).into_iter().collect();

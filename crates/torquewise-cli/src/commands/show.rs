@@ -130,7 +130,8 @@ fn learned_text(model: &Model, selection: &Selection) -> Result<String> {
     let mut text = Vec::new();
     if let (Some(chain), true) = (&model.chain, selection.part.is_none()) {
         let joints = &model.joints;
-        let geometry = Table::of(learned::geometry(model, selection)?);
+        let axes = learned::joint_geometry(model)?;
+        let geometry = Table::of(learned::geometry(model, &axes, selection));
         text.push(format!("{GEOMETRY}\n{}\n", geometry.text()));
         let links = Table::of(learned::links(chain, joints, selection)?);
         text.push(format!("{LINKS}\n{}\n", links.text()));

@@ -12,7 +12,7 @@ use faer::MatRef;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use torquewise::dynamics::{MotionKind, MotionPlan, Noise, SimulatedLog, add_noise, arms};
-use torquewise::inspect::PatternRows;
+use torquewise::inspect::pattern_rows;
 use torquewise::logs::LogWriter;
 use torquewise::motion::{Pattern, Recording};
 use torquewise::observe::Watched;
@@ -95,19 +95,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         check_rows(seconds, rate, MOST_NOISY_ROWS)?;
     }
     let twin = twin.map(|model| TwinLog::new(&model, &plan)).transpose()?;
+    let recording: &dyn Recording = match &twin {
+        Some(twin) => twin,
+        None => &clean,
+    };
     match noise {
         // The level of the noise is relative to the whole log, which therefore has to be held.
         Some(noise) => {
             let whole = match &twin {
-                Some(twin) => twin.whole()?,
+                Some(twin) => twin.trajectories()?.remove(0),
                 None => clean.whole()?.motion,
             };
             write_log(output, &add_noise(&whole, &noise, seed)?)?;
         }
-        None => match &twin {
-            Some(twin) => write_log(output, twin)?,
-            None => write_log(output, &clean)?,
-        },
+        None => write_log(output, recording)?,
     }
     let (file, rows, joints) = (output.display(), clean.n_rows(), arm.joints());
     let json = json!({
@@ -117,7 +118,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         "seconds": seconds,
         "rate_hz": rate,
         "seed": seed,
-        "patterns": PatternRows::of(write_truth(arguments.truth.as_deref(), &clean)?),
+        "patterns": pattern_rows(write_truth(arguments.truth.as_deref(), &clean)?),
         "file": file.to_string(),
         "truth": arguments.truth.as_ref().map(|truth| truth.display().to_string()),
     });

@@ -1,6 +1,6 @@
 //! The model that fitting all logs of a moments file together gives.
 
-use crate::arguments::{RobotArguments, choice, fit_options};
+use crate::arguments::{RobotArguments, fit_options, words};
 use crate::commands::fit;
 use crate::error::Result;
 use crate::files::{check_files, staged, write_whole};
@@ -27,8 +27,8 @@ pub(crate) struct Arguments {
     #[arg(help_heading = "Output", long, value_name = "FILE.request")]
     request: Option<PathBuf>,
     /// Friction, where a chain is learned [default: auto]
-    #[arg(help_heading = "Method", long, value_parser = choice(&FRICTION))]
-    friction: Option<&'static str>,
+    #[arg(help_heading = "Method", long, value_parser = words(&FRICTION))]
+    friction: Option<String>,
     /// Random seed [default: that of the moments]
     #[arg(help_heading = "Method", long)]
     seed: Option<u64>,
@@ -52,7 +52,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     match solve_sums(summary, &options, &watch())? {
         Solved::Model(fit) => {
             fit.model.save(staged(&arguments.output)?)?;
-            let mut outcome = fit::outcome(&fit, &fit.summary()?, None, false);
+            let mut outcome = fit::outcome(&fit, None, false)?;
             let file = arguments.output.display().to_string();
             outcome.text.extend([format!("\nmodel: {file}\n")]);
             outcome.json["file"] = json!(file);

@@ -5,7 +5,7 @@ use crate::fitted::movable;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use rayon::prelude::*;
-use torquewise_model::rollout::{Drift, Simulator, Window, drifts, windows};
+use torquewise_model::rollout::{Drift, Window, drifts, windows};
 use torquewise_model::{ModelError, Torque};
 use torquewise_motion::Recording;
 use torquewise_regression::normal_sums::{Alike, BlockSums, FOLDS, NormalSums};
@@ -39,9 +39,9 @@ pub(super) fn add_up_windows(
     weights: &[Vec<f64>],
 ) -> Result<NormalSums, IdentifyError> {
     let model = movable(at, recording.joints());
-    let (simulator, torque) = (Simulator::new(&model), Torque::new(&model));
+    let torque = Torque::new(&model);
     let mut sums = NormalSums::new(rotors.len(), at.n_joints(), FOLDS);
-    let arm = Arm { simulator, torque, at, rotors, weights };
+    let arm = Arm { torque, at, rotors, weights };
     let longest = HORIZONS[HORIZONS.len() - 1];
     windows(&model, recording, longest, &mut |windows| {
         let blocks = windows.par_iter().map(|window| arm.block(window));
@@ -56,7 +56,6 @@ pub(super) fn add_up_windows(
 
 /// An arm whose windows are simulated.
 struct Arm<'a> {
-    simulator: Simulator<'a>,
     torque: Torque,
     at: &'a Linearisation,
     rotors: &'a [Vec<f64>],
@@ -80,7 +79,7 @@ impl Arm<'_> {
         let (position, speed, reached) = (still(), still(), Vec::new());
         let mut moves = Moves { before: 0.0, t: 0.0, position, speed, reached };
         let mut failed = Ok(());
-        let ends = window.simulated(&self.simulator, &HORIZONS, &mut |arm, seconds| {
+        let ends = window.simulated(&self.torque, &HORIZONS, &mut |arm, seconds| {
             moves.t += seconds;
             if moves.t - moves.before > 0.999 * TAKEN && failed.is_ok() {
                 failed = self.follow([arm.path.q(), &arm.dq, &arm.ddq], &mut moves);

@@ -122,7 +122,7 @@ impl ChainLearner<'_> {
         }
         choices.extend(look.untold.iter().map(|&joint| Choice {
             what: format!("{KIND_OF} {}", self.motion.joints()[joint]),
-            chosen: kinds.of(joint).name().to_owned(),
+            chosen: kinds.of(joint).name.to_owned(),
             rule: "not told by the log: the other kind fits nearly as well".to_owned(),
             from: Vec::new(),
         }));

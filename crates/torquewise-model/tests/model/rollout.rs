@@ -3,7 +3,7 @@
 use crate::friction::{EXACT, model, weighted};
 use faer::Mat;
 use torquewise_model::friction::FrictionLaw;
-use torquewise_model::rollout::{Simulator, drifts};
+use torquewise_model::rollout::{Moving, drifts};
 use torquewise_model::{FrictionTerm, Model, Torque};
 use torquewise_motion::{Motion, Signals};
 
@@ -14,11 +14,11 @@ fn knee(law: FrictionLaw, coefficient: f64) -> Model {
 
 /// Where it is after some time without torque, from 1 rad/s at 0: position and speed.
 fn coasted(model: &Model, milliseconds: usize) -> [f64; 2] {
-    let (simulator, mut path) = (Simulator::new(model), Torque::new(model).path());
-    path.step(&[0.0, 0.0]);
-    let mut arm = simulator.start(path, vec![0.0, 1.0]);
+    let torque = Torque::new(model);
+    let mut arm = Moving { path: torque.path(), dq: vec![0.0, 1.0], ddq: vec![0.0; 2] };
+    arm.path.step(&[0.0, 0.0]);
     for _ in 0..milliseconds {
-        simulator.step(&mut arm, &[0.0, 0.0], 1e-3).expect("an arm with inertia");
+        torque.step(&mut arm, &[0.0, 0.0], 1e-3).expect("an arm with inertia");
     }
     [arm.path.q()[1], arm.dq[1]]
 }

@@ -3,7 +3,7 @@
 use crate::fit_report::Findings;
 use crate::html::number::significant;
 use crate::html::{Heading, Item, Label, Section, Table};
-use torquewise_model::{JointKinds, units};
+use torquewise_model::units;
 use torquewise_motion::Repairs;
 
 const DIGITS: usize = 3;
@@ -68,8 +68,7 @@ fn reach(findings: &Findings<'_>) -> Table {
         [[low, high], peaks, torque].concat()
     };
     let caption = "Motion and torque of each joint in the log.".into();
-    let kinds = findings.found.model.kinds();
-    per_joint((&survey.joints, &kinds), caption, &columns, numbers)
+    per_joint(findings, caption, &columns, numbers)
 }
 
 fn noise(findings: &Findings<'_>) -> Table {
@@ -77,12 +76,11 @@ fn noise(findings: &Findings<'_>) -> Table {
     let columns = ["in q [rad]", "in q̇ [rad/s]", "in q̈ [rad/s²]"];
     let numbers = |joint: usize| vec![noise.q[joint], noise.dq[joint], noise.ddq[joint]];
     let caption = "Standard deviation of the white noise; 0 where none was found.".into();
-    let kinds = findings.found.model.kinds();
-    per_joint((&findings.found.survey.joints, &kinds), caption, &columns, numbers)
+    per_joint(findings, caption, &columns, numbers)
 }
 
 fn per_joint(
-    (joints, kinds): (&[String], &JointKinds),
+    findings: &Findings<'_>,
     caption: String,
     headings: &[&str],
     numbers: impl Fn(usize) -> Vec<f64>,
@@ -91,10 +89,11 @@ fn per_joint(
         let numbers = numbers(joint).into_iter().map(|x| significant(x, DIGITS).into());
         std::iter::once(name.as_str().into()).chain(numbers).collect()
     };
-    let columns = headings.iter().map(|text| Heading::numbers(units::heading(kinds, text)));
+    let kinds = findings.found.model.kinds();
+    let columns = headings.iter().map(|text| Heading::numbers(units::heading(&kinds, text)));
     Table {
         caption,
         columns: std::iter::once(Heading::words("joint")).chain(columns).collect(),
-        rows: joints.iter().enumerate().map(row).collect(),
+        rows: findings.found.survey.joints.iter().enumerate().map(row).collect(),
     }
 }

@@ -66,7 +66,7 @@ fn written(equation: Equation) -> Item {
 
 fn frictions(findings: &Findings<'_>) -> Vec<Equation> {
     let model = &findings.found.model;
-    let unit = |joint| model.kinds().of(joint).effort_unit();
+    let unit = |joint| model.kinds().of(joint).effort_unit;
     let equation = |(joint, friction): (usize, Vec<_>)| Equation {
         name: format!("Friction of {}", model.joints[joint]),
         left: math(&format!("F_{{{}}}=", joint + 1)),
@@ -80,7 +80,7 @@ fn frictions(findings: &Findings<'_>) -> Vec<Equation> {
 
 fn torques(findings: &Findings<'_>) -> Vec<Equation> {
     let model = &findings.found.model;
-    let unit = |joint| model.kinds().of(joint).effort_unit();
+    let unit = |joint| model.kinds().of(joint).effort_unit;
     let equation = |(joint, (terms, friction)): (usize, (Vec<Weighted<Term>>, _))| {
         let importance = &findings.diagnosis.importance[joint];
         let sizes = importance.iter().map(|term| (term.name.as_str(), term.rms)).collect();

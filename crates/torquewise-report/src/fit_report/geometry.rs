@@ -20,14 +20,14 @@ pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
                    height of the base nor the tool is known. Dashed: not resolved by this log."
         .to_owned();
     let (model, all) = (&findings.found.model, Selection::default());
-    let rows = geometry(model, &all).ok()?;
+    let found = joint_geometry(model).ok()?;
     let axes = Table {
         caption: "Where the axes lie at q = 0, and each seen from the joint before, with standard \
                   errors; without one where it is held at a right angle or at the origin before. The \
                   length is along the axis before, between the feet of the axes on both sides. A \
                   distance whose error is as large as itself is not determined by this log."
             .into(),
-        ..Table::of_text(rows)
+        ..Table::of_text(geometry(model, &found, &all))
     };
     let links = Table {
         caption: "What torque determines of the links, – where it is not resolved: first moments \
@@ -40,14 +40,15 @@ pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
         caption: "Rotors and springs, – where none is resolved.".into(),
         ..Table::of_text(drives(chain, &model.joints, &all))
     };
-    let skeleton = skeleton(findings, chain)?;
+    let resolved = found.into_iter().map(|own| own.resolved).collect();
+    let skeleton = skeleton(findings, chain, resolved)?;
     let mut items =
         vec![Item::Skeleton { skeleton, caption }, Item::Table(axes), Item::Table(links)];
     items.extend((!drives.rows.is_empty()).then_some(Item::Table(drives)));
     Some(Section { heading: "Geometry".into(), items })
 }
 
-fn skeleton(findings: &Findings<'_>, chain: &RigidChain) -> Option<Skeleton> {
+fn skeleton(findings: &Findings<'_>, chain: &RigidChain, resolved: Vec<bool>) -> Option<Skeleton> {
     let placed = chain.axes().ok()?;
     let motion = &findings.diagnosis.trace.motion;
     let clock = Clock::new(motion.t());
@@ -61,10 +62,9 @@ fn skeleton(findings: &Findings<'_>, chain: &RigidChain) -> Option<Skeleton> {
         origin: placement.origin.into(),
         rotation: std::array::from_fn(|k| placement.rotation[(k / 3, k % 3)]),
     });
-    let resolved = joint_geometry(&findings.found.model).ok()?;
     Some(Skeleton {
         joints: findings.joints().to_vec(),
-        resolved: resolved.into_iter().map(|own| own.resolved).collect(),
+        resolved,
         frames: frames.collect(),
         gravity: placed.gravity(),
         slides: (0..n).map(|joint| chain.kinds.slides(joint)).collect(),

@@ -13,8 +13,6 @@ pub struct Origin<'a> {
     pub model: &'a str,
     /// The command line as it was given.
     pub command: &'a str,
-    /// Version of the program.
-    pub version: &'a str,
     /// When the report was made.
     pub date: &'a str,
 }
@@ -60,8 +58,9 @@ impl Origin<'_> {
         let dates = self.logs.iter().chain(self.tests).map(|log| log.date.as_str());
         let newest = dates.max().filter(|date| !date.is_empty());
         let logs = newest.map_or_else(String::new, |date| format!(" Newest log: {date}."));
-        let made = format!("torquewise {}. Report: {}.{logs}", self.version, self.date);
-        let lines = [(self.version, made), (self.command, self.command.to_owned())];
+        let version = env!("CARGO_PKG_VERSION");
+        let made = format!("torquewise {version}. Report: {}.{logs}", self.date);
+        let lines = [(self.date, made), (self.command, self.command.to_owned())];
         lines.into_iter().filter(|(told, _)| !told.is_empty()).map(|(_, line)| line).collect()
     }
 }

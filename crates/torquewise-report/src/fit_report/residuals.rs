@@ -35,7 +35,7 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
                 "{}, RMSE {} {}",
                 score.name,
                 significant(score.rmse, 3),
-                kind.effort_unit()
+                kind.effort_unit
             ),
             items: vec![Item::Charts(vec![residual.over_time(&clock)]), Item::Charts(charts)],
         });

@@ -1,6 +1,6 @@
 //! Terms in LaTeX as MathML, with the digits that are significant.
 
-use crate::html::markup::Label;
+use crate::html::markup::{Label, safe};
 use crate::html::number::{aligned, count};
 use minijinja::{Value, context};
 use pulldown_latex::{Parser, RenderConfig, Storage, push_mathml};
@@ -55,7 +55,6 @@ impl Equation {
     /// Each coefficient has the digits its standard error leaves standing; error, unit and share of
     /// resampled logs stand beside it in small type or appear when it is pointed at.
     pub(crate) fn view(&self) -> Value {
-        let safe = |label: &Label| Value::from_safe_string(label.to_string());
         let terms = self.terms.iter().map(|weighted| {
             let unit = self.unit.unwrap_or_else(|| unit_of(&weighted.term));
             let is_one = weighted.term.interaction() == 0 && weighted.term.kind() == Kind::Gravity;
@@ -84,13 +83,13 @@ impl Equation {
                 number, error, coefficient, percent,
                 is_certain => line.inclusion.is_none_or(|inclusion| inclusion >= CERTAIN),
                 unit => line.unit,
-                function => safe(&line.function),
+                function => safe(line.function.as_str()),
             }
         };
         let lines: Vec<Value> = lines.iter().zip(&coefficients).map(view).collect();
         context! {
             name => self.name.as_str(),
-            left => safe(&self.left),
+            left => safe(self.left.as_str()),
             note => self.note.as_str(),
             terms => lines[..self.terms.len()].to_vec(),
             friction => lines[self.terms.len()..].to_vec(),

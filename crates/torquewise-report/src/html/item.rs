@@ -5,7 +5,7 @@ use crate::html::bars::Bars;
 use crate::html::chart::{Chart, Mark};
 use crate::html::colour::Colour;
 use crate::html::equation::Equation;
-use crate::html::markup::script_json;
+use crate::html::markup::{safe, script_json};
 use crate::html::skeleton::Skeleton;
 use crate::html::spec::spec_json;
 use crate::html::table::Table;
@@ -159,8 +159,4 @@ fn bars_view(bars: &Bars) -> Value {
 
 fn key(label: &str, colour: Colour, mark: Value) -> Value {
     context! { label, colour => colour.variable(), mark }
-}
-
-fn safe(html: &str) -> Value {
-    Value::from_safe_string(html.to_owned())
 }

@@ -1,7 +1,7 @@
 //! HTML that a page takes over as it is: words, once they are escaped, and equations.
 
 use crate::error::Result;
-use minijinja::HtmlEscape;
+use minijinja::{HtmlEscape, Value};
 use serde::Serialize;
 use std::fmt;
 
@@ -39,6 +39,11 @@ impl From<String> for Label {
     fn from(text: String) -> Self {
         text.as_str().into()
     }
+}
+
+/// HTML that a template takes over as it is.
+pub(crate) fn safe(html: &str) -> Value {
+    Value::from_safe_string(html.to_owned())
 }
 
 /// Data as JSON that can stand within a script tag: no letter of it can end the tag or open a

@@ -1,6 +1,6 @@
 //! Numbers as text: significant digits, aligned at the decimal point.
 
-use serde::{Serialize, Serializer};
+use serde_json::Value;
 
 const FIGURE_SPACE: char = '\u{2007}';
 /// As wide as a decimal point.
@@ -70,29 +70,20 @@ pub fn aligned(cells: &[String]) -> Vec<String> {
     cells.iter().map(pad).collect()
 }
 
-/// A number of a chart: whole ones without a point, none where it is not finite.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Plotted(pub(crate) f64);
-
 /// Whole numbers up to here are exact.
 const LARGEST_WHOLE: f64 = 9e15;
 
-impl Serialize for Plotted {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let x = self.0;
-        if !x.is_finite() {
-            return serializer.serialize_none();
-        }
-        if x.fract() == 0.0 && x.abs() < LARGEST_WHOLE {
-            #[expect(clippy::cast_possible_truncation, reason = "whole, and below 2^53")]
-            return serializer.serialize_i64(x as i64);
-        }
-        serializer.serialize_f64(x)
+/// A number of a chart: whole ones without a point, none where it is not finite.
+fn plotted(x: f64) -> Value {
+    if x.fract() == 0.0 && x.abs() < LARGEST_WHOLE {
+        #[expect(clippy::cast_possible_truncation, reason = "whole, and below 2^53")]
+        return Value::from(x as i64);
     }
+    Value::from(x)
 }
 
 /// Rounds to six significant digits, of the range of all values where that is the finer.
-pub(crate) fn rounded(values: &[f64]) -> Vec<Plotted> {
+pub(crate) fn rounded(values: &[f64]) -> Vec<Value> {
     let finite = values.iter().copied().filter(|x| x.is_finite());
     let [low, high] =
         finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
@@ -101,10 +92,10 @@ pub(crate) fn rounded(values: &[f64]) -> Vec<Plotted> {
         .iter()
         .map(|&x| {
             let decimals = of_range.max(decimals_of(x));
-            let Some(decimals) = decimals.filter(|_| x.is_finite()) else { return Plotted(x) };
+            let Some(decimals) = decimals.filter(|_| x.is_finite()) else { return plotted(x) };
             match usize::try_from(decimals) {
-                Ok(decimals) => Plotted(format!("{x:.decimals$}").parse().unwrap_or(x)),
-                Err(_) => Plotted(x.round()),
+                Ok(decimals) => plotted(format!("{x:.decimals$}").parse().unwrap_or(x)),
+                Err(_) => plotted(x.round()),
             }
         })
         .collect()
@@ -147,6 +138,6 @@ mod tests {
     fn late_times_keep_the_digits_that_tell_them_apart() {
         let rounded = rounded(&[1_700_000_000.0, 1_700_000_000.012_5]);
 
-        assert!((rounded[1].0 - 1_700_000_000.012_5).abs() < 1e-6, "{rounded:?}");
+        assert!((rounded[1].as_f64().unwrap() - 1_700_000_000.012_5).abs() < 1e-6, "{rounded:?}");
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::error::Result;
 use crate::html::item::{Item, Writer};
-use minijinja::{Environment, UndefinedBehavior, Value, context};
+use crate::html::markup::safe;
+use minijinja::{Environment, UndefinedBehavior, context};
 
 /// A page: sections under a title.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -53,10 +54,9 @@ impl Page {
         let mut writer = Writer::new(&environment);
         let mut sections = Vec::with_capacity(self.sections.len());
         for section in &self.sections {
-            let body = Value::from_safe_string(writer.write(&section.items)?);
+            let body = safe(&writer.write(&section.items)?);
             sections.push(context! { heading => section.heading.as_str(), body });
         }
-        let safe = |text: &str| Value::from_safe_string(text.to_owned());
         let filled = context! {
             title => self.title.as_str(),
             lead => self.lead.as_str(),

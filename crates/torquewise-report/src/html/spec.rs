@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::html::chart::{Axis, Chart, Guide, Mark, Position, Stretches};
 use crate::html::markup::script_json;
-use crate::html::number::{Plotted, rounded};
+use crate::html::number::rounded;
 use crate::html::thin::{Sorted, rows_of, sorted};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -13,7 +13,7 @@ struct Spec<'a> {
     x: Axis,
     y: Axis,
     /// Abscissae; several series may share one.
-    columns: Vec<Vec<Plotted>>,
+    columns: Vec<Vec<Value>>,
     series: Vec<SeriesSpec<'a>>,
     bands: Vec<Value>,
     guides: Vec<Value>,
@@ -26,14 +26,14 @@ struct SeriesSpec<'a> {
     colour: String,
     mark: Mark,
     column: usize,
-    y: Vec<Plotted>,
+    y: Vec<Value>,
     /// Ends of the error bars, or nothing.
-    low: Vec<Plotted>,
-    high: Vec<Plotted>,
+    low: Vec<Value>,
+    high: Vec<Value>,
 }
 
 pub(crate) fn spec_json(chart: &Chart) -> Result<String> {
-    let mut columns: Vec<Vec<Plotted>> = Vec::new();
+    let mut columns: Vec<Vec<Value>> = Vec::new();
     let mut series: Vec<Option<SeriesSpec<'_>>> = chart.series.iter().map(|_| None).collect();
     for group in groups(chart) {
         let mark = chart.series[group[0].place].mark;
@@ -45,7 +45,7 @@ pub(crate) fn spec_json(chart: &Chart) -> Result<String> {
             let Sorted { points, spread } = &curve.points;
             // The logarithm of what is not positive is a gap.
             let height = |y: f64| if chart.y.log && y <= 0.0 { f64::NAN } else { y };
-            let pick = |end: usize| -> Vec<Plotted> {
+            let pick = |end: usize| -> Vec<Value> {
                 let ends = rows.iter().filter_map(|&row| spread.get(row));
                 rounded(&ends.map(|ends| height(ends[end])).collect::<Vec<f64>>())
             };

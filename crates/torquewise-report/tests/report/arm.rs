@@ -63,14 +63,7 @@ fn report() -> String {
     let diagnosis = diagnose(&found.model, &found.patterns, &log).unwrap();
     let logs = &[LogFile { name: "a.csv".into(), date: "2001-02-03".into() }];
     let command = "torquewise fit a.csv -o 'my model.json'";
-    let origin = Origin {
-        logs,
-        tests: logs,
-        model: "m.json",
-        version: "1.2.3",
-        command,
-        date: "2001-02-04",
-    };
+    let origin = Origin { logs, tests: logs, model: "m.json", command, date: "2001-02-04" };
     let errors = diagnosis.scores.joints.iter().map(|score| 0.01 * score.nrmse_percent);
     let errors: Vec<f64> = errors.collect();
     let verdict = &judge(&found, Tested { errors: &errors, held: None });
@@ -107,6 +100,8 @@ fn the_verdict_comes_first_and_what_a_chain_does_not_have_is_left_out() {
         assert_eq!(at(absent), None, "{absent}");
     }
     let foot = html.split("<footer>").nth(1).unwrap().split("</footer>").next().unwrap();
-    assert!(foot.contains("torquewise 1.2.3. Report: 2001-02-04. Newest log: 2001-02-03."));
+    let version = env!("CARGO_PKG_VERSION");
+    let made = format!("torquewise {version}. Report: 2001-02-04. Newest log: 2001-02-03.");
+    assert!(foot.contains(&made));
     assert!(foot.contains("fit a.csv -o &#x27;my model.json&#x27;"), "{foot}");
 }

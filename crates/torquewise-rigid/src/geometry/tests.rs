@@ -71,10 +71,10 @@ fn an_axis_turned_across_leaves_those_beyond_where_they_were() {
     for other in turned {
         let (before, after) = (geometry.upright(), other.upright());
         assert!(!other.is_parallel(1));
-        let [a, b] = [before[2].0, after[2].0].map(Vector3::from);
+        let [a, b] = [before[2].axis(), after[2].axis()];
         assert_relative_eq!(a, b, epsilon = 1e-12);
         // The third axis is the same line.
-        let apart = Vector3::from(before[2].1) - Vector3::from(after[2].1);
+        let apart = before[2].origin - after[2].origin;
         assert_relative_eq!(apart.cross(&a).norm(), 0.0, epsilon = 1e-12);
     }
 }

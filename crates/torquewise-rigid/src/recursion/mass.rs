@@ -86,7 +86,7 @@ impl<T: Scalar> Inertia<T> {
     /// it.
     fn unit_wrench(&self, kind: JointKind) -> Wrench<T> {
         let z = along_z(T::one());
-        let [turn, slide] = kind.twist().map(T::splat);
+        let [turn, slide] = kind.twist.map(T::splat);
         let force = z.cross(&self.first) * turn + along_z(self.mass * slide);
         let moment = self.about_origin.column(2) * turn + self.first.cross(&z) * slide;
         Wrench { force, moment }

@@ -79,7 +79,7 @@ impl Joint {
     fn read(joint: Node<'_, '_>) -> Result<Self> {
         let written = attribute(joint, "type")?;
         let other = || OTHER_KINDS.into_iter().find(|kind| *kind == written);
-        let kind = JointKind::named(&written).map(JointKind::name).or_else(other);
+        let kind = JointKind::named(&written).map(|kind| kind.name).or_else(other);
         let link = |name| attribute(required(joint, name)?, "link");
         let limit = |name, none: f64| {
             let given = child(joint, "limit").map(|limit| numbers(limit, name, Some([none])));

@@ -90,7 +90,7 @@ impl MotionRange {
                     (low, high) if low == high => format!("at {low}"),
                     (low, high) => format!("from {low} to {high}"),
                 };
-                beyond.push(format!("q {reached} {}, not {from:.2} to {to:.2}", kind.unit()));
+                beyond.push(format!("q {reached} {}, not {from:.2} to {to:.2}", kind.unit));
             }
             let signals = [
                 ("dq", "rad/s", &self.dq, &training.dq_peak),
