@@ -56,6 +56,9 @@ class _Bar:
             self.close()
             self._doing = doing
             self._own = self._tqdm(desc=doing, total=total, unit="", unit_scale=True, leave=False)
+        if total is not None and self._own.n + rows > total:
+            # Another pass, or another search.
+            self._own.reset()
         if total is not None:
             self._own.total = total
         self._own.update(rows)

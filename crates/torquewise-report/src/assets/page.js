@@ -267,7 +267,7 @@
     clipped(plot, (ctx, _, ratio) => {
       spec.series.forEach((series, i) => {
         if (!data.low[i].length || !plot.series[i + 1].show) return;
-        if (series.mark === "line") return fillSpread(plot, data.x, data.low[i], data.high[i], tint(series.colour, "30"));
+        if (series.mark === "line") return fillSpread(plot, data.x, data.low[i], data.high[i], tint(series.colour, "60"));
         ctx.strokeStyle = colour(series.colour);
         ctx.lineWidth = 1.5 * ratio;
         const cap = 4 * ratio;
