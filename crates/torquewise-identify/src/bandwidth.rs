@@ -32,6 +32,9 @@ const SLOW: f64 = 0.1;
 const LEAST_GAIN: f64 = 0.03;
 const LEAST_CERTAINTY: f64 = 2.0;
 
+/// Cut-offs beside the best of every second one, at most.
+const BESIDE: usize = 2;
+
 /// Logs at their bandwidth.
 #[derive(Debug)]
 pub struct Tuned<R> {
@@ -231,7 +234,8 @@ fn cutoffs(
     watch: Watch<'_>,
 ) -> Result<Vec<Tried>, IdentifyError> {
     let cutoffs = logs.cutoffs();
-    let (made, most) = (AtomicUsize::new(0), cutoffs.len().div_ceil(2) + 2);
+    let most = cutoffs.len().div_ceil(2) + BESIDE;
+    let made = AtomicUsize::new(0);
     let all = |cutoffs: Vec<f64>| -> Result<Vec<Tried>, IdentifyError> {
         let found = cutoffs.par_iter().map(|&cutoff| {
             let made = made.fetch_add(1, Ordering::Relaxed);

@@ -289,9 +289,10 @@ impl Peaks {
         }
     }
 
-    /// The excess that a number of peaks is expected to be beyond in as much other motion: that of as
-    /// many here. Where one is too many, or the largest may be contacts, the largest peaks but those
-    /// that make up `TAIL` are taken to fall off exponentially, with a mean excess by their median.
+    /// The excess that so many peaks of as much other motion are expected to be beyond: that which as many
+    /// are beyond here. Where fewer than one is expected, or the largest may be contacts, it follows
+    /// from an exponential tail of the largest, whose mean excess is found by their median, which a few of
+    /// another kind do not move.
     fn excess_at(&mut self, expected: f64, is_free: bool) -> f64 {
         if let Some((_, _, most)) = self.open.take() {
             self.push(most);

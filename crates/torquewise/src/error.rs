@@ -138,10 +138,11 @@ impl Error {
     /// What went wrong, its options in the words of a front end.
     pub fn message(&self, word: Wording) -> String {
         match self {
-            Self::UnusedOption { setting, .. } | Self::WrongValue { setting, .. } => {
-                // It begins with the name.
-                self.to_string().replacen(setting, &word(setting, None), 1)
-            }
+            Self::UnusedOption { setting, fitted, because, .. } => format!(
+                "{} is not used by {fitted}, which is fitted because {because}",
+                word(setting, None)
+            ),
+            Self::WrongValue { setting, reason } => format!("{}: {reason}", word(setting, None)),
             other => other.to_string(),
         }
     }

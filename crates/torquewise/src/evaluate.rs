@@ -166,7 +166,7 @@ pub fn rollouts(
 }
 
 /// Percentage of torques that bounds are for, and rows of which it is counted, about.
-pub(crate) const PERCENT: f64 = 95.0;
+const PERCENT: f64 = 95.0;
 const ROWS: usize = 4_000;
 
 /// Part of measured torques within their interval, n; `None` of a model without a covariance.
@@ -175,8 +175,14 @@ fn coverage(
     log: &dyn Recording,
     (measured, every): (&dyn Recording, usize),
 ) -> Result<Option<Vec<f64>>> {
+    let interval = interval(model, log)?;
+    interval.map(|interval| interval.coverage(measured, every)).transpose()
+}
+
+/// Bounds of the torque of a log; `None` of a model without a covariance.
+pub(crate) fn interval<'a>(model: &'a Model, log: &dyn Recording) -> Result<Option<Interval<'a>>> {
     match Interval::new(model, log, PERCENT) {
-        Ok(interval) => interval.coverage(measured, every).map(Some),
+        Ok(interval) => Ok(Some(interval)),
         Err(Error::NoCovariance) => Ok(None),
         Err(error) => Err(error),
     }

@@ -17,16 +17,24 @@ use torquewise_model::{Model, to_json};
 
 /// What is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(missing_docs, reason = "`Target::NAMED` says what each is")]
 pub enum Target {
+    /// One file of C99.
     C,
+    /// One file of Rust without std.
     Rust,
+    /// One file of Python.
     Python,
+    /// A LaTeX document.
     Latex,
+    /// An FMI 2.0 unit for model exchange and co-simulation.
     Fmu,
+    /// Sources of a ROS 2 package.
     Ros2,
+    /// A robot for ROS, Pinocchio, Drake, Gazebo.
     Urdf,
+    /// A robot for `MuJoCo`.
     Mjcf,
+    /// A model file, as a fit writes it.
     Json,
 }
 

@@ -243,9 +243,8 @@ pub(crate) fn fit_plan(
 
 /// The same at the bandwidth that held-out rows ask for, where raw torque is at hand (E12).
 fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<FitResult> {
-    let rows = log.rows_hint();
     let Prepared::Raw(raw) = log else {
-        let fit = fit_plan(log.rows(), rows, plan, observer)?;
+        let fit = fit_plan(log.rows(), log.rows_hint(), plan, observer)?;
         return Ok(FitResult { log: Some(log), ..fit });
     };
     let by_chain = match &plan.method {

@@ -156,7 +156,6 @@ impl From<Logs> for Log {
 }
 
 /// What a model is fitted to, or judged by: log files, or motion at hand.
-#[derive(Clone, Copy)]
 pub enum Source<'a> {
     /// Files, conditioned as they ask for.
     Log(&'a Log),

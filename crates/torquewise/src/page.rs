@@ -1,12 +1,11 @@
 //! The page of a fit: what was found, and how far to trust it.
 
 use crate::error::{Error, Result};
-use crate::evaluate::{Evaluation, PERCENT};
+use crate::evaluate::{Evaluation, interval};
 use crate::fit::FitResult;
 use crate::log::Prepared;
 use crate::observe::Observer;
 use crate::physics::{PhysicsCheck, STATES};
-use crate::predict::Interval;
 use torquewise_export::{Cost, ExportError, torque_costs};
 use torquewise_identify::{IdentifyError, diagnose};
 use torquewise_model::Model;
@@ -28,7 +27,7 @@ pub fn page(
     let look = |log: &Prepared| {
         let watched = log.watched(observer, "looking at the residuals");
         let mut seen = diagnose(&fit.model, &fit.patterns, &watched)?;
-        if let Ok(interval) = Interval::new(&fit.model, log.rows(), PERCENT) {
+        if let Some(interval) = interval(&fit.model, log.rows())? {
             let bounds = interval.bounds(&seen.trace.motion, &seen.trace.tau_hat);
             seen.trace.bounds = Some(bounds.map_err(IdentifyError::Read)?);
         }

@@ -114,17 +114,18 @@ fn weigh(
     model: &Model,
     outcome: &mut Outcome,
 ) -> Result<()> {
+    if loaded.is_empty() {
+        return Ok(());
+    }
+    let flange = LoadPlace::named(model, None, None).ok_or(Error::from(ModelError::NoChain))?;
     let mut loads = Vec::new();
     for (file, log) in arguments.loaded.iter().zip(loaded) {
-        let flange = LoadPlace::named(model, None, None).ok_or(Error::from(ModelError::NoChain))?;
         let load = payload(model, log, flange, &watch())?;
         outcome.text.extend([format!("\n{}: {}", file.display(), load_text(&load))]);
         outcome.warnings.extend(load.hints());
         loads.push(object(&load));
     }
-    if !loads.is_empty() {
-        outcome.json["loads"] = json!(loads);
-    }
+    outcome.json["loads"] = json!(loads);
     Ok(())
 }
 

@@ -93,7 +93,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     Ok(Outcome { text, json, warnings: found.hints(), ..Outcome::default() })
 }
 
-/// The load, of which log, in which frame, and how certain.
+/// The load as a table, with its frame and the rows it was found on.
 pub(super) fn load_text(found: &Payload) -> String {
     let mut table = Table::new(["load", "value", "±", "unit"]);
     let all = std::iter::once(found.mass).chain(found.center).chain(found.inertia);
