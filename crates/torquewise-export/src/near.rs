@@ -22,7 +22,7 @@ const LEAST: f64 = 1e-6;
 pub(crate) fn near(model: &Model, nominal: &[Option<Inertial>]) -> Result<Model, ModelError> {
     let mut model = model.clone();
     if let Some(chain) = &mut model.chain
-        && !chain.covariance.is_empty()
+        && !chain.covariance_root.is_empty()
     {
         let learned = chain.parameters(&[]);
         let n_known = PER_BODY * chain.links.len() + chain.drives.len();
@@ -67,8 +67,7 @@ fn information(chain: &RigidChain, at: &[f64]) -> Result<Mat<f64>, ModelError> {
     let noticed: Vec<usize> = (0..p).filter(is_noticed).collect();
     let r = noticed.len();
     let map = Mat::from_fn(r, p, |i, k| columns[k][noticed[i]]);
-    let covariance = chain.covariance_matrix();
-    let spread = &map * covariance.submatrix(0, 0, p, p) * map.transpose();
+    let spread = chain.covariance_of(&map);
     // What is exact in the model is so to rounding.
     let sizes: Vec<f64> = (0..r).map(|i| spread[(i, i)].max(1e-18).sqrt()).collect();
     let scaled = Mat::from_fn(r, r, |i, j| spread[(i, j)] / (sizes[i] * sizes[j]));

@@ -7,14 +7,13 @@ use crate::estimate::{Linearisation, Sizes, Solved};
 use crate::excitation::Finding;
 use crate::prune::prune;
 use crate::reconstruction::{Progress, Reconstruction, Watch};
-use crate::samples::eigen;
 use crate::torque_kind::torque_kind;
 use crate::unseen::{HeldOut, HeldTo, Unseen, both_ways, geometric_mean};
 use crate::warning::Warning;
-use faer::{ColRef, Mat};
-use rand::SeedableRng;
+use faer::Mat;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::StandardNormal;
 use rayon::prelude::*;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_model::{
@@ -71,7 +70,10 @@ impl Fitted {
         });
         let residual_rms = &training.residual_rms;
         let covariance = faer::Scale(discrepancy(&training).powi(2)) * &solved.covariance;
-        let (chain, friction) = parameters(&solved.at, &covariance);
+        let error = |k: usize| covariance[(k, k)].max(0.0).sqrt();
+        let (mut chain, friction, order) = parameters(&solved.at, &error);
+        let p = order.len();
+        chain.set_covariance(&Mat::from_fn(p, p, |i, j| covariance[(order[i], order[j])]))?;
         let (terms, candidates) =
             equations(&chain, &friction, (&survey, residual_rms), seed, watch)?;
         choices.extend(solved.choice);
@@ -124,11 +126,13 @@ fn discrepancy(training: &Training) -> f64 {
     geometric_mean(&ratios.collect::<Vec<_>>())
 }
 
-/// The parameters of a linearisation as a model has them, with their covariance.
+/// The parameters of a linearisation as a model has them, without a covariance, and where each is.
+///
+/// - `error`: standard error of a parameter
 fn parameters(
     at: &Linearisation,
-    covariance: &Mat<f64>,
-) -> (RigidChain, Vec<Weighted<FrictionTerm>>) {
+    error: &dyn Fn(usize) -> f64,
+) -> (RigidChain, Vec<Weighted<FrictionTerm>>, Vec<usize>) {
     let bodies = PER_BODY * at.n_joints();
     let links = at.linear[..bodies].chunks_exact(PER_BODY);
     let links = links.map(|p| std::array::from_fn(|k| p[k])).collect();
@@ -142,7 +146,7 @@ fn parameters(
                 friction.push(Weighted {
                     term: term.clone(),
                     coefficient,
-                    std_error: covariance[(index, index)].max(0.0).sqrt(),
+                    std_error: error(index),
                     inclusion: None,
                 });
             }
@@ -161,9 +165,7 @@ fn parameters(
         .chain(friction_at)
         .chain(at.structure.free.iter().map(|&k| at.linear.len() + k))
         .collect();
-    let covariance =
-        Mat::from_fn(order.len(), order.len(), |i, j| covariance[(order[i], order[j])]);
-    let mut chain = RigidChain {
+    let chain = RigidChain {
         geometry: at.geometry.parameters().to_vec(),
         fitted: at.structure.free.clone(),
         links,
@@ -171,16 +173,14 @@ fn parameters(
         coupling: at.geometry.coupling().clone(),
         kinds: at.geometry.kinds().clone(),
         robot: at.structure.robot.clone(),
-        covariance: Vec::new(),
+        covariance_root: Vec::new(),
     };
-    chain.set_covariance(&covariance);
-    (chain, friction)
+    (chain, friction, order)
 }
 
-/// The model of a linearisation as far as it moves: without its equations, certain of all.
+/// The model of a linearisation as far as it moves: without its equations and its errors.
 pub(crate) fn movable(at: &Linearisation, joints: &[String]) -> Model {
-    let p = at.n_parameters();
-    let (chain, friction) = parameters(at, &Mat::zeros(p, p));
+    let (chain, friction, _) = parameters(at, &|_| 0.0);
     let (joints, chain) = (joints.to_vec(), Some(chain));
     Model { joints, form: Form::Energy(Vec::new()), chain, friction, ..Model::default() }
 }
@@ -243,7 +243,7 @@ fn equations(
     let as_sums = sums.len() < products.len();
     let kept = if as_sums { sums } else { products };
     let wanted = Wanted::of(kept.iter().map(|(term, _)| term));
-    let draws = draws(chain, friction, seed)?;
+    let draws = draws(chain, friction, seed);
     let draws = draws.into_par_iter().map(|chain| {
         Progress::Working.tell(watch)?;
         Ok(wanted.coefficients_in(&chain)?)
@@ -259,25 +259,18 @@ fn equations(
 }
 
 /// Chains whose parameters scatter by the covariance, but less.
-fn draws(
-    chain: &RigidChain,
-    friction: &[Weighted<FrictionTerm>],
-    seed: u64,
-) -> Result<Vec<RigidChain>, IdentifyError> {
-    let (values, vectors) = eigen(&chain.covariance_matrix())?;
+fn draws(chain: &RigidChain, friction: &[Weighted<FrictionTerm>], seed: u64) -> Vec<RigidChain> {
     let known = chain.parameters(friction);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut draw = || {
-        let unit = |variance: &f64| {
-            let unit: f64 = StandardNormal.sample(&mut random);
-            DRAW_SIZE * variance.max(0.0).sqrt() * unit
+        let units: Vec<f64> = (&mut random).sample_iter(StandardNormal).take(known.len()).collect();
+        let moved = |(x, root): (&f64, &Vec<f64>)| {
+            x + DRAW_SIZE * root.iter().zip(&units).map(|(root, unit)| root * unit).sum::<f64>()
         };
-        let units: Vec<f64> = values.iter().map(unit).collect();
-        let moved = &vectors * ColRef::from_slice(&units);
-        let parameters: Vec<f64> = known.iter().zip(moved.iter()).map(|(x, d)| x + d).collect();
-        chain.at(&parameters, friction.len())
+        let moved: Vec<f64> = known.iter().zip(&chain.covariance_root).map(moved).collect();
+        chain.at(&moved, friction.len())
     };
-    Ok((0..DRAWS).map(|_| draw()).collect())
+    (0..DRAWS).map(|_| draw()).collect()
 }
 
 #[cfg(test)]

@@ -132,12 +132,11 @@ impl Payload {
         let center = center
             .map(Vector3::from)
             .map(|center| frame.map_or(center, |own| own.rotation.tr_mul(&(center - own.origin))));
-        let (ones, of_arm) = (vec![1.0; model.n_joints()], chain.covariance_matrix());
-        let is_uncertain = !chain.covariance.is_empty();
+        let ones = vec![1.0; model.n_joints()];
+        let is_uncertain = !chain.covariance_root.is_empty();
         let with = |load: &[f64]| WithLoad::over(model, chain, recording, (link, load, &ones));
         let seen = |with: &WithLoad, joint: usize, counts: f64| {
-            let arm = faer::Scale(counts) * &with.arm[joint];
-            is_uncertain.then(|| &arm * &of_arm * arm.transpose())
+            is_uncertain.then(|| chain.covariance_of(&(faer::Scale(counts) * &with.arm[joint])))
         };
         // How certain each joint is takes a load to say.
         let (first, ..) = pass.solved(center)?;
@@ -161,8 +160,7 @@ impl Payload {
         let own = factor.sandwiched(&middle) * faer::Scale(disagreement.powi(2));
         let mut covariance = own.clone();
         if is_uncertain {
-            let arm = &followed * &of_arm * followed.transpose();
-            covariance += arm * faer::Scale(disagreement.powi(2));
+            covariance += chain.covariance_of(&followed) * faer::Scale(disagreement.powi(2));
         }
         let inertial: [f64; PER_BODY] = std::array::from_fn(|k| solution[k]);
         let [mass, center, inertia] = central(&inertial, &covariance, frame);
@@ -231,22 +229,21 @@ impl Payload {
         if let Some(link) = chain.links.get_mut(self.on) {
             link.iter_mut().zip(self.inertial).for_each(|(own, load)| *own += load);
         }
-        if !chain.covariance.is_empty() {
-            let covariance = chain.covariance_matrix();
-            let p = covariance.nrows();
+        if !chain.covariance_root.is_empty() {
+            let p = chain.covariance_root.len();
             // What the load is taken for too large, the arm is too small.
             let change = Mat::from_fn(p, p, |i, j| {
                 let is_own = f64::from(u8::from(i == j));
                 let load = i.checked_sub(first).filter(|k| *k < PER_BODY);
                 is_own - load.map_or(0.0, |k| self.followed[(k, j)])
             });
-            let mut whole = &change * covariance * change.transpose();
+            let mut whole = chain.covariance_of(&change);
             for i in 0..PER_BODY {
                 for j in 0..PER_BODY {
                     whole[(first + i, first + j)] += self.own[(i, j)];
                 }
             }
-            chain.set_covariance(&whole);
+            chain.set_covariance(&whole)?;
         }
         Ok(model)
     }

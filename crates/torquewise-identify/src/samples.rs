@@ -67,14 +67,14 @@ fn directions(model: &Model, chain: &RigidChain) -> Result<Mat<f64>, IdentifyErr
     let told: Vec<usize> = (0..p).filter(|&k| values[k] > UNTOLD * values[p - 1]).collect();
     let told = Mat::from_fn(p, told.len(), |i, k| vectors[(i, told[k])]);
     let scaled = Mat::from_fn(p, told.ncols(), |i, k| size[i] * told[(i, k)]);
-    let (values, vectors) = eigen(&(scaled.transpose() * chain.covariance_matrix() * &scaled))?;
+    let (values, vectors) = eigen(&chain.covariance_of(&scaled.transpose().to_owned()))?;
     let along = told * vectors;
     let long = |i, k| along[(i, k)] * f64::max(values[k], 0.0).sqrt() / size[i];
     Ok(Mat::from_fn(p, along.ncols(), long))
 }
 
 /// Eigenvalues, the smallest first, and vectors.
-pub(crate) fn eigen(of: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), IdentifyError> {
+fn eigen(of: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), IdentifyError> {
     let eigen = of.self_adjoint_eigen(faer::Side::Lower).map_err(|_| SparseError::NotSolvable)?;
     Ok((eigen.S().column_vector().iter().copied().collect(), eigen.U().to_owned()))
 }
@@ -113,10 +113,10 @@ fn trained_states(model: &Model, p: usize) -> Result<Motion, IdentifyError> {
 /// # Errors
 /// [`IdentifyError::NoScatter`] if the model has no covariance or is no physical arm itself.
 pub fn samples(model: &Model, count: usize, seed: u64) -> Result<Vec<Model>, IdentifyError> {
-    let chain = model.chain.as_ref().filter(|chain| !chain.covariance.is_empty());
+    let chain = model.chain.as_ref().filter(|chain| !chain.covariance_root.is_empty());
     let chain = chain.filter(|chain| chain.is_feasible()).ok_or(IdentifyError::NoScatter)?;
     let (along, friction) = (directions(model, chain)?, model.friction.len());
-    let chain = &RigidChain { covariance: Vec::new(), ..chain.clone() };
+    let chain = &RigidChain { covariance_root: Vec::new(), ..chain.clone() };
     let centre = chain.parameters(&model.friction);
     let first = centre.len() - friction - chain.fitted.len();
     let powers = Powers::of(model);

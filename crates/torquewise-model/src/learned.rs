@@ -170,8 +170,8 @@ const STEP: f64 = 1e-6;
 
 /// Standard error of a function of the axes; zero where they are exact.
 fn geometry_error(chain: &RigidChain, of: &dyn Fn(&[Placement]) -> f64) -> Result<f64, ModelError> {
-    let before = chain.covariance.len().saturating_sub(chain.fitted.len());
-    let mut weights = vec![0.0; chain.covariance.len()];
+    let before = chain.covariance_root.len().saturating_sub(chain.fitted.len());
+    let mut weights = vec![0.0; chain.covariance_root.len()];
     for (&parameter, weight) in chain.fitted.iter().zip(weights.iter_mut().skip(before)) {
         let at = |step: f64| {
             let mut moved = chain.clone();
@@ -180,7 +180,7 @@ fn geometry_error(chain: &RigidChain, of: &dyn Fn(&[Placement]) -> f64) -> Resul
         };
         *weight = (at(STEP)? - at(-STEP)?) / (2.0 * STEP);
     }
-    Ok(chain.variance_of(&weights).sqrt())
+    Ok(chain.std_error_of(&weights))
 }
 
 /// A number that torque determines of an arm.
@@ -225,8 +225,8 @@ fn link_parameters(
         let cell = |&(k, what): &(usize, &str)| {
             let at = PER_BODY * joint + k;
             let mut weights: Vec<f64> = columns.iter().map(|column| column[at]).collect();
-            weights.resize(chain.covariance.len(), 0.0);
-            ArmParameter::new(name, what, (base[at], chain.variance_of(&weights).sqrt()))
+            weights.resize(chain.covariance_root.len(), 0.0);
+            ArmParameter::new(name, what, (base[at], chain.std_error_of(&weights)))
         };
         cells.iter().map(cell).collect()
     };
@@ -313,8 +313,9 @@ pub fn drives(chain: &RigidChain, joints: &[String], selection: &Selection) -> V
 }
 
 fn std_error(chain: &RigidChain, parameter: usize) -> f64 {
-    let variance = chain.covariance.get(parameter).and_then(|row| row.get(parameter));
-    variance.map_or(0.0, |variance| variance.max(0.0).sqrt())
+    let mut unit = vec![0.0; parameter + 1];
+    unit[parameter] = 1.0;
+    chain.std_error_of(&unit)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use crate::error::ModelError;
 use crate::friction::FrictionTerm;
 use crate::term::Term;
 use crate::weighted::Weighted;
-use faer::Mat;
+use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Geometry, Kinematics, MotionState, Moved, inertia};
@@ -39,10 +39,10 @@ pub struct RigidChain {
     /// What a URDF calls its parts, where one gave the geometry.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robot: Option<RobotNames>,
-    /// Covariance of all parameters, its lower triangle row by row: inertial parameters, drives,
-    /// friction of the model, fitted geometry. Empty where it is not known.
+    /// Root L of the covariance L Lᵀ of all parameters, its lower triangle row by row: inertial
+    /// parameters, drives, friction of the model, fitted geometry. Empty where it is not known.
     #[serde(with = "rows", default)]
-    pub covariance: Vec<Vec<f64>>,
+    pub covariance_root: Vec<Vec<f64>>,
 }
 
 /// What a URDF calls an arm and its parts.
@@ -224,41 +224,55 @@ impl RigidChain {
         state: [&[f64]; 3],
     ) -> Result<Vec<f64>, ModelError> {
         let n = self.n_joints();
-        if self.covariance.is_empty() {
+        if self.covariance_root.is_empty() {
             return Ok(vec![0.0; n]);
         }
         let jacobian = self.sensitivities(friction, state)?;
         let rows = (0..n).map(|joint| {
             let row: Vec<f64> = jacobian.row(joint).iter().copied().collect();
-            self.variance_of(&row).sqrt()
+            self.std_error_of(&row)
         });
         Ok(rows.collect())
     }
 
-    /// Variance of a sum of parameters, by their weights.
-    pub fn variance_of(&self, weights: &[f64]) -> f64 {
-        let mut sum = 0.0;
-        for (i, row) in self.covariance.iter().enumerate() {
-            let below: f64 = row[..i].iter().zip(weights).map(|(c, w)| c * w).sum();
-            sum += weights[i] * (2.0 * below + row[i] * weights[i]);
+    /// Standard error of a sum of parameters, by their weights.
+    pub fn std_error_of(&self, weights: &[f64]) -> f64 {
+        let mut along = vec![0.0; self.covariance_root.len()];
+        for (row, weight) in self.covariance_root.iter().zip(weights) {
+            along.iter_mut().zip(row).for_each(|(sum, root)| *sum += weight * root);
         }
-        sum.max(0.0)
+        along.iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 
-    /// The covariance as a matrix, p×p.
-    pub fn covariance_matrix(&self) -> Mat<f64> {
-        let p = self.covariance.len();
-        Mat::from_fn(p, p, |i, j| self.covariance[i.max(j)][i.min(j)])
+    /// Covariance of functions of the parameters, r×r, by their derivatives by all of them or by
+    /// the first, r×p.
+    pub fn covariance_of(&self, derivatives: &Mat<f64>) -> Mat<f64> {
+        let p = derivatives.ncols();
+        let root = |i: usize, j: usize| if j > i { 0.0 } else { self.covariance_root[i][j] };
+        let along = derivatives * Mat::from_fn(p, p, root);
+        &along * along.transpose()
     }
 
     /// Keeps a covariance, p×p.
-    pub fn set_covariance(&mut self, covariance: &Mat<f64>) {
-        // To twelve digits: files are read by people, but the torque's variance is what remains of
+    ///
+    /// # Errors
+    /// [`ModelError::Chain`] if it is not finite.
+    pub fn set_covariance(&mut self, covariance: &Mat<f64>) -> Result<(), ModelError> {
+        let p = covariance.nrows();
+        let size = |i: usize| Some(covariance[(i, i)].sqrt()).filter(|x| *x > 0.0).unwrap_or(1.0);
+        let sizes: Vec<f64> = (0..p).map(size).collect();
+        let scaled = Mat::from_fn(p, p, |i, j| covariance[(i, j)] / (sizes[i] * sizes[j]));
+        let unknown = |_| ModelError::Chain { reason: "its covariance is not finite".to_owned() };
+        let eigen = scaled.self_adjoint_eigen(Side::Lower).map_err(unknown)?;
+        let (values, vectors) = (eigen.S().column_vector(), eigen.U());
+        let root = Mat::from_fn(p, p, |k, i| values[k].max(0.0).sqrt() * vectors[(i, k)]);
+        let upper = root.qr().R().to_owned();
+        // To ten digits: files are read by people, but the error of the torque is what remains of
         // much larger ones, of masses that it does not tell.
-        let rounded = |x: f64| format!("{x:.11e}").parse().unwrap_or(x);
-        self.covariance = (0..covariance.nrows())
-            .map(|i| (0..=i).map(|j| rounded(covariance[(i, j)])).collect())
-            .collect();
+        let rounded = |x: f64| format!("{x:.9e}").parse().unwrap_or(x);
+        let row = |i: usize| (0..=i).map(|j| rounded(sizes[i] * upper[(j, i)])).collect();
+        self.covariance_root = (0..p).map(row).collect();
+        Ok(())
     }
 
     /// The same chain at other parameters, in the order of the covariance; friction is passed over.
@@ -305,7 +319,7 @@ impl RigidChain {
             return fail("its kinds are not those of its joints, or one that slides is coupled");
         }
         let numbers = self.geometry.iter().chain(self.links.iter().flatten());
-        if !numbers.chain(self.covariance.iter().flatten()).all(|x| x.is_finite()) {
+        if !numbers.chain(self.covariance_root.iter().flatten()).all(|x| x.is_finite()) {
             return fail("a number of it is not finite");
         }
         let is_other = |robot: &RobotNames| {
@@ -333,8 +347,8 @@ impl RigidChain {
             return fail("a drive is not one of its joints");
         }
         let p = self.n_parameters(friction);
-        let triangle = self.covariance.iter().enumerate().all(|(i, row)| row.len() == i + 1);
-        if !(self.covariance.is_empty() || triangle && self.covariance.len() == p) {
+        let triangle = self.covariance_root.iter().enumerate().all(|(i, row)| row.len() == i + 1);
+        if !(self.covariance_root.is_empty() || triangle && self.covariance_root.len() == p) {
             return fail("its covariance is not one of its parameters");
         }
         Ok(())

@@ -236,7 +236,7 @@ impl<'m> ShaftFriction<'m> {
     /// Standard error of Σ weight · coefficient.
     fn std_error(&self, weight: impl Fn(&FrictionTerm) -> f64) -> f64 {
         let weights = self.laws().map(|(k, term)| (k, weight(term)));
-        let chain = self.model.chain.as_ref().filter(|chain| !chain.covariance.is_empty());
+        let chain = self.model.chain.as_ref().filter(|chain| !chain.covariance_root.is_empty());
         let Some(chain) = chain else {
             let own = |(k, weight): (usize, f64)| weight * self.model.friction[k].std_error;
             return weights.map(|weight| own(weight).powi(2)).sum::<f64>().sqrt();
@@ -245,7 +245,7 @@ impl<'m> ShaftFriction<'m> {
         let mut all = vec![0.0; chain.n_parameters(friction)];
         let first = all.len() - chain.fitted.len() - friction;
         weights.for_each(|(k, weight)| all[first + k] = weight);
-        chain.variance_of(&all).sqrt()
+        chain.std_error_of(&all)
     }
 
     /// Where Σ c e^(−(x/scale)^power) has fallen to a `share` of Σ c, over the laws that have a

@@ -156,10 +156,10 @@ impl DriveGains {
         let sums: Vec<NormalEquations> = pass.sums.iter().map(Stretches::total).collect();
         let at = best(&sums, &prior, mass)?;
         let mut middle = at.scatter(pass);
-        if !chain.covariance.is_empty() {
+        if !chain.covariance_root.is_empty() {
             let with = WithLoad::over(model, chain, recording, (place.link, &at.load, &at.per))?;
             let arm = at.felt(&|joint| with.arm[joint].clone());
-            middle += &arm * chain.covariance_matrix() * arm.transpose();
+            middle += chain.covariance_of(&arm);
         }
         let covariance = Factored::new(at.curvature(&sums, &prior))?.sandwiched(&middle);
         let gain = |(joint, per): (usize, &f64)| {

@@ -131,7 +131,7 @@ impl WithLoad {
                 for joint in 0..n {
                     all.squares[joint] += (left[(row, joint)] - per[joint] * loads[joint]).powi(2);
                 }
-                if rows.is_multiple_of(SPARSE) && !chain.covariance.is_empty() {
+                if rows.is_multiple_of(SPARSE) && !chain.covariance_root.is_empty() {
                     let laws: Vec<f64> = laws.row(row).iter().copied().collect();
                     let bare = chain.sensitivities((&model.friction, &laws), at)?;
                     let whole = loaded.sensitivities((&model.friction, &laws), at)?;

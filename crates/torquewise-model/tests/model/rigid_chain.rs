@@ -92,7 +92,7 @@ fn the_error_of_the_torque_is_that_of_its_parameters() {
     let half = Mat::from_fn(p, p, |i, j| 0.01 * ((i * p + j) as f64).sin());
     let covariance = &half * half.transpose();
     assert_eq!(chain.std_errors((&friction(), &LAWS), state()).unwrap(), [0.0; 2]);
-    chain.set_covariance(&covariance);
+    chain.set_covariance(&covariance).unwrap();
 
     let found = chain.std_errors((&friction(), &LAWS), state()).unwrap();
 
@@ -102,6 +102,26 @@ fn the_error_of_the_torque_is_that_of_its_parameters() {
         let expected = expected[(joint, joint)].sqrt();
         assert!((found[joint] - expected).abs() < 1e-6 * expected, "{found:?}");
     }
+}
+
+#[test]
+fn what_masses_that_torque_does_not_tell_add_up_to_keeps_its_error() {
+    let mut chain = chain();
+    let p = chain.n_parameters(1);
+    // Two masses of 10⁴ kg each whose sum is known to 10⁻² kg.
+    let (untold, sum) = (1e4_f64, 1e-2_f64);
+    let mut root = Mat::zeros(p, 2);
+    (root[(0, 0)], root[(10, 0)], root[(10, 1)]) = (untold, -untold, sum);
+    chain.set_covariance(&(&root * root.transpose())).unwrap();
+    let chain = from_json(&to_json(&model(chain)).unwrap()).unwrap().chain.unwrap();
+    let mut weights = vec![0.0; p];
+    (weights[0], weights[10]) = (1.0, 1.0);
+
+    let found = chain.std_error_of(&weights);
+
+    assert!((found / sum - 1.0).abs() < 0.01, "{found}");
+    let both = Mat::from_fn(1, 11, |_, k| weights[k]);
+    assert!((chain.covariance_of(&both)[(0, 0)].sqrt() / sum - 1.0).abs() < 0.01);
 }
 
 #[test]
@@ -143,7 +163,9 @@ fn model(chain: RigidChain) -> Model {
 fn the_model_file_keeps_the_chain() {
     let mut chain = chain();
     let p = chain.n_parameters(1);
-    chain.set_covariance(&Mat::from_fn(p, p, |i, j| if i == j { 2e-4 } else { 1e-7 / 3.0 }));
+    chain
+        .set_covariance(&Mat::from_fn(p, p, |i, j| if i == j { 2e-4 } else { 1e-7 / 3.0 }))
+        .unwrap();
     let model = model(chain);
 
     assert_eq!(from_json(&to_json(&model).unwrap()).unwrap(), model);

@@ -127,10 +127,12 @@ fn with_covariance(mut model: Model, root: &Mat<f64>) -> Model {
     let (k, p) = (model.friction.len(), chain.n_parameters(model.friction.len()));
     let own = root * root.transpose();
     let at = |i: usize| i.checked_sub(20).filter(|i| *i < k);
-    chain.set_covariance(&Mat::from_fn(p, p, |i, j| match (at(i), at(j)) {
-        (Some(i), Some(j)) => own[(i, j)],
-        _ => 0.0,
-    }));
+    chain
+        .set_covariance(&Mat::from_fn(p, p, |i, j| match (at(i), at(j)) {
+            (Some(i), Some(j)) => own[(i, j)],
+            _ => 0.0,
+        }))
+        .unwrap();
     model.chain = Some(chain);
     model
 }

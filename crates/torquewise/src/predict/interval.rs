@@ -30,7 +30,7 @@ impl<'a> Interval<'a> {
     /// # Errors
     /// [`Error::NoCovariance`] if the model is of a library, and those of reading.
     pub fn new(model: &'a Model, recording: &dyn Recording, percent: f64) -> Result<Self> {
-        let chain = model.chain.as_ref().filter(|chain| !chain.covariance.is_empty());
+        let chain = model.chain.as_ref().filter(|chain| !chain.covariance_root.is_empty());
         let chain = chain.ok_or(Error::NoCovariance)?;
         let training = &model.training;
         let left = match &training.unexplained_rms[..] {
