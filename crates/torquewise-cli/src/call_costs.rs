@@ -2,22 +2,20 @@
 
 use crate::table::Table;
 use serde_json::{Value, json};
-use torquewise::export::ExportError;
+use torquewise::export::{Cost, ExportError, torque_costs};
 use torquewise::model::{Model, number};
-use torquewise::page::call_costs;
-use torquewise::report::CallCost;
 use torquewise::report::fit_report::call_cost::RATES;
 
 pub(crate) struct CallCosts {
     names: Vec<String>,
-    costs: Vec<CallCost>,
+    costs: Vec<Cost>,
 }
 
 impl CallCosts {
     pub(crate) fn of(model: &Model) -> Result<Self, ExportError> {
         let steps = model.stages.iter().map(|stage| stage.name.clone());
         let names = steps.chain(std::iter::once("refit".to_owned())).collect();
-        Ok(Self { names, costs: call_costs(model)? })
+        Ok(Self { names, costs: torque_costs(model)? })
     }
 
     pub(crate) fn text(&self) -> String {
@@ -26,7 +24,7 @@ impl CallCosts {
         let mut table = Table::new(fixed.map(String::from).into_iter().chain(shares));
         for (name, cost) in self.names.iter().zip(&self.costs) {
             let counts = [cost.operations, cost.functions].map(|count| count.to_string());
-            let time = format!("{:.0}", 1e9 * cost.seconds);
+            let time = format!("{:.0}", 1e9 * cost.seconds());
             let shares = RATES.map(|rate| number(cost.percent_of_period(rate)));
             table.row(name, counts.into_iter().chain([time]).chain(shares));
         }
@@ -42,7 +40,7 @@ impl CallCosts {
                 "after": name,
                 "operations": cost.operations,
                 "functions": cost.functions,
-                "seconds_estimated": cost.seconds,
+                "seconds_estimated": cost.seconds(),
                 "percent_of_period": RATES.map(|rate| cost.percent_of_period(rate)),
             })
         });

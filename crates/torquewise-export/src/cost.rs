@@ -49,6 +49,11 @@ impl Cost {
     pub fn seconds(self) -> f64 {
         PER_OPERATION * self.operations as f64 + PER_FUNCTION * self.functions as f64
     }
+
+    /// Part of the period of a control rate \[Hz\] that a call takes, in percent.
+    pub fn percent_of_period(self, rate: f64) -> f64 {
+        100.0 * self.seconds() * rate
+    }
 }
 
 impl fmt::Display for Cost {

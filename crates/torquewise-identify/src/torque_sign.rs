@@ -92,7 +92,7 @@ impl SignTest {
         self.drive.extend(mirrored(&self.drive));
         let extras = columns(&self.drive, &motion, None);
         let rows = rows(&motion, &extras)?;
-        let tried = |signs: u32, geometry: &Geometry, free: &[usize]| {
+        let tried = |rows: &ChainRows, signs: u32, geometry: &Geometry, free: &[usize]| {
             let rows = joints_of(signs).fold(rows.clone(), ChainRows::turned);
             let rounds = if free.is_empty() { 0 } else { Search::default().rounds };
             let search = Search { rounds, ..Search::default() };
@@ -101,7 +101,7 @@ impl SignTest {
             let left = |chain: &Chain| self.left(chain, &rows, &motion, &extras);
             Tried { signs, left: chain.as_ref().map_or(f64::INFINITY, left), chain }
         };
-        let as_it_is = tried(0, &self.geometry, &self.free);
+        let as_it_is = tried(&rows, 0, &self.geometry, &self.free);
         let all_turned = (1_u32 << n) - 1;
         let in_doubt: u32 = doubtful.iter().map(|joint| 1 << joint).sum();
         let ways: Vec<u32> = (0..=all_turned).filter(|signs| signs & !in_doubt == 0).collect();
@@ -111,8 +111,9 @@ impl SignTest {
         let mut found = 0;
         let mut geometry = self.geometry.clone();
         for look in 0..LOOKS {
+            let rows = rows.clone().placed(&geometry);
             let all: Vec<Tried> =
-                ways.par_iter().map(|&signs| tried(signs, &geometry, &[])).collect();
+                ways.par_iter().map(|&signs| tried(&rows, signs, &geometry, &[])).collect();
             let best = self.best(&all, &motion).signs;
             if look > 0 && best == found {
                 break;
@@ -120,8 +121,10 @@ impl SignTest {
             // Axes that were found with the signs as they are may lie elsewhere.
             let alone = doubtful.iter().map(|joint| 1 << joint).filter(|_| look == 0);
             let moved: Vec<u32> = std::iter::once(best).chain(alone).collect();
-            let moved: Vec<Tried> =
-                moved.into_par_iter().map(|signs| tried(signs, &geometry, &self.free)).collect();
+            let moved: Vec<Tried> = moved
+                .into_par_iter()
+                .map(|signs| tried(&rows, signs, &geometry, &self.free))
+                .collect();
             let Some(Tried { signs, left, chain: Some(chain) }) = moved.into_iter().min_by(least)
             else {
                 return Ok(Vec::new());
@@ -134,10 +137,13 @@ impl SignTest {
         if is_mirrored && found == all_turned {
             return Ok((0..n).collect());
         }
+        let rows = rows.placed(&geometry);
         let parts: Vec<u32> = (0..found).filter(|signs| signs & !found == 0).collect();
-        let parts =
-            parts.into_par_iter().map(|signs| tried(signs, &geometry, &[])).collect::<Vec<_>>();
-        let whole = tried(found, &geometry, &[]);
+        let parts = parts
+            .into_par_iter()
+            .map(|signs| tried(&rows, signs, &geometry, &[]))
+            .collect::<Vec<_>>();
+        let whole = tried(&rows, found, &geometry, &[]);
         Ok(joints_of(found).filter(|joint| self.tells(*joint, &whole, &parts, &rows)).collect())
     }
 

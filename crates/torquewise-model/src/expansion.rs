@@ -5,6 +5,7 @@ use crate::energy::{EnergyTerm, Place};
 use crate::error::ModelError;
 use crate::rigid_chain::{Drive, JointKind, RigidChain};
 use crate::term::{Term, Trig};
+use torquewise_rigid::recursion::{Lanes, N_LANES};
 use torquewise_rigid::{Functions, Kinematics, Moved};
 
 /// Joints of an arm whose energy can be listed: 5ⁿ⁻¹ states are looked at.
@@ -96,48 +97,51 @@ fn grids(
     let n = geometry.n_joints();
     check_joints(n)?;
     let kinematics = Kinematics::new(&geometry);
-    let turns: Vec<usize> = (0..n).map(|joint| geometry.coupling().multiples_of(joint)).collect();
-    let (kinds, mut grids) = (geometry.kinds(), Vec::new());
+    let rows: Vec<Vec<i8>> = (0..n).map(|joint| geometry.coupling().row(joint, n)).collect();
+    // How often a coordinate turns joints from one on.
+    let turns = |first: usize, own: usize| -> usize {
+        rows[first..].iter().map(|row| usize::from(row[own].unsigned_abs())).sum()
+    };
+    // A joint that slides is not coupled: it moves those from one on once or never.
+    let bases = |first: usize, degree: usize| -> Vec<Basis> {
+        (0..n).map(|own| Basis::new(geometry.kinds().of(own), degree * turns(first, own))).collect()
+    };
+    let mut grids = Vec::new();
     if wanted(Place::Potential) {
-        let value = |q: &[f64]| kinematics.potential_energy(q, inertial);
-        let of_joint = |(joint, turns): (usize, &usize)| Basis::new(kinds.of(joint), *turns);
-        let bases = turns.iter().enumerate().map(of_joint);
-        grids.push((Place::Potential, Grid::of(bases.collect(), value)));
+        let bases = bases(0, 1);
+        let values = Grid::points(&bases).map(|q| kinematics.potential_energy(&q, inertial));
+        grids.push((Place::Potential, Grid { values: values.collect(), bases }));
     }
-    // The first joint of a chain moves the whole arm: M does not depend on it.
-    let own = |joint: usize| usize::from(joint > 0);
-    // A joint that slides is not coupled: its `turns` are 1.
-    let of_joint =
-        |(joint, turns): (usize, &usize)| Basis::new(kinds.of(joint), 2 * (turns - 1 + own(joint)));
-    let bases: Vec<Basis> = turns.iter().enumerate().map(of_joint).collect();
-    let first = grids.len();
-    let mut places = vec![None; n * n];
-    for (i, j) in (0..n).flat_map(|i| (i..n).map(move |j| (i, j))) {
-        if wanted(Place::Inertia(i, j)) {
-            places[i * n + j] = Some(grids.len());
-            let grid = Grid { bases: bases.clone(), values: Vec::new() };
-            grids.push((Place::Inertia(i, j), grid));
+    let mut moved = Moved::default();
+    for i in 0..n {
+        let row: Vec<usize> = (i..n).filter(|&j| wanted(Place::Inertia(i, j))).collect();
+        if row.is_empty() {
+            continue;
         }
-    }
-    if grids.len() > first {
-        let mut moved = Moved::default();
-        for q in Grid::points(&bases) {
-            kinematics.mass_matrix(&q, inertial, &mut moved, |i, j, value| {
-                if let Some(grid) = places[i * n + j] {
-                    grids[grid].1.values.push(value);
+        // A joint moves all beyond it as they stand to each other, wherever it is itself.
+        let (bases, mut values) = (bases(i + 1, 2), vec![Vec::new(); n]);
+        for points in Grid::points(&bases).collect::<Vec<_>>().chunks(N_LANES) {
+            let lanes = |joint: usize| {
+                let point = |lane: usize| points[lane.min(points.len() - 1)][joint];
+                Lanes::from(std::array::from_fn::<f64, N_LANES, _>(point))
+            };
+            let q: Vec<Lanes> = (0..n).map(lanes).collect();
+            let keep = |row, j: usize, value| {
+                if row == i {
+                    values[j].extend_from_slice(&<[f64; N_LANES]>::from(value)[..points.len()]);
                 }
-            });
+            };
+            kinematics.mass_matrix(&q, inertial, &mut moved, keep);
         }
+        grids.extend(row.into_iter().map(|j| {
+            let values = std::mem::take(&mut values[j]);
+            (Place::Inertia(i, j), Grid { bases: bases.clone(), values })
+        }));
     }
     Ok(grids)
 }
 
 impl Grid {
-    fn of(bases: Vec<Basis>, value: impl Fn(&[f64]) -> f64) -> Self {
-        let values = Self::points(&bases).map(|q| value(&q)).collect();
-        Self { bases, values }
-    }
-
     /// The positions of every point, the last joint running fastest.
     fn points(bases: &[Basis]) -> impl Iterator<Item = Vec<f64>> {
         let count = bases.iter().map(|basis| basis.size()).product();
@@ -172,13 +176,15 @@ impl Grid {
         for basis in self.bases.iter().rev() {
             let (base, transform) = (basis.size(), basis.transform());
             let mut line = vec![0.0; base];
-            for start in (0..values.len()).filter(|place| (place / stride) % base == 0) {
-                for (k, out) in line.iter_mut().enumerate() {
-                    *out = values[start + k * stride];
-                }
-                for (digit, row) in transform.iter().enumerate() {
-                    values[start + digit * stride] =
-                        row.iter().zip(&line).map(|(a, x)| a * x).sum();
+            for block in values.chunks_mut(base * stride) {
+                for start in 0..stride {
+                    for (out, x) in line.iter_mut().zip(block[start..].iter().step_by(stride)) {
+                        *out = *x;
+                    }
+                    let places = block[start..].iter_mut().step_by(stride);
+                    for (out, row) in places.zip(&transform) {
+                        *out = row.iter().zip(&line).map(|(a, x)| a * x).sum();
+                    }
                 }
             }
             stride *= base;

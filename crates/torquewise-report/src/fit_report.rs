@@ -1,9 +1,9 @@
 //! The report of a fit: what was found in a log, and how far to trust it.
 
 use crate::error::{ReportError, Result};
-use crate::fit_report::call_cost::CallCost;
 use crate::fit_report::origin::Origin;
 use crate::html::{Page, Section};
+use torquewise_export::Cost;
 use torquewise_identify::verdict::Verdict;
 use torquewise_identify::{Diagnosis, Reconstruction};
 use torquewise_model::Checks;
@@ -36,7 +36,7 @@ pub struct Findings<'a> {
     /// Its residuals over a log of another motion, if there is one.
     pub test: Option<&'a Diagnosis>,
     /// Cost of its torque as it was after each step and as it is; empty if that was not counted.
-    pub costs: &'a [CallCost],
+    pub costs: &'a [Cost],
     /// Logs, command and date.
     pub origin: Origin<'a>,
 }

@@ -15,7 +15,6 @@ mod torques;
 pub mod fit_report;
 
 pub use error::ReportError;
-pub use fit_report::call_cost::CallCost;
 pub use fit_report::clock::pattern_bands;
 pub use fit_report::origin::{LogFile, Origin};
 pub use fit_report::{Findings, fit_report};

@@ -2,9 +2,11 @@
 
 use crate::error::{ChainError, Result, expect};
 use crate::geometry::Geometry;
+use crate::inertial_fit::Placed;
 use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, MotionState, N_LANES};
 use faer::{Mat, MatRef};
 use simba::simd::SimdValue;
+use std::sync::Arc;
 
 /// A spread of torque about its mean \[N·m\]; zero where it is rounding, as where torque never changes.
 pub fn spread_above_rounding(std: f64, mean: f64) -> f64 {
@@ -29,6 +31,8 @@ pub struct ChainRows {
     pub(crate) shares: Vec<f64>,
     /// Whether gravity was taken out of the torque.
     weightless: bool,
+    /// What they are at one geometry, where that was worked out.
+    known: Option<(Geometry, Arc<Placed>)>,
 }
 
 impl ChainRows {
@@ -71,7 +75,8 @@ impl ChainRows {
             .map(|column| (0..n).filter(|&joint| is_loaded(column, joint)).collect())
             .collect();
         let shares = vec![1.0; m * n];
-        Ok(Self { n_joints: n, states, torque, extras, loaded, shares, weightless: false })
+        let (weightless, known) = (false, None);
+        Ok(Self { n_joints: n, states, torque, extras, loaded, shares, weightless, known })
     }
 
     /// Number of joints n.
@@ -103,6 +108,7 @@ impl ChainRows {
         for (k, out) in self.shares.iter_mut().enumerate() {
             *out = share(k % m, k / m).clamp(0.0, 1.0);
         }
+        self.known = None;
         self
     }
 
@@ -142,7 +148,22 @@ impl ChainRows {
     /// The same rows, to be explained where nothing weighs.
     #[must_use]
     pub fn weightless(self) -> Self {
-        Self { weightless: true, ..self }
+        Self { weightless: true, known: None, ..self }
+    }
+
+    /// The same rows, quick to be fitted to torques of other signs or in another order at one geometry.
+    #[must_use]
+    pub fn placed(self, geometry: &Geometry) -> Self {
+        let known = Some((geometry.clone(), self.at(geometry)));
+        Self { known, ..self }
+    }
+
+    /// The rows at a geometry.
+    pub(crate) fn at(&self, geometry: &Geometry) -> Arc<Placed> {
+        match &self.known {
+            Some((known, placed)) if known == geometry => placed.clone(),
+            _ => Placed::at(geometry, self),
+        }
     }
 
     /// The moving bodies of a geometry, under gravity if these rows are.
@@ -175,6 +196,7 @@ impl ChainRows {
             extras: Mat::from_fn(places.len(), self.extras.ncols(), extra),
             loaded: self.loaded.clone(),
             shares: places.iter().map(|&place| self.shares[place]).collect(),
+            known: None,
             ..*self
         }
     }

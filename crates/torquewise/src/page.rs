@@ -6,10 +6,9 @@ use crate::fit::FitResult;
 use crate::log::Prepared;
 use crate::observe::Observer;
 use crate::physics::{PhysicsCheck, STATES};
-use torquewise_export::{Cost, ExportError, torque_costs};
+use torquewise_export::torque_costs;
 use torquewise_identify::{IdentifyError, diagnose};
-use torquewise_model::Model;
-use torquewise_report::{CallCost, Findings, fit_report};
+use torquewise_report::{Findings, fit_report};
 
 pub use torquewise_report::{LogFile, Origin};
 
@@ -43,19 +42,7 @@ pub fn page(
         diagnosis: &diagnosis,
         checks: Some(&physics.trained),
         test: test.as_ref(),
-        costs: &call_costs(&fit.model)?,
+        costs: &torque_costs(&fit.model)?,
         origin,
     })?))
-}
-
-/// What exported code computes for the torque after each step, and for the whole.
-///
-/// # Errors
-/// [`ExportError`] if the model cannot be exported.
-pub fn call_costs(model: &Model) -> Result<Vec<CallCost>, ExportError> {
-    let call = |cost: Cost| {
-        let Cost { operations, functions } = cost;
-        CallCost { operations, functions, seconds: cost.seconds() }
-    };
-    Ok(torque_costs(model)?.into_iter().map(call).collect())
 }

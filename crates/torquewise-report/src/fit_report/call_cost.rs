@@ -5,6 +5,7 @@ use crate::fit_report::Findings;
 use crate::fit_report::method::{members, nrmse_percent};
 use crate::html::number::{count, significant};
 use crate::html::{Heading, Item, Label, Section, Table};
+use torquewise_export::Cost;
 use torquewise_identify::Diagnosis;
 
 /// Rates of controllers \[Hz\].
@@ -13,28 +14,10 @@ pub const RATES: [f64; 4] = [1e3, 4e3, 10e3, 40e3];
 const MOST: f64 = 0.1;
 const DIGITS: usize = 2;
 
-/// What one call of a torque costs in compiled code.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CallCost {
-    /// Additions, subtractions and multiplications.
-    pub operations: usize,
-    /// Sines, cosines, exponentials and hyperbolic tangents.
-    pub functions: usize,
-    /// About how long it takes \[s\].
-    pub seconds: f64,
-}
-
-impl CallCost {
-    /// Part of the period of a control rate \[Hz\] that a call takes, in percent.
-    pub fn percent_of_period(&self, rate: f64) -> f64 {
-        100.0 * self.seconds * rate
-    }
-}
-
 /// One model to choose: its name, its cost and the error of its worst joint in percent.
 struct Choice {
     name: String,
-    cost: CallCost,
+    cost: Cost,
     on_log: f64,
     on_test: Option<f64>,
 }
@@ -96,7 +79,7 @@ fn table(choices: &[Choice]) -> Table {
         let Choice { name, cost, on_log, on_test } = choice;
         let mut cells = vec![name.as_str().into(), count(cost.operations).into()];
         cells.push(count(cost.functions).into());
-        cells.push(significant(1e6 * cost.seconds, DIGITS).into());
+        cells.push(significant(1e6 * cost.seconds(), DIGITS).into());
         let shares = RATES.map(|rate| significant(cost.percent_of_period(rate), DIGITS));
         cells.extend(shares.map(Label::from));
         let errors = std::iter::once(on_log).chain(on_test);
