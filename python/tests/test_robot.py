@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import warnings
 
 import numpy as np
 import pytest
@@ -183,6 +184,17 @@ def test_a_push_is_found_and_free_motion_is_quiet(chain):
     assert contact["joint"] == chain.joints[1] and contact["begin"] == pytest.approx(15.0, abs=0.05)
     assert found.external.shape == (len(found.t), 3) and (found.thresholds > 0).all()
     assert found.plot().axes and found.blind == []
+
+
+def test_joints_whose_contacts_go_unseen_without_free_motion_are_named(train):
+    rough = dict(train, tau=train["tau"].copy())
+    # Every 20 s a second of much torque that nothing explains.
+    rough["tau"][np.abs(rough["t"] % 20.0 - 10.0) < 0.5, 1] += 6.0 * rough["tau"][:, 1].std()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        model = torquewise.fit(rough, filter="none").model
+
+    assert torquewise.contacts(model, rough, filter="none").blind == ["joint2"]
 
 
 def test_a_report_is_a_page_for_a_notebook(fit, test, tmp_path):

@@ -354,6 +354,12 @@ mod tests {
     }
 
     #[test]
+    fn a_refit_that_leaves_more_than_the_search_is_told() {
+        let told = |left: [f64; 2]| Warning::of_refit(&[0.125; 2], &left, &[1.0; 2]);
+        assert!(told([0.25, 1.0]).is_some() && told([0.13, 0.13]).is_none());
+    }
+
+    #[test]
     fn a_log_given_twice_is_told_from_two_alike() {
         let logs = |second: f64| {
             let t: Vec<f64> = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0].repeat(2);

@@ -152,7 +152,8 @@ fn a_plan_tells_more_than_a_random_one() {
         for (planned, random) in found.criteria.iter().zip(&found.random) {
             assert!(planned.information > random.information, "{planned:?} {random:?}");
         }
-        assert!(found.criteria[2].condition.is_finite());
+        let [planned, random] = [found.criteria[2], found.random[2]].map(|own| own.condition);
+        assert!(planned.is_finite() && planned <= random, "{planned} {random}");
     }
     // 76 energies, of which V holds 18 and M six constants, and three laws of each joint.
     let shares = |found: &Excitation| found.criteria.map(|criterion| criterion.columns);
