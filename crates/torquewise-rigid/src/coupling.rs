@@ -62,7 +62,7 @@ impl Coupling {
 
     /// How often the coordinate of a joint turns joints of the chain: Σᵢ |Γᵢⱼ|, 1 where nothing
     /// is coupled to it.
-    pub fn multiples_of(&self, joint: usize) -> usize {
+    fn multiples_of(&self, joint: usize) -> usize {
         let driven = self.coupled.iter().filter(|own| own.driver == joint);
         1 + driven.map(|own| usize::from(own.ratio.unsigned_abs())).sum::<usize>()
     }
