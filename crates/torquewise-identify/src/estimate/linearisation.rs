@@ -8,7 +8,7 @@ use torquewise_model::RobotNames;
 use torquewise_motion::path::TRAVELS;
 use torquewise_motion::{Motion, Signals};
 use torquewise_rigid::search::all_parameters;
-use torquewise_rigid::{Chain, ChainRows, Geometry};
+use torquewise_rigid::{Chain, ChainRows, Geometry, Tangent};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::noise::NoiseFloor;
 
@@ -240,16 +240,13 @@ impl Linearisation {
         seen: &Motion,
     ) -> Result<(Mat<f64>, Vec<f64>), IdentifyError> {
         let rows = self.weighed(block, seen)?;
-        let tangent =
+        let Tangent { weights, residual, mut columns } =
             self.chain().tangent(&rows, &self.weights, &all_parameters(self.n_joints()))?;
-        let mut out = tangent.columns;
         for (j, scale) in self.scales.iter().enumerate() {
-            out.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= scale);
+            columns.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= scale);
         }
-        let p = out.ncols();
-        let left = &tangent.residual;
-        let cell = |k: usize, j: usize| if j < p { out[(k, j)] } else { left[k] };
-        Ok((Mat::from_fn(out.nrows(), p + 1, cell), tangent.weights))
+        columns.resize_with(residual.len(), columns.ncols() + 1, |k, _| residual[k]);
+        Ok((columns, weights))
     }
 
     /// The rows of a block, those of joints at rest with little weight.
