@@ -50,18 +50,17 @@ pub fn add_gram_of_equations(
         for (j, &column) in used.iter().enumerate() {
             dense.col_mut(j).copy_from(part.col(column));
         }
-        let mut gram = Mat::zeros(used.len(), used.len());
-        add_gram(&mut gram, dense.as_ref(), weight);
-        add_gram_at(target, &used, &gram, 1.0);
+        add_gram_at(target, &used, dense.as_ref(), weight);
     }
 }
 
-/// Adds the lower triangle of weight · G, G of some columns alone, where these are in `target`,
-/// ascending.
-pub fn add_gram_at(target: &mut Mat<f64>, places: &[usize], gram: &Mat<f64>, weight: f64) {
+/// [`add_gram`] for rows that hold some columns alone, where these are in `target`, ascending.
+pub fn add_gram_at(target: &mut Mat<f64>, places: &[usize], rows: MatRef<'_, f64>, weight: f64) {
+    let mut gram = Mat::zeros(places.len(), places.len());
+    add_gram(&mut gram, rows, weight);
     for (j, &column) in places.iter().enumerate() {
         for (i, &row) in places.iter().enumerate().skip(j) {
-            target[(row, column)] += weight * gram[(i, j)];
+            target[(row, column)] += gram[(i, j)];
         }
     }
 }

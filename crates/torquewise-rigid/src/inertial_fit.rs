@@ -6,16 +6,13 @@ use crate::recursion::{Moved, PER_BODY};
 use crate::rows::{ChainRows, put};
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{ColRef, Mat, MatRef, Side};
-use std::sync::Arc;
-use torquewise_regression::products::{add_gram, add_gram_at, product};
+use torquewise_regression::products::{add_gram_at, product};
 
 /// The linear half of the fit: parameters that the torque is proportional to, at a fixed geometry.
 #[derive(Clone, Debug)]
 pub(crate) struct InertialFit {
-    /// At this geometry.
-    pub(crate) placed: Arc<Placed>,
-    /// One over the noise of each joint, n.
-    weights: Vec<f64>,
+    /// Of each joint, n.
+    columns: Vec<JointColumns>,
     /// One over the RMS of each column, zero for one that is nothing, p.
     per_rms: Vec<f64>,
     /// Of the normal equations of columns of unit RMS.
@@ -28,17 +25,8 @@ pub(crate) struct InertialFit {
     pub(crate) cost: f64,
 }
 
-/// What rows are at a geometry, whatever torques they are to explain and what joints weigh.
-#[derive(Debug)]
-pub(crate) struct Placed {
-    /// Of each joint, n.
-    columns: Vec<JointColumns>,
-    /// YᵀY of the columns of each, its lower triangle, n.
-    grams: Vec<Mat<f64>>,
-}
-
-/// Columns that load a joint, rows by their shares: of the bodies from it outward, and of what stands
-/// beside the chain.
+/// Columns that load a joint: of the bodies from it outward, and of what stands beside the
+/// chain.
 #[derive(Clone, Debug)]
 pub(crate) struct JointColumns {
     /// Which of all p columns they are, ascending.
@@ -50,7 +38,23 @@ pub(crate) struct JointColumns {
 /// Columns below this fraction of the largest RMS are ignored.
 const NOTHING: f64 = 1e-9;
 
-/// Columns of a chain and those beside it, n.
+/// Weighted columns of a chain and those beside it, n.
+pub(crate) fn weighted_columns(
+    geometry: &Geometry,
+    rows: &ChainRows,
+    weights: &[f64],
+) -> Vec<JointColumns> {
+    let (m, mut all) = (rows.len(), rows.columns_at(geometry));
+    for (joint, own) in all.iter_mut().enumerate() {
+        for column in 0..own.places.len() {
+            let shares = &rows.shares[joint * m..(joint + 1) * m];
+            weigh_joint(own.columns.col_as_slice_mut(column), shares, weights[joint]);
+        }
+    }
+    all
+}
+
+/// The same before they are weighed.
 pub(crate) fn columns_at(geometry: &Geometry, rows: &ChainRows) -> Vec<JointColumns> {
     let (m, n) = (rows.len(), rows.n_joints());
     let kinematics = rows.kinematics(geometry);
@@ -77,22 +81,9 @@ pub(crate) fn columns_at(geometry: &Geometry, rows: &ChainRows) -> Vec<JointColu
             if let Some(beside) = place.checked_sub(of_bodies) {
                 column.copy_from_slice(&rows.extras.col_as_slice(beside)[range.clone()]);
             }
-            weigh_joint(column, &rows.shares[range.clone()], 1.0);
         }
     }
     all
-}
-
-impl Placed {
-    pub(crate) fn at(geometry: &Geometry, rows: &ChainRows) -> Arc<Self> {
-        let columns = columns_at(geometry, rows);
-        let gram = |own: &JointColumns| {
-            let mut gram = Mat::zeros(own.places.len(), own.places.len());
-            add_gram(&mut gram, own.columns.as_ref(), 1.0);
-            gram
-        };
-        Arc::new(Self { grams: columns.iter().map(gram).collect(), columns })
-    }
 }
 
 /// Multiplies equations, all rows of joint 1 first, by what they count.
@@ -114,18 +105,17 @@ fn scale_rows(x: &mut Mat<f64>, scales: &[f64]) {
 }
 
 impl JointColumns {
-    /// Adds w YᵀX to sums of p rows.
-    fn add_across(&self, x: MatRef<'_, f64>, weight: f64, sums: &mut Mat<f64>) {
+    /// Adds YᵀX to sums of p rows.
+    fn add_across(&self, x: MatRef<'_, f64>, sums: &mut Mat<f64>) {
         let own = product(self.columns.transpose(), x);
         for j in 0..own.ncols() {
-            let places = self.places.iter().enumerate();
-            places.for_each(|(i, &row)| sums[(row, j)] += weight * own[(i, j)]);
+            self.places.iter().enumerate().for_each(|(i, &row)| sums[(row, j)] += own[(i, j)]);
         }
     }
 
-    /// Subtracts the weighted torque of all p coefficients.
-    pub(crate) fn subtract(&self, coefficients: &[f64], weight: f64, from: &mut [f64]) {
-        let own: Vec<f64> = self.places.iter().map(|&k| weight * coefficients[k]).collect();
+    /// Subtracts the torque of all p coefficients.
+    pub(crate) fn subtract(&self, coefficients: &[f64], from: &mut [f64]) {
+        let own: Vec<f64> = self.places.iter().map(|&k| coefficients[k]).collect();
         let torque = &self.columns * ColRef::from_slice(&own);
         from.iter_mut().zip(torque.iter()).for_each(|(from, torque)| *from -= torque);
     }
@@ -137,21 +127,21 @@ impl InertialFit {
     /// `ridge` is relative to the mean square of a column; `weights` is one over the noise of each
     /// joint, n.
     pub(crate) fn fit(
-        placed: Arc<Placed>,
+        geometry: &Geometry,
         rows: &ChainRows,
         weights: &[f64],
         ridge: f64,
     ) -> Result<Self> {
         let (m, n) = (rows.len(), rows.n_joints());
         let size = rows.torque.len() as f64;
+        let columns = weighted_columns(geometry, rows, weights);
         let p = PER_BODY * n + rows.extras.ncols();
         let weighted = |(k, tau): (usize, &f64)| rows.shares[k] * weights[k / m] * tau;
         let mut residual: Vec<f64> = rows.torque.iter().enumerate().map(weighted).collect();
-        let (mut gram, mut right): (Mat<f64>, Mat<f64>) = (Mat::zeros(p, p), Mat::zeros(p, 1));
-        let joints = placed.columns.iter().zip(&placed.grams).zip(weights);
-        for (((own, of_joint), weight), target) in joints.zip(residual.chunks(m.max(1))) {
-            add_gram_at(&mut gram, &own.places, of_joint, weight * weight);
-            own.add_across(MatRef::from_column_major_slice(target, m, 1), *weight, &mut right);
+        let (mut gram, mut right) = (Mat::zeros(p, p), Mat::zeros(p, 1));
+        for (own, target) in columns.iter().zip(residual.chunks(m.max(1))) {
+            add_gram_at(&mut gram, &own.places, own.columns.as_ref(), 1.0);
+            own.add_across(MatRef::from_column_major_slice(target, m, 1), &mut right);
         }
         let rms: Vec<f64> = (0..p).map(|j| (gram[(j, j)] / size).sqrt()).collect();
         let least = NOTHING * rms.iter().fold(0.0_f64, |most, &s| most.max(s));
@@ -168,9 +158,8 @@ impl InertialFit {
         let mut coefficients = scaled.clone();
         scale_rows(&mut coefficients, &per_rms);
         let coefficients = coefficients.col_as_slice(0).to_vec();
-        let joints = placed.columns.iter().zip(weights);
-        for ((own, weight), residual) in joints.zip(residual.chunks_mut(m.max(1))) {
-            own.subtract(&coefficients, *weight, residual);
+        for (own, residual) in columns.iter().zip(residual.chunks_mut(m.max(1))) {
+            own.subtract(&coefficients, residual);
         }
         let squares: f64 = residual.iter().map(|r| r * r).sum();
         let scaled = scaled.col_as_slice(0);
@@ -179,17 +168,16 @@ impl InertialFit {
         if !cost.is_finite() {
             return Err(ChainError::Singular);
         }
-        let weights = weights.to_vec();
-        Ok(Self { placed, weights, per_rms, factor, coefficients, residual, cost })
+        Ok(Self { columns, per_rms, factor, coefficients, residual, cost })
     }
 
     /// What a change of the weighted torque at fixed coefficients leaves of itself once the
     /// coefficients follow: DᵀD − (YᵀD)ᵀ(YᵀY + λ)⁻¹(YᵀD), g×g, for the changes D, (m·n)×g.
     pub(crate) fn projected(&self, changes: &Mat<f64>) -> Mat<f64> {
-        let m = changes.nrows() / self.weights.len();
+        let m = changes.nrows() / self.columns.len();
         let mut across = Mat::zeros(self.coefficients.len(), changes.ncols());
-        for (joint, (own, weight)) in self.placed.columns.iter().zip(&self.weights).enumerate() {
-            own.add_across(changes.subrows(joint * m, m), *weight, &mut across);
+        for (joint, own) in self.columns.iter().enumerate() {
+            own.add_across(changes.subrows(joint * m, m), &mut across);
         }
         scale_rows(&mut across, &self.per_rms);
         let followed = self.factor.solve(&across);

@@ -2,7 +2,7 @@
 
 use crate::error::{ChainError, Result};
 use crate::geometry::Geometry;
-use crate::inertial_fit::{InertialFit, Placed, weigh};
+use crate::inertial_fit::{InertialFit, weigh};
 use crate::recursion::{Lanes, MOST_JOINTS, Moved, PER_BODY};
 use crate::rows::{ChainRows, put};
 use crate::search::{SearchStage, SearchWatch, tell};
@@ -10,7 +10,6 @@ use crate::usual_arm::UsualArm;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use simba::simd::SimdValue;
-use std::sync::Arc;
 
 /// How a geometry is fitted.
 #[derive(Clone, Debug)]
@@ -73,12 +72,7 @@ pub(crate) fn changes(
 
 impl Target<'_> {
     pub(crate) fn fit(&self, geometry: &Geometry) -> Result<Fitted> {
-        self.fit_at(geometry, self.rows.at(geometry))
-    }
-
-    /// - `placed`: the rows at this geometry
-    pub(crate) fn fit_at(&self, geometry: &Geometry, placed: Arc<Placed>) -> Result<Fitted> {
-        let masses = InertialFit::fit(placed, self.rows, self.weights, self.ridge)?;
+        let masses = InertialFit::fit(geometry, self.rows, self.weights, self.ridge)?;
         let cost = masses.cost + self.strength * self.usual.cost(geometry);
         if !cost.is_finite() {
             return Err(ChainError::Singular);
@@ -86,7 +80,7 @@ impl Target<'_> {
         Ok(Fitted { geometry: geometry.clone(), masses, cost })
     }
 
-    /// Improves the free parameters of a fitted geometry in at most `rounds` rounds.
+    /// Improves the free parameters of a geometry in at most `rounds` rounds.
     ///
     /// The masses follow every step (variable projection, the approximation of Kaufman), so that
     /// only the geometry is searched.
@@ -94,11 +88,12 @@ impl Target<'_> {
     /// Source: G. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973); L. Kaufman, BIT 15 (1975).
     pub(crate) fn descend(
         &self,
-        mut best: Fitted,
+        start: &Geometry,
         free: &[usize],
         rounds: usize,
         watch: SearchWatch<'_>,
     ) -> Result<Fitted> {
+        let mut best = self.fit(start)?;
         let size = self.rows.torque.len() as f64;
         let mut damping = 1e-2;
         for _ in 0..rounds {

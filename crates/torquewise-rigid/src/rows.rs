@@ -2,7 +2,7 @@
 
 use crate::error::{ChainError, Result, expect};
 use crate::geometry::Geometry;
-use crate::inertial_fit::Placed;
+use crate::inertial_fit::{JointColumns, columns_at};
 use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, MotionState, N_LANES};
 use faer::{Mat, MatRef};
 use simba::simd::SimdValue;
@@ -31,8 +31,8 @@ pub struct ChainRows {
     pub(crate) shares: Vec<f64>,
     /// Whether gravity was taken out of the torque.
     weightless: bool,
-    /// What they are at one geometry, where that was worked out.
-    known: Option<(Geometry, Arc<Placed>)>,
+    /// Their columns at one geometry, where these were worked out.
+    known: Option<(Geometry, Arc<Vec<JointColumns>>)>,
 }
 
 impl ChainRows {
@@ -108,7 +108,6 @@ impl ChainRows {
         for (k, out) in self.shares.iter_mut().enumerate() {
             *out = share(k % m, k / m).clamp(0.0, 1.0);
         }
-        self.known = None;
         self
     }
 
@@ -154,15 +153,15 @@ impl ChainRows {
     /// The same rows, quick to be fitted to torques of other signs or in another order at one geometry.
     #[must_use]
     pub fn placed(self, geometry: &Geometry) -> Self {
-        let known = Some((geometry.clone(), self.at(geometry)));
+        let known = Some((geometry.clone(), Arc::new(self.columns_at(geometry))));
         Self { known, ..self }
     }
 
-    /// The rows at a geometry.
-    pub(crate) fn at(&self, geometry: &Geometry) -> Arc<Placed> {
+    /// Columns of a chain at a geometry and those beside it, not weighed, n.
+    pub(crate) fn columns_at(&self, geometry: &Geometry) -> Vec<JointColumns> {
         match &self.known {
-            Some((known, placed)) if known == geometry => placed.clone(),
-            _ => Placed::at(geometry, self),
+            Some((known, columns)) if known == geometry => columns.to_vec(),
+            _ => columns_at(geometry, self),
         }
     }
 

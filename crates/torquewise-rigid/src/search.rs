@@ -277,15 +277,13 @@ pub fn refine(
     }
     let first = first_weights(rows);
     let mut weights: Vec<f64> = weights_of(&start.residual_rms, &first);
-    let (mut geometry, mut placed) = (start.geometry.clone(), rows.at(&start.geometry));
+    let mut geometry = start.geometry.clone();
     let mut chain = None;
     for _ in 0..search.weighings {
         let (usual, strength) = (UsualArm::near(&geometry), PRIOR);
         let target = Target { rows, weights: &weights, ridge: search.ridge, usual, strength };
-        let fitted = target.fit_at(&geometry, placed)?;
-        let fitted = target.descend(fitted, free, search.rounds, watch)?;
+        let fitted = target.descend(&geometry, free, search.rounds, watch)?;
         let found = Chain::new(&fitted, rows, &weights);
-        placed = fitted.masses.placed;
         weights = weights_of(&found.residual_rms, &first);
         geometry = found.geometry.clone();
         chain = Some(found);

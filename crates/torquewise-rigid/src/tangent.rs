@@ -1,7 +1,7 @@
 //! Residual of a chain, and its derivative by each parameter (E11).
 
 use crate::error::{Result, expect};
-use crate::inertial_fit::columns_at;
+use crate::inertial_fit::weighted_columns;
 use crate::levenberg_marquardt::changes;
 use crate::rows::ChainRows;
 use crate::search::Chain;
@@ -36,24 +36,18 @@ impl Chain {
         expect("drive", self.drive.len(), rows.extras.ncols())?;
         expect("weights", weights.len(), n)?;
         let masses: Vec<f64> = self.inertial.iter().chain(&self.drive).copied().collect();
-        let linear = columns_at(&self.geometry, rows);
+        let linear = weighted_columns(&self.geometry, rows, weights);
         let moves = changes((rows, weights), &self.geometry, &masses, free);
-        let of_joints = weights;
         let weights: Vec<f64> =
-            rows.shares.iter().enumerate().map(|(k, share)| share * of_joints[k / m]).collect();
+            rows.shares.iter().enumerate().map(|(k, share)| share * weights[k / m]).collect();
         let mut residual: Vec<f64> =
             weights.iter().zip(&rows.torque).map(|(weight, tau)| weight * tau).collect();
         let p = masses.len();
         let mut columns = Mat::zeros(m * n, p + free.len());
-        for (joint, (own, weight)) in linear.iter().zip(of_joints).enumerate() {
-            let range = joint * m..(joint + 1) * m;
-            own.subtract(&masses, *weight, &mut residual[range.clone()]);
+        for (joint, own) in linear.iter().enumerate() {
+            own.subtract(&masses, &mut residual[joint * m..(joint + 1) * m]);
             for (k, &place) in own.places.iter().enumerate() {
-                let column = &mut columns.col_as_slice_mut(place)[range.clone()];
-                column
-                    .iter_mut()
-                    .zip(own.columns.col_as_slice(k))
-                    .for_each(|(to, x)| *to = weight * x);
+                columns.col_mut(place).subrows_mut(joint * m, m).copy_from(own.columns.col(k));
             }
         }
         for k in 0..free.len() {

@@ -64,7 +64,7 @@ fn kinds_may_be_given_and_must_be_one_of_each_joint() {
     let found = fit(&motion, &plan("RRPR"));
     let refused = reconstruct(&motion, &plan("RRP"), UNWATCHED).unwrap_err();
 
-    assert!(elsewhere(&found, &arm) < 1e-5);
+    assert!(elsewhere(&found, &arm) < 1e-6);
     assert!(found.model.choices.iter().all(|choice| !choice.what.contains("kind")));
     assert!(matches!(refused, IdentifyError::Kinds { .. }), "{refused}");
 }
