@@ -1,10 +1,11 @@
 //! Cut-off of the filter and delay of the torque: where a learned chain predicts held-out raw torque
 //! best (E12) (E19).
 
+use crate::estimate::Linearisation;
 use crate::plan::{Method, Plan};
 use crate::reconstruct::surveyed;
 use crate::reconstruction::{Progress, Watch};
-use crate::rounds::Request;
+use crate::rounds::{Request, Searched};
 use crate::summary::summarise;
 use crate::unseen::{BLOCKS, Errors, Unseen, even_blocks};
 use rayon::prelude::*;
@@ -80,7 +81,6 @@ pub fn tune<L: RawRecording>(
     loop {
         let recording = logs.filtered(cutoff, delay).map_err(IdentifyError::Read)?;
         let summary = summarise(&recording, plan, "", watch)?;
-        let (of_logs, is_second) = ((summary.settings().filtered, plan.seed), before.is_some());
         let survey = match surveyed(&summary) {
             // Long rest or slow motion makes for a cut-off that leaves few rows.
             Err(IdentifyError::TooFewRows { .. }) if cutoff < widest => {
@@ -90,16 +90,18 @@ pub fn tune<L: RawRecording>(
             }
             survey => survey?,
         };
-        let request = Request::first(&survey, options, of_logs, before, watch)?;
-        let Some(grid) = Grid::of(logs, &request, watch)? else {
+        let (of_logs, is_second) = ((summary.settings().filtered, plan.seed), before.is_some());
+        let searched = Searched::of(&survey, options, of_logs, before, watch)?;
+        let Some(grid) = Grid::of(logs, &searched.at, watch)? else {
+            let request = searched.refined(watch)?;
             return Ok(Tuned { recording, request, choices: Vec::new() });
         };
         let is_last = grid.is_near(cutoff) && is_same(grid.delay, delay);
         (cutoff, delay) = ((cutoff * grid.cutoff).sqrt(), grid.delay);
         if is_last || is_second {
-            return grid.tuned(logs, request);
+            return grid.tuned(logs, searched.refined(watch)?);
         }
-        before = Some(request);
+        before = Some(searched.into_joints());
     }
 }
 
@@ -132,16 +134,16 @@ impl Grid {
     /// `None` where the logs are too short.
     fn of(
         logs: &impl RawRecording,
-        request: &Request,
+        chain: &Linearisation,
         watch: Watch<'_>,
     ) -> Result<Option<Self>, IdentifyError> {
         let none = no_delay(logs);
-        let mut cutoffs = cutoffs(logs, (request, none), watch)?;
+        let mut cutoffs = cutoffs(logs, (chain, none), watch)?;
         let Some(cutoff) = lowest_near_best(&cutoffs) else { return Ok(None) };
-        let delays = at(logs, request, (cutoff, &logs.delays()), 0.0, watch)?;
+        let delays = at(logs, chain, (cutoff, &logs.delays()), 0.0, watch)?;
         let mut delay = none;
         if let Some(clear) = clear_delay(&delays, none) {
-            let in_motion = at(logs, request, (cutoff, &[none, clear]), SLOW, watch)?;
+            let in_motion = at(logs, chain, (cutoff, &[none, clear]), SLOW, watch)?;
             if let [without, with] = &in_motion[..]
                 && with.errors.all() < without.errors.all()
             {
@@ -149,7 +151,7 @@ impl Grid {
             }
         }
         if !is_same(delay, none) {
-            cutoffs = self::cutoffs(logs, (request, delay), watch)?;
+            cutoffs = self::cutoffs(logs, (chain, delay), watch)?;
         }
         let best = lowest_near_best(&cutoffs);
         Ok(best.map(|cutoff| Self { cutoffs, delays, cutoff, delay }))
@@ -176,12 +178,6 @@ impl Grid {
         let recording = logs.filtered(cutoff, delay).map_err(IdentifyError::Read)?;
         let hertz = |cutoff: f64| format!("{cutoff:.2} Hz");
         let milliseconds = |delay: f64| format!("{:.1} ms", 1e3 * delay);
-        let choice = |what: &str, chosen: String, rule: &str, from: Vec<Candidate>| Choice {
-            what: what.to_owned(),
-            chosen,
-            rule: format!("{rule} in raw torque, {BLOCKS} blocks of time held out"),
-            from,
-        };
         let of = |tried: &Tried, label: String| Candidate {
             label,
             error: tried.errors.all(),
@@ -190,15 +186,17 @@ impl Grid {
         };
         let cutoffs = self.cutoffs.iter().map(|tried| of(tried, hertz(tried.cutoff))).collect();
         let delays = self.delays.iter().map(|tried| of(tried, milliseconds(tried.delay))).collect();
-        let mut choices = vec![
-            choice("cut-off of the filter", hertz(cutoff), "lowest near the least error", cutoffs),
-            choice(
-                "delay of the torque",
-                milliseconds(delay),
-                "none but for a clear gain, in motion too,",
-                delays,
-            ),
-        ];
+        let lowest =
+            ("cut-off of the filter", hertz(cutoff), "lowest near the least error", cutoffs);
+        let rule = "none but for a clear gain, in motion too,";
+        let clear = ("delay of the torque", milliseconds(delay), rule, delays);
+        let choice = |(what, chosen, rule, from): (&str, String, &str, Vec<Candidate>)| Choice {
+            what: what.to_owned(),
+            chosen,
+            rule: format!("{rule} in raw torque, {BLOCKS} blocks of time held out"),
+            from,
+        };
+        let mut choices: Vec<Choice> = [lowest, clear].map(choice).into();
         choices.retain(|choice| choice.from.len() > 1);
         Ok(Tuned { recording, request, choices })
     }
@@ -230,7 +228,7 @@ fn clear_delay(tried: &[Tried], none: f64) -> Option<f64> {
 /// What cut-offs leave with a delay: every second one, then those beside the best.
 fn cutoffs(
     logs: &impl RawRecording,
-    (request, delay): (&Request, f64),
+    (chain, delay): (&Linearisation, f64),
     watch: Watch<'_>,
 ) -> Result<Vec<Tried>, IdentifyError> {
     let cutoffs = logs.cutoffs();
@@ -240,7 +238,7 @@ fn cutoffs(
         let found = cutoffs.par_iter().map(|&cutoff| {
             let made = made.fetch_add(1, Ordering::Relaxed);
             Progress::Bandwidth { made, most }.tell(watch)?;
-            at(logs, request, (cutoff, &[delay]), 0.0, watch)
+            at(logs, chain, (cutoff, &[delay]), 0.0, watch)
         });
         Ok(found.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
     };
@@ -257,7 +255,7 @@ fn cutoffs(
 /// What delays leave at a cut-off; nothing where the logs are too short.
 fn at(
     logs: &impl RawRecording,
-    request: &Request,
+    chain: &Linearisation,
     (cutoff, delays): (f64, &[f64]),
     slow: f64,
     watch: Watch<'_>,
@@ -266,8 +264,8 @@ fn at(
     let band = logs.band(cutoff, delays).map_err(IdentifyError::Read)?;
     let Some(Band { motion, torques }) = band else { return Ok(Vec::new()) };
     let targets: Vec<_> = torques.iter().map(|torque| (&torque.filtered, &torque.raw)).collect();
-    let (at, blocks) = (request.linearisation().narrowed(), even_blocks(&motion));
-    let unseen = Unseen::new(&at, &motion, &targets, &blocks, slow)?;
+    let blocks = even_blocks(&motion);
+    let unseen = Unseen::new(chain, &motion, &targets, &blocks, slow)?;
     let errors = unseen.and_then(|unseen| unseen.errors_of_all());
     let tried = torques.iter().zip(errors.into_iter().flatten());
     Ok(tried.map(|(torque, errors)| Tried { cutoff, delay: torque.delay, errors }).collect())

@@ -47,12 +47,14 @@ pub use diagnose::{Diagnosis, diagnose};
 pub use disagreement::{Disagreement, disagreements};
 pub use drift::{FrictionDrift, drifts};
 pub use excitation::findings;
+pub use learn::kinds::first_look;
 pub use plan::{Method, Plan};
 pub use reconstruct::{Solution, reconstruct, solve};
 pub use reconstruction::Reconstruction;
 pub use samples::samples;
 pub use score::{Scores, score};
 pub use summary::{Summary, summarise};
+pub use torque_kind::weightless;
 pub use torquewise_stepwise::progress::UNWATCHED;
 pub use torquewise_stepwise::{
     IdentifyError, LibraryKind, PatternPlan, Patterns, Survey, find_patterns, survey,

@@ -6,7 +6,7 @@ use crate::fitted::Fitted;
 use crate::learn::against_axes;
 use crate::plan::{ChainOptions, Method, Plan, Refine};
 use crate::reconstruction::{Progress, Reconstruction, Watch};
-use crate::rounds::Request;
+use crate::rounds::{Request, Searched};
 use crate::score::score;
 use crate::summary::{Pass, Summary, summarise};
 use crate::torque_sign::SignTest;
@@ -129,8 +129,8 @@ fn by_chain(
     let settings = summary.settings();
     let Some(pass) = summary.pass.as_ref() else {
         let of_logs = (settings.filtered, seed);
-        let request = Request::first(&survey, options, of_logs, None, watch)?;
-        return Ok(Solution::Request(Box::new(request)));
+        let searched = Searched::of(&survey, options, of_logs, None, watch)?;
+        return Ok(Solution::Request(Box::new(searched.refined(watch)?)));
     };
     Progress::Refit.tell(watch)?;
     match pass.request.clone().take(&pass.sums)? {

@@ -2,7 +2,6 @@
 
 use crate::clipped::clipped;
 use crate::excitation::Finding;
-use crate::learn::kinds::{FirstLook, first_look};
 use crate::library_errors::held_out_rms;
 use crate::residual_shape::shapes;
 use crate::rough::doubtful;
@@ -68,17 +67,6 @@ impl Reconstruction {
         found.warnings.extend(weightless.map(Warning::Excitation));
         found.doubt_torque(seed, watch, |survey| SignTest::search(survey, seed, watch))?;
         Ok(found)
-    }
-
-    /// What its joints are at a first look, where they were fitted as joints that turn.
-    ///
-    /// # Errors
-    /// [`IdentifyError::Chain`] if the watcher breaks.
-    pub fn first_look(&self, seed: u64, watch: Watch<'_>) -> Result<FirstLook, IdentifyError> {
-        if self.model.chain.is_some() {
-            return Ok(FirstLook::default());
-        }
-        first_look(&self.survey.sample, seed, watch)
     }
 
     /// Where a model misses much of a torque, or turns out to be of negative inertia, looks whether

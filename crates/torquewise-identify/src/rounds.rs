@@ -14,7 +14,6 @@ use crate::warning::Warning;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use torquewise_model::model::{Choice, GeometryFound};
-use torquewise_motion::Motion;
 use torquewise_regression::normal_sums::{FOLDS, NormalSums};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::noise::NoiseFloor;
@@ -29,6 +28,52 @@ const BLOCKS: usize = 100;
 /// First bytes of the file of a request.
 const REQUEST: [u8; 8] = *b"twreques";
 
+/// A chain as it was searched on the sample of a survey.
+pub(crate) struct Searched<'a> {
+    survey: &'a Survey,
+    options: &'a ChainOptions,
+    learned: Learned,
+    /// Where it is linearised.
+    pub(crate) at: Linearisation,
+}
+
+impl<'a> Searched<'a> {
+    /// - `of_logs`: whether they are filtered, and a seed
+    /// - `before`: what the joints of the same arm were found to be at another bandwidth
+    pub(crate) fn of(
+        survey: &'a Survey,
+        options: &'a ChainOptions,
+        of_logs: (bool, u64),
+        before: Option<Joints>,
+        watch: Watch<'_>,
+    ) -> Result<Self, IdentifyError> {
+        Progress::Geometry.tell(watch)?;
+        let learned = learn(&survey.sample, options, (of_logs.1, before), watch)?;
+        let at = linearised(&learned, survey, options, of_logs)?;
+        Ok(Self { survey, options, learned, at })
+    }
+
+    /// What its joints were found to be.
+    pub(crate) fn into_joints(self) -> Joints {
+        let axes = self.at.geometry;
+        let (kinds, coupling) = (axes.kinds().clone(), axes.coupling().clone());
+        Joints { kinds, coupling, choices: self.learned.choices }
+    }
+
+    /// Refines it on the sample, and asks for the first pass over all rows.
+    pub(crate) fn refined(self, watch: Watch<'_>) -> Result<Request, IdentifyError> {
+        let Self { survey, options, learned, at } = self;
+        Progress::Refit.tell(watch)?;
+        let (sizes, sample) = (Sizes::of(survey), thinned(&survey.sample, LAST_ROWS));
+        let at = refine(&sample, &at, &sizes, watch)?.widened(&learned.offered, &sample)?;
+        let mut passes = Passes::over_all(cut_for(at, survey.rows), MOST_PASSES);
+        passes.may_release = options.geometry.is_none();
+        let Learned { residual_rms: searched_rms, choices, found, .. } = learned;
+        let joints = survey.joints.clone();
+        Ok(Request { joints, passes, sizes, choices, found, searched_rms })
+    }
+}
+
 /// What a pass over the logs is asked for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Request {
@@ -42,35 +87,6 @@ pub struct Request {
 }
 
 impl Request {
-    /// Searches a chain on the sample of a survey, and refines it there.
-    ///
-    /// - `before`: of the same arm at another bandwidth, whose joints are of the same kinds
-    pub(crate) fn first(
-        survey: &Survey,
-        options: &ChainOptions,
-        (filtered, seed): (bool, u64),
-        before: Option<Self>,
-        watch: Watch<'_>,
-    ) -> Result<Self, IdentifyError> {
-        Progress::Geometry.tell(watch)?;
-        let joints = before.map(|Self { passes, choices, .. }| {
-            let axes = &passes.at.geometry;
-            Joints { kinds: axes.kinds().clone(), coupling: axes.coupling().clone(), choices }
-        });
-        let learned = learn(&survey.sample, options, (seed, joints), watch)?;
-        Progress::Refit.tell(watch)?;
-        let sizes = Sizes::of(survey);
-        let sample = thinned(&survey.sample, LAST_ROWS);
-        let start = linearised(&learned, &sample, (survey, &sizes), options, (filtered, seed))?;
-        let at = refine(&sample, &start, &sizes, watch)?.widened(&learned.offered, &sample)?;
-        let at = cut_for(at, survey.rows);
-        let mut passes = Passes::over_all(at, MOST_PASSES);
-        passes.may_release = options.geometry.is_none();
-        let Learned { residual_rms: searched_rms, choices, found, .. } = learned;
-        let joints = survey.joints.clone();
-        Ok(Self { joints, passes, sizes, choices, found, searched_rms })
-    }
-
     /// The same for logs of so many rows.
     pub(crate) fn over(mut self, rows: usize) -> Self {
         self.passes.at = cut_for(self.passes.at, rows);
@@ -157,11 +173,11 @@ fn cut_for(at: Linearisation, rows: usize) -> Linearisation {
 /// The chain as it was learned, ready for a pass over a sample.
 fn linearised(
     learned: &Learned,
-    sample: &Motion,
-    (survey, sizes): (&Survey, &Sizes),
+    survey: &Survey,
     options: &ChainOptions,
     (filtered, seed): (bool, u64),
 ) -> Result<Linearisation, IdentifyError> {
+    let sample = thinned(&survey.sample, LAST_ROWS);
     let Learned { chain, spec, laws, .. } = learned;
     let rest = if spec.has_friction() { AT_REST } else { 0.0 };
     let rest = laws.width.iter().map(|width| rest * width).collect();
@@ -178,13 +194,13 @@ fn linearised(
         NoiseFloor::none(survey.joints.len())
     };
     let at = Linearisation {
-        weights: weights(&chain.residual_rms, sizes),
+        weights: weights(&chain.residual_rms, &Sizes::of(survey)),
         structure,
         noise: white,
         raw_noise: options.noise_correction && filtered,
-        regions: Regions::of(sample, FOLDS),
+        regions: Regions::of(&sample, FOLDS),
         seed,
         ..at
     };
-    Ok(cut_for(at.scaled_by(sample)?, sample.n_rows()))
+    Ok(cut_for(at.scaled_by(&sample)?, sample.n_rows()))
 }

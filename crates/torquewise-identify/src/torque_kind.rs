@@ -2,6 +2,9 @@
 
 use crate::estimate::Linearisation;
 use crate::excitation::Finding;
+use crate::learn::kinds::first_look;
+use crate::reconstruction::Watch;
+use crate::torque_sign::at_a_glance;
 use crate::unseen::{CHOICE_ROWS, HeldOut, Unseen, both_ways, geometric_mean};
 use faer::Mat;
 use std::ops::Range;
@@ -12,7 +15,7 @@ use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_rigid::feasible::Factored;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::survey::thinned;
+use torquewise_stepwise::survey::{Survey, thinned};
 
 /// Rows that are tried on.
 const ROWS: usize = 2_000;
@@ -114,6 +117,19 @@ pub(crate) fn torque_kind(
         [own, own * gains.error(&|per| gain(per, joint).ln())]
     });
     Ok(Some(Finding::Gains { joints: sample.joints().to_vec(), gains: gains.collect() }))
+}
+
+/// Whether gravity does nothing to the torques of logs to which nothing was fitted yet, by a chain that
+/// is searched on few rows: [`Finding::Weightless`], or `None` where it does, where no chain is found,
+/// where the watcher breaks, or where a joint may slide, on which gravity is a constant.
+pub fn weightless(survey: &Survey, seed: u64, watch: Watch<'_>) -> Option<Finding> {
+    let look = first_look(&survey.sample, seed, watch).ok()?;
+    if !look.kinds.all_turn() || !look.may_slide.is_empty() {
+        return None;
+    }
+    let (chain, drive) = at_a_glance(survey, seed, watch).ok()?;
+    let at = Linearisation::of(&chain, (drive, &chain.drive), vec![0.0; survey.joints.len()]);
+    torque_kind(&at, &survey.sample).ok()?.filter(|found| *found == Finding::Weightless)
 }
 
 /// Whether the terms of a library are those of axes that are not all parallel, and hold no gravity: only

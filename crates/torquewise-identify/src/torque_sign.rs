@@ -9,10 +9,8 @@ use faer::Mat;
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
 use torquewise_motion::Motion;
-use torquewise_rigid::search::glance;
-use torquewise_rigid::{
-    Chain, ChainError, ChainRows, Geometry, Kinematics, Search, refine, search,
-};
+use torquewise_rigid::search::{Search, glance, search};
+use torquewise_rigid::{Chain, ChainError, ChainRows, Geometry, Kinematics, refine};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
 use torquewise_stepwise::survey::{Survey, thinned};
@@ -63,13 +61,7 @@ impl SignTest {
         seed: u64,
         watch: Watch<'_>,
     ) -> Result<Self, IdentifyError> {
-        let drive = DriveTerm::usual(&FrictionLibrary::new(survey.dq_peak.clone()));
-        let motion = thinned(&survey.sample, ROWS);
-        let extras = columns(&drive, &motion, None);
-        let settings = Search { seed, ..Search::default() };
-        let found = search(&rows(&motion, &extras)?, &settings, &searching(watch))?;
-        let geometry = found.chains.into_iter().next().map(|chain| chain.geometry);
-        let geometry = geometry.ok_or(ChainError::Singular)?;
+        let (Chain { geometry, .. }, drive) = at_a_glance(survey, seed, watch)?;
         Ok(Self { free: geometry.movable(), geometry, drive })
     }
 
@@ -234,6 +226,20 @@ impl SignTest {
     }
 }
 
+/// A chain that is searched on few rows, and what loads its joints beside the links.
+pub(crate) fn at_a_glance(
+    survey: &Survey,
+    seed: u64,
+    watch: Watch<'_>,
+) -> Result<(Chain, Vec<DriveTerm>), IdentifyError> {
+    let drive = DriveTerm::usual(&FrictionLibrary::new(survey.dq_peak.clone()));
+    let motion = thinned(&survey.sample, ROWS);
+    let rows = rows(&motion, &columns(&drive, &motion, None))?;
+    let found = search(&rows, &Search { seed, ..Search::default() }, &searching(watch))?;
+    let chain = found.chains.into_iter().next().ok_or(ChainError::Singular)?;
+    Ok((chain, drive))
+}
+
 /// Two joints whose torques stand in each other's place: a first look at few rows finds a chain that
 /// explains far more of all torques with these two changed over. The pair that does best, if any.
 ///
@@ -262,15 +268,20 @@ pub(crate) fn swapped(
     let left = |rows: &ChainRows, (starts, count): (usize, usize)| {
         glance(&rows.thinned(count), &Search { seed, starts, ..Search::default() }, &watch)
     };
-    let best_first = |pairs: Vec<[usize; 2]>, look: (usize, usize)| {
+    // Those that leave less than others do, the best first.
+    let better = |pairs: Vec<[usize; 2]>, look: (usize, usize), than: f64| {
         let left = |pair| (left(&rows.clone().swapped(pair), look), pair);
         let mut pairs: Vec<(f64, [usize; 2])> = pairs.into_par_iter().map(left).collect();
+        pairs.retain(|(own, _)| *own <= than);
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-        pairs
+        pairs.into_iter().map(|(_, pair)| pair)
     };
-    let likeliest = best_first(pairs, FEWER).into_iter().take(LIKELIEST).map(|(_, pair)| pair);
-    let best = best_first(likeliest.collect(), FEW).first().copied();
-    Ok(best.filter(|(least, _)| *least <= HALF * left(&rows, FEW)).map(|(_, pair)| pair))
+    let likeliest: Vec<[usize; 2]> =
+        better(pairs, FEWER, left(&rows, FEWER)).take(LIKELIEST).collect();
+    if likeliest.is_empty() {
+        return Ok(None);
+    }
+    Ok(better(likeliest, FEW, HALF * left(&rows, FEW)).next())
 }
 
 /// A chain with the torque of some joints turned round.

@@ -28,7 +28,7 @@ pub struct Prior {
 pub struct Positive {
     /// What the sum must exceed, 0 or a little more.
     pub least: f64,
-    /// Parameters by index, with their weights.
+    /// Parameters by ascending index, with their weights.
     pub terms: Vec<(usize, f64)>,
     /// Usual excess of the sum over `least`, above 0: the barrier is zero there.
     pub nominal: f64,
@@ -118,11 +118,10 @@ impl Prior {
             let value = at(positive);
             let slope = strength * positive.weight * (1.0 / positive.nominal - 1.0 / value);
             let curvature = stiffness * positive.weight / (value * value);
-            for &(j, b) in &positive.terms {
+            for (place, &(j, b)) in positive.terms.iter().enumerate() {
                 gradient[j] += slope * b;
                 let column = hessian.col_as_slice_mut(j);
-                let below = positive.terms.iter().filter(|(i, _)| *i >= j);
-                below.for_each(|&(i, a)| column[i] += curvature * a * b);
+                positive.terms[place..].iter().for_each(|&(i, a)| column[i] += curvature * a * b);
             }
         }
         for &(k, sigma) in &self.small {

@@ -17,7 +17,9 @@ use torquewise_identify::disagreement::disagreements;
 use torquewise_identify::excitation::Finding;
 use torquewise_identify::reconstruct::reconstruct_from;
 use torquewise_identify::verdict::{Grade, Tested, Verdict, judge};
-use torquewise_identify::{IdentifyError, Method, Plan, Reconstruction, Warning, reconstruct};
+use torquewise_identify::{
+    IdentifyError, Method, Plan, Reconstruction, Warning, first_look, reconstruct,
+};
 use torquewise_motion::Recording;
 use torquewise_stepwise::Progress;
 use torquewise_stepwise::progress::Watch;
@@ -79,7 +81,8 @@ impl<'a> Fit<'a> {
         if fit.model.chain.is_some() || fit.model.training.torque_std.contains(&0.0) {
             return Ok(fit);
         }
-        let look = |progress: Watch<'_>| fit.found.first_look(self.options.seed, progress);
+        let sample = &fit.found.survey.sample;
+        let look = |progress: Watch<'_>| first_look(sample, self.options.seed, progress);
         // Kinds that are said stand; a log that no chain can be learned from is one of terms.
         let seen = match self.options.kinds.is_none().then(|| timed(self.observer, look)) {
             Some(Err(Error::Interrupted)) => return Err(Error::Interrupted),

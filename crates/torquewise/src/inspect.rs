@@ -1,6 +1,7 @@
 //! What a log holds and what it lacks, before anything is fitted to it.
 
 use crate::error::Result;
+use crate::fit::timed;
 use crate::log::Prepared;
 use crate::observe::Observer;
 use crate::options::MOST_WHOLE;
@@ -8,8 +9,12 @@ use crate::summary::all_repairs;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use torquewise_identify::{PatternPlan, Patterns, Survey, Warning, find_patterns, survey};
+use torquewise_identify::excitation::Finding;
+use torquewise_identify::{
+    PatternPlan, Patterns, Survey, Warning, find_patterns, survey, weightless,
+};
 use torquewise_motion::{Pattern, Recording, Repairs};
+use torquewise_stepwise::progress::Watch;
 
 /// Counts of the rows of all patterns with their names, least active first.
 pub fn pattern_rows(counts: [u64; 3]) -> Value {
@@ -36,6 +41,8 @@ pub struct Inspection {
     pub recorded: Option<usize>,
     /// Whether it is filtered, for which a chain is fitted.
     pub is_filtered: bool,
+    /// What its torques seem to be, if not all of the torque.
+    pub torque_kind: Option<Finding>,
     repairs: BTreeMap<String, Repairs>,
 }
 
@@ -67,11 +74,14 @@ pub fn inspect(log: &Prepared, observer: Observer<'_>) -> Result<Inspection> {
     let logs = log.logs();
     let signals = [("dq", logs.has_dq()), ("ddq", logs.has_ddq()), ("tau", logs.has_tau())];
     let missing = signals.into_iter().filter(|(_, present)| !present).map(|(name, _)| name);
+    let look = |watch: Watch<'_>| Ok(weightless(&survey, 0, watch));
+    let torque_kind = if logs.has_tau() { timed(observer, look)?.0 } else { None };
     let filtered = log.conditioned().map(|own| &own.report);
     let whole = filtered.filter(|own| own.rows_out == survey.rows);
     Ok(Inspection {
         recorded: whole.map(|own| own.rows_in),
         is_filtered: filtered.is_some(),
+        torque_kind,
         survey,
         patterns,
         counts,
@@ -120,6 +130,7 @@ impl Inspection {
         // A chain, which is fitted to other logs, needs no patterns.
         let is_stepwise = !self.is_filtered && self.survey.joints.len() <= MOST_WHOLE;
         let patterns = missing_patterns(&self.patterns.present).filter(|_| is_stepwise);
+        open.extend(self.torque_kind.clone().map(Warning::Excitation));
         open.iter().map(ToString::to_string).chain(patterns).collect()
     }
 }

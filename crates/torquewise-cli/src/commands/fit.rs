@@ -1,7 +1,7 @@
 //! The main job: logs to a model file.
 
 use crate::arguments::{METHOD, PlanArguments, RobotArguments, words};
-use crate::call_costs::CallCosts;
+use crate::call_costs;
 use crate::commands::payload::load_text;
 use crate::error::Result;
 use crate::files::{check_files, staged, write_whole};
@@ -93,15 +93,15 @@ pub(crate) fn run(arguments: &Arguments, words: &[OsString]) -> Result<Outcome> 
     let mut outcome = outcome(&fit, judged.as_ref(), arguments.explain)?;
     outcome.json["file"] = json!(arguments.output.display().to_string());
     weigh(arguments, &loaded, &fit.model, &mut outcome)?;
-    let costs = CallCosts::of(&fit.model)?;
+    let costs = call_costs::of(&fit.model)?;
     if arguments.explain {
-        outcome.text += &costs.text();
+        outcome.text += &call_costs::text(&costs);
     }
     outcome.text.extend([format!("\nmodel: {}\n", arguments.output.display())]);
     if let Some(file) = &arguments.report {
         write_whole(file, report(arguments, words, &fit, test.as_ref().zip(judged.as_ref()))?)?;
         outcome.text.extend([format!("report: {}\n", file.display())]);
-        outcome.json["costs"] = costs.json();
+        outcome.json["costs"] = call_costs::json(&costs);
         outcome.json["report"] = json!(file.display().to_string());
     }
     Ok(outcome)

@@ -1,7 +1,7 @@
 //! What a model holds: what was learned of the arm, its equations, and whether they are physics.
 
 use crate::arguments::{Word, choice};
-use crate::call_costs::CallCosts;
+use crate::call_costs;
 use crate::conditioning;
 use crate::error::{CliError, Result};
 use crate::files::read_model;
@@ -82,10 +82,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let selection = arguments.selection(&model)?;
     let physics =
         arguments.check.then(|| PhysicsCheck::of(&model, arguments.states)).transpose()?;
-    let costs = arguments.cost.then(|| CallCosts::of(&model)).transpose()?;
+    let costs = arguments.cost.then(|| call_costs::of(&model)).transpose()?;
     let mut json = description(&model, &selection)?;
     json["checks"] = physics.as_ref().map_or(Value::Null, object);
-    json["costs"] = costs.as_ref().map_or(Value::Null, CallCosts::json);
+    json["costs"] = costs.as_deref().map_or(Value::Null, call_costs::json);
     let mut text = match arguments.format {
         Format::Text => learned_text(&model, &selection)? + &print::text(&model, &selection),
         Format::Latex => print::latex(&model, &selection),
@@ -97,7 +97,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         }
         text.push_str(&conditioning::text(&model.training.conditioning));
         text.extend(physics.as_ref().map(|physics| format!("\n{physics}")));
-        text.extend(costs.as_ref().map(CallCosts::text));
+        text.extend(costs.as_deref().map(call_costs::text));
     }
     let warnings = physics.iter().filter_map(PhysicsCheck::warning).collect();
     Ok(Outcome { text, json, warnings, ..Outcome::default() })

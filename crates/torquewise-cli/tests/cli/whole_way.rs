@@ -14,39 +14,41 @@ fn nrmse_percent(tau: &[f64], tau_hat: &[f64]) -> f64 {
 #[test]
 fn evaluate_notes_and_predict_marks_where_a_log_leaves_the_range_of_the_fit() {
     let terminal = Terminal::with_model();
-    let turned = Table::of(&terminal, "log.csv").with("q1", |_, q1, _| q1 + 30.0);
-    terminal.write("turned.csv", &turned.text());
+    let log = Table::of(&terminal, "log.csv");
+    terminal.write("turned.csv", &log.clone().with("q1", |_, q1, _| q1 + 30.0).text());
+    terminal.write("fast.csv", &log.with("dq1", |_, dq1, _| 10.0 * dq1).text());
 
-    let [inside, outside] =
-        ["log", "turned"].map(|log| terminal.run(&format!("evaluate model.json {log}.csv")));
-
-    assert!(!inside.stderr.contains("leaves the range"), "{inside:?}");
-    assert!(outside.stderr.contains("note: joint1 leaves the range"), "{outside:?}");
-    for (log, beyond) in [("log", "0"), ("turned", "1")] {
-        terminal.run(&format!("predict model.json {log}.csv -o torque.csv"));
+    for (log, beyond) in [("log", ""), ("turned", "joint1 leaves"), ("fast", "(dq to 14.98 rad/s")]
+    {
+        let said = terminal.run(&format!("evaluate model.json {log}.csv")).stderr;
+        assert!(said.contains(beyond) && beyond.is_empty() != said.contains("range"), "{said}");
+        let said = terminal.run(&format!("predict model.json {log}.csv -o torque.csv --strict"));
+        assert_eq!(said.code, if beyond.is_empty() { 0 } else { 3 }, "{said:?}");
         let marked = Table::of(&terminal, "torque.csv").column("outside_range");
-        assert!(
-            marked.len() > 1_000 && marked.iter().all(|own| own.to_string() == beyond),
-            "{log}"
-        );
+        let outside = marked.iter().sum::<f64>() / marked.len() as f64;
+        assert!(if beyond.is_empty() { outside <= 0.0 } else { outside > 0.1 }, "{outside}");
     }
 }
 
 #[test]
 fn scoring_the_predicted_torque_by_hand_gives_what_evaluate_says() {
-    let terminal = Terminal::new();
-    terminal.done("simulate planar-2 -o log.csv --seconds 60 --rate 50 --seed 3 --case 3");
-    terminal.run("fit log.csv -o model.json --library product");
+    let terminal = Terminal::with_model();
 
     let scores = terminal.json("evaluate model.json log.csv");
     terminal.done("predict model.json log.csv -o torque.csv");
 
     let [log, torque] = ["log.csv", "torque.csv"].map(|file| Table::of(&terminal, file));
     for (joint, said) in (1..).zip(each(&scores["joints"], "nrmse_percent")) {
-        let tau_hat = torque.column(&format!("tau_hat{joint}"));
-        let own = nrmse_percent(&log.column(&format!("tau{joint}")), &tau_hat);
+        let [measured, tau_hat, residual] = ["tau_measured", "tau_hat", "residual"]
+            .map(|name| torque.column(&format!("{name}{joint}")));
+        assert_eq!(measured, log.column(&format!("tau{joint}")));
+        let own = nrmse_percent(&measured, &tau_hat);
         // Two sums of 3 000 rows taken in another order.
         assert!((own - said).abs() <= 1e-9 * own, "{own} {said}");
+        for (row, residual) in residual.iter().enumerate() {
+            let expected = measured[row] - tau_hat[row];
+            assert_eq!(residual.to_bits(), expected.to_bits(), "row {row}");
+        }
     }
 }
 
@@ -83,24 +85,6 @@ fn a_log_without_torque_can_be_predicted() {
 }
 
 #[test]
-fn measured_torque_and_residual_stand_beside_the_prediction() {
-    let terminal = Terminal::with_model();
-
-    terminal.done("predict model.json log.csv -o torque.csv");
-
-    let [log, torque] = ["log.csv", "torque.csv"].map(|file| Table::of(&terminal, file));
-    for joint in [1, 2] {
-        let [measured, tau_hat, residual] = ["tau_measured", "tau_hat", "residual"]
-            .map(|name| torque.column(&format!("{name}{joint}")));
-        assert_eq!(measured, log.column(&format!("tau{joint}")));
-        for (row, residual) in residual.iter().enumerate() {
-            let expected = measured[row] - tau_hat[row];
-            assert_eq!(residual.to_bits(), expected.to_bits(), "row {row}");
-        }
-    }
-}
-
-#[test]
 fn the_first_step_knows_gravity_alone() {
     let terminal = Terminal::with_model();
 
@@ -111,20 +95,6 @@ fn the_first_step_knows_gravity_alone() {
         assert!(torque.column(part).iter().all(|part| *part == 0.0));
     }
     assert!(torque.column("gravity1").iter().any(|part| part.abs() > 1.0));
-}
-
-#[test]
-fn a_log_faster_than_the_training_is_predicted_with_a_warning() {
-    let terminal = Terminal::with_model();
-    let mut fast = Table::of(&terminal, "log.csv");
-    fast.rows[49][3] = 9.5;
-    terminal.write("fast.csv", &fast.text());
-
-    let said = terminal.run("predict model.json fast.csv -o torque.csv --strict");
-
-    assert_eq!(said.code, 3);
-    assert!(said.stderr.starts_with("warning: ") && said.stderr.contains("dq to 9.50 rad/s"));
-    assert!(terminal.path("torque.csv").exists());
 }
 
 #[test]

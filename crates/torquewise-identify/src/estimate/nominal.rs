@@ -153,7 +153,7 @@ fn passive(
         let (peak, usual) = (speed_of(any, (sizes, kinds)), usual_friction(any, sizes));
         let part = |k: i32| 10.0_f64.powf(f64::from(k) / f64::from(PER_DECADE));
         let parts: Vec<f64> = (-DECADES * PER_DECADE..=0).map(part).chain(FAST_SPEEDS).collect();
-        for speed in parts.iter().flat_map(|part| [part * peak, -part * peak]) {
+        let at_speed = |speed: f64| -> Option<Positive> {
             let terms: Vec<(usize, f64)> = (own.iter())
                 .map(|(k, term)| (*k, speed.signum() * term.at_speed(speed)))
                 .filter(|(_, weight)| *weight != 0.0)
@@ -161,9 +161,17 @@ fn passive(
             let weight = 1.0 / parts.len() as f64;
             // A smooth sign vanishes at rest, and what is usual with it.
             let size = terms.iter().fold(0.0_f64, |most, (_, weight)| most.max(weight.abs()));
-            if size > 0.0 {
-                let nominal = usual * size.min(1.0);
-                all.push(Positive { least: LEAST_FRICTION * nominal, terms, nominal, weight });
+            let nominal = usual * size.min(1.0);
+            let least = LEAST_FRICTION * nominal;
+            (size > 0.0).then_some(Positive { least, terms, nominal, weight })
+        };
+        for part in &parts {
+            // Most laws are the same either way.
+            match [part * peak, -part * peak].map(at_speed) {
+                [Some(one), Some(other)] if one == other => {
+                    all.push(Positive { weight: 2.0 * one.weight, ..one });
+                }
+                ways => all.extend(ways.into_iter().flatten()),
             }
         }
     }

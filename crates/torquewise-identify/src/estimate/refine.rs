@@ -129,7 +129,7 @@ pub(crate) fn refine(
     let linear = start.linear_indices();
     let sums = add_up(recording, start)?;
     let step = Step::new(&sums, start, sizes);
-    let parameters = step.step(&linear, &step.tuning(&linear)?, 0.0)?;
+    let parameters = step.step(&linear, &step.tuning()?, 0.0)?;
     let mut at = start.at(&parameters);
     for weighing in 0..WEIGHINGS[1] {
         let before = geometric_mean(&at.weights);

@@ -146,7 +146,7 @@ struct TorqueOf<'a> {
 
 impl<'a> TorqueOf<'a> {
     fn new(step: Step<'a>, places: Vec<usize>) -> Result<Self, IdentifyError> {
-        let strength = step.tuning(&step.at.linear_indices())?.strength;
+        let strength = step.tuning()?.strength;
         let of_rotors = step.prior.positive.iter().filter_map(|positive| {
             let [(index, weight)] = positive.terms[..] else { return None };
             let place = places.iter().position(|own| *own == index)?;

@@ -37,22 +37,22 @@ impl Step<'_> {
     /// Chooses what the fit is tuned by, and where the sample may be overruled which parameters of
     /// the geometry move: what the sample put at right angles may be wrong.
     pub(super) fn tuned(&self, may_release: bool) -> Result<(Vec<usize>, Tuning), IdentifyError> {
-        let active = self.at.active();
-        let held = self.tuning(&active)?;
-        let released = if may_release { self.released(&active, &held)? } else { Vec::new() };
+        let (active, tuning) = (self.at.active(), self.tuning()?);
+        let released = if may_release { self.released(&active, &tuning)? } else { Vec::new() };
         if released.is_empty() {
-            return Ok((active, held));
+            return Ok((active, tuning));
         }
         let mut more: Vec<usize> = active.iter().copied().chain(released).collect();
         more.sort_unstable();
-        let free = self.tuning(&more)?;
-        let pair = [("held", &held), ("released", &free)].map(|(label, tuning)| CvScore {
-            label: label.to_owned(),
-            complexity: 0,
-            errors: tuning.errors.clone(),
-        });
-        let is_better = choose_worth("geometry", &pair, WORTH).is_some_and(|(place, _)| place == 1);
-        Ok(if is_better { (more, free) } else { (active, held) })
+        let mut trials = Vec::new();
+        for (label, indices) in [("held", &active), ("released", &more)] {
+            let errors = self.errors(indices, &[tuning.strength], tuning.prior)?;
+            let errors = errors.unwrap_or_default().concat();
+            trials.push(CvScore { label: label.to_owned(), complexity: 0, errors });
+        }
+        let is_better =
+            choose_worth("geometry", &trials, WORTH).is_some_and(|(place, _)| place == 1);
+        Ok((if is_better { more } else { active }, tuning))
     }
 
     /// The spread of the scores of some parameters: Σ (s − s̄)(s − s̄)ᵀ over blocks of time, since

@@ -33,8 +33,6 @@ pub(crate) struct Tuning {
     pub(super) prior: f64,
     /// How the strength was chosen; nothing where a log has too few folds.
     pub(super) choice: Option<Choice>,
-    /// Errors on held-out folds; empty where they are too few.
-    pub(super) errors: Vec<f64>,
 }
 
 /// The normal equations of a pass, and the physical constraints on its parameters.

@@ -25,21 +25,19 @@ impl Step<'_> {
     ///
     /// A weaker prior makes no model longer: the best is taken, not the strongest near it. The prior
     /// of the geometry is that of arms, and counts as one independent row.
-    pub(super) fn tuning(&self, active: &[usize]) -> Result<Tuning, IdentifyError> {
+    pub(super) fn tuning(&self) -> Result<Tuning, IdentifyError> {
         let prior = self.repeats;
         let strengths = STRENGTHS.map(|strength| strength * prior);
         let linear = self.at.linear_indices();
         let Some(errors) = self.errors(&linear, &strengths, prior)? else {
-            let strength = USUAL_STRENGTH * prior;
-            return Ok(Tuning { strength, prior, choice: None, errors: Vec::new() });
+            return Ok(Tuning { strength: USUAL_STRENGTH * prior, prior, choice: None });
         };
         let means: Vec<f64> = errors.iter().map(|errors| mean(errors)).collect();
         let place = (0..means.len()).min_by(|&a, &b| means[a].total_cmp(&means[b])).unwrap_or(0);
-        let strength = strengths[place];
         let trials: Vec<CvScore> = (STRENGTHS.iter().zip(&errors))
             .map(|(strength, errors)| CvScore {
                 label: strength.to_string(),
-                complexity: active.len(),
+                complexity: linear.len(),
                 errors: errors.iter().map(|error| error * self.relative_noise).collect(),
             })
             .collect();
@@ -49,17 +47,11 @@ impl Step<'_> {
             rule: format!("least error, {} regions held out", errors[place].len()),
             from: listed(&trials),
         });
-        let errors = self.errors(active, &[strength], prior)?.unwrap_or_default();
-        Ok(Tuning {
-            strength,
-            prior,
-            choice,
-            errors: errors.into_iter().next().unwrap_or_default(),
-        })
+        Ok(Tuning { strength: strengths[place], prior, choice })
     }
 
     /// What each of some strengths leaves on each held-out fold; nothing if folds are few.
-    fn errors(
+    pub(super) fn errors(
         &self,
         active: &[usize],
         strengths: &[f64],

@@ -154,7 +154,7 @@ impl Arm<'_> {
 mod tests {
     use super::{add_up_windows, drifts_of};
     use crate::plan::{ChainOptions, FrictionKind};
-    use crate::rounds::Request;
+    use crate::rounds::Searched;
     use crate::{Plan, summary};
     use torquewise_sim::{Arm, MotionPlan, simulate};
     use torquewise_stepwise::progress::UNWATCHED;
@@ -166,8 +166,8 @@ mod tests {
         let options = ChainOptions { friction: FrictionKind::Linear, ..ChainOptions::default() };
         let sums = summary::summarise(&log, &Plan::from(options.clone()), "", UNWATCHED).unwrap();
         let survey = sums.survey().unwrap();
-        let request = Request::first(&survey, &options, (false, 0), None, UNWATCHED).unwrap();
-        let mut at = request.linearisation().clone();
+        let searched = Searched::of(&survey, &options, (false, 0), None, UNWATCHED).unwrap();
+        let mut at = searched.refined(UNWATCHED).unwrap().linearisation().clone();
         let rotor = 30;
         at.linear[rotor] += 0.05;
         let weights = vec![vec![1.0; 3]; 2];

@@ -49,7 +49,10 @@ pub struct FirstLook {
 }
 
 /// A first look at the joints of a motion.
-pub(crate) fn first_look(
+///
+/// # Errors
+/// [`IdentifyError::Chain`] if the watcher breaks, or no chain is found.
+pub fn first_look(
     motion: &Motion,
     seed: u64,
     watch: Watch<'_>,

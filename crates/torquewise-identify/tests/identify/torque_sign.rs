@@ -4,7 +4,7 @@ use faer::Mat;
 use torquewise_identify::excitation::Finding;
 use torquewise_identify::plan::FrictionKind;
 use torquewise_identify::verdict::{Grade, Tested, judge};
-use torquewise_identify::{Plan, Warning};
+use torquewise_identify::{Plan, UNWATCHED, Warning, survey, weightless};
 use torquewise_motion::Motion;
 use torquewise_sim::{Arm, MotionKind};
 
@@ -97,22 +97,31 @@ fn poses_without_velocities_are_no_path_for_friction() {
     assert!(errors[1..].iter().all(|error| *error < 5.0), "{errors:?}");
 }
 
-/// What a fit says of torques with dry friction once they are spoilt.
-fn said(arm: &Arm, plan: &Plan, spoil: impl Fn(&[f64], &mut [f64])) -> Vec<Finding> {
+/// A log of torques with dry friction that are spoilt.
+fn spoilt(arm: &Arm, spoil: impl Fn(&[f64], &mut [f64])) -> Motion {
     let clean = motion(arm, MotionKind::Moves, 40.0, 100.0, 1);
     let tau = clean.tau().unwrap().to_owned();
     let dry: Vec<f64> =
         (0..tau.ncols()).map(|joint| 0.1 * deviation(tau.as_ref(), joint)).collect();
-    let log = with_torque(clean, |[q, dq, _], tau| {
+    with_torque(clean, |[q, dq, _], tau| {
         for ((tau, dry), dq) in tau.iter_mut().zip(&dry).zip(dq) {
             *tau += dry * (dq / 0.02).tanh();
         }
         spoil(q, tau);
-    });
+    })
+}
+
+/// What a fit says of torques with dry friction once they are spoilt.
+fn said(arm: &Arm, plan: &Plan, spoil: impl Fn(&[f64], &mut [f64])) -> Vec<Finding> {
     let is_of_torque = |finding: &Finding| {
         matches!(finding, Finding::Swapped { .. } | Finding::Weightless | Finding::Gains { .. })
     };
-    findings(&log, plan).into_iter().filter(is_of_torque).collect()
+    findings(&spoilt(arm, spoil), plan).into_iter().filter(is_of_torque).collect()
+}
+
+/// Whether torques are said to lack gravity before anything is fitted to them.
+fn is_weightless(arm: &Arm, spoil: impl Fn(&[f64], &mut [f64])) -> bool {
+    weightless(&survey(&spoilt(arm, spoil)).unwrap(), 0, UNWATCHED).is_some()
 }
 
 #[test]
@@ -139,6 +148,11 @@ fn torques_that_are_swapped_or_without_gravity_are_named() {
 
         assert_eq!(said(&arm, &plan, take_out), expected, "{name}");
         assert_eq!(said(&arm, &plan, |_, _| ()), [], "{name}");
+        assert_eq!(is_weightless(&arm, take_out), is_told, "{name}");
+        assert!(!is_weightless(&arm, |_, _| ()), "{name}");
+    }
+    for upright in ["scara-4", "gantry-3"] {
+        assert!(!is_weightless(&Arm::builtin(upright).unwrap(), |_, _| ()), "{upright}");
     }
 }
 
