@@ -6,6 +6,9 @@ use rand_distr::{Distribution, StandardNormal};
 use torquewise_motion::signals::{ConditionReport, Conditioner, Raw, Signal, SignalPlan};
 use torquewise_motion::{Motion, MotionError};
 
+/// The key before the first row.
+const FIRST_KEY: u64 = 0xcbf2_9ce4_8422_2325;
+
 /// Standard deviation of the white noise of raw q of each joint, n: q̇ and q̈ are derived from it.
 #[derive(Clone, Debug)]
 pub(crate) struct RawNoise {
@@ -17,8 +20,9 @@ pub(crate) struct RawNoise {
 pub(crate) struct NoiseLane {
     noise: RawNoise,
     pub(crate) conditioner: Conditioner,
-    /// Set up at the first row, whose bits tell the trajectory from others.
-    random: Option<ChaCha8Rng>,
+    random: ChaCha8Rng,
+    /// Made of the bits of all rows so far: from where two trajectories differ, so do their draws.
+    key: u64,
 }
 
 impl RawNoise {
@@ -29,7 +33,8 @@ impl RawNoise {
 
     pub(crate) fn lane(&self, plan: SignalPlan) -> NoiseLane {
         let conditioner = Conditioner::new(plan.for_part());
-        NoiseLane { noise: self.clone(), conditioner, random: None }
+        let random = ChaCha8Rng::seed_from_u64(self.seed);
+        NoiseLane { noise: self.clone(), conditioner, random, key: FIRST_KEY }
     }
 }
 
@@ -39,20 +44,17 @@ impl NoiseLane {
         if raw.t.is_empty() {
             return Ok(Vec::new());
         }
-        let seed = self.noise.seed;
-        let random = self.random.get_or_insert_with(|| {
-            let mut random = ChaCha8Rng::seed_from_u64(seed);
-            let values = raw.of(Signal::Q).iter().chain(raw.of(Signal::Tau)).map(|x| x[0]);
-            random.set_stream(values.fold(0xcbf2_9ce4_8422_2325, |key: u64, x| {
-                (key ^ x.to_bits()).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29)
-            }));
-            random
-        });
         let mut q = vec![Vec::with_capacity(raw.t.len()); raw.joints.len()];
         // Row by row, so that draws do not depend on where blocks end.
-        for _ in &raw.t {
+        for row in 0..raw.t.len() {
+            let values = raw.of(Signal::Q).iter().chain(raw.of(Signal::Tau)).map(|x| x[row]);
+            self.key = values.fold(self.key, |key: u64, x| {
+                (key ^ x.to_bits()).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29)
+            });
+            self.random.set_stream(self.key);
+            self.random.set_word_pos(0);
             for (q, deviation) in q.iter_mut().zip(&self.noise.deviations) {
-                let unit: f64 = StandardNormal.sample(random);
+                let unit: f64 = StandardNormal.sample(&mut self.random);
                 q.push(deviation * unit);
             }
         }

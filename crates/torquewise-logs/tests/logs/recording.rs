@@ -3,6 +3,7 @@ use crate::{Files, seen};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
+use std::ops::Range;
 use std::path::PathBuf;
 use torquewise_logs::{ConditionedLogs, LogError, Logs};
 use torquewise_motion::signals::{Conditioning, Cutoff};
@@ -50,11 +51,11 @@ fn trajectories_too_short_to_filter_leave_the_others_their_numbers() {
 #[test]
 fn repairs_are_those_of_each_log_in_any_order_and_one_reading_of_one_log_is_enough() {
     let files = Files::new();
-    let spoilt = noisy_swing(4_000).lines().fold(String::new(), |text, line| {
+    let spoilt = noisy_swing(4_000, 0..0).lines().fold(String::new(), |text, line| {
         let spike = line.starts_with("20.0,").then_some("20.0,0.0,500.0");
         text + spike.unwrap_or(line) + "\n" + if spike.is_some() { "20.0,0.0,1.0\n" } else { "" }
     });
-    let sound = files.add("sound.csv", &noisy_swing(4_000));
+    let sound = files.add("sound.csv", &noisy_swing(4_000, 0..0));
     let spoilt = files.add("spoilt.csv", &spoilt);
     let open = |paths: [&PathBuf; 2]| {
         let logs = Logs::open(&paths.map(Clone::clone)).unwrap();
@@ -191,12 +192,14 @@ fn reading_stops_with_the_first_error_of_the_visitor() {
     assert_eq!((visits, stopped.unwrap_err().to_string().as_str()), (1, "enough"));
 }
 
-/// A joint that swings, with white noise of 1e-3 in its position; no velocities.
-fn noisy_swing(rows: usize) -> String {
+/// A joint that swings, with white noise of 1e-3 in its position and another torque in some rows; no
+/// velocities.
+fn noisy_swing(rows: usize, other: Range<usize>) -> String {
     let unit = ChaCha8Rng::seed_from_u64(1).sample_iter(StandardNormal);
     let row = |(k, noise): (usize, f64)| {
         let t = 0.01 * k as f64;
-        format!("{t:?},{:?},{:?}\n", (2.0 * t).sin() + 1e-3 * noise, t.cos())
+        let tau = t.cos() + if other.contains(&k) { 0.1 } else { 0.0 };
+        format!("{t:?},{:?},{tau:?}\n", (2.0 * t).sin() + 1e-3 * noise)
     };
     format!("t,q1,tau1\n{}", (0..rows).zip(unit).map(row).collect::<String>())
 }
@@ -219,8 +222,9 @@ fn rows_and_noise(logs: &ConditionedLogs, log: usize, seed: u64) -> [Vec<[f64; 4
 fn noise_of_raw_samples_goes_where_their_rows_go() {
     let files = Files::new();
     // Longer than what a plan is made from, and shorter.
-    let long = files.add("a.csv", &noisy_swing(70_000));
-    let short = files.add("b.csv", &noisy_swing(5_000));
+    let long = files.add("a.csv", &noisy_swing(70_000, 0..0));
+    let short = files.add("b.csv", &noisy_swing(5_000, 0..0));
+    let other = files.add("c.csv", &noisy_swing(5_000, 2_500..2_510));
     let open = |paths: &[PathBuf]| {
         let settings = Conditioning { cutoff: Cutoff::Hz(3.0), ..Conditioning::default() };
         ConditionedLogs::new(Logs::open(paths).unwrap(), &settings).unwrap()
@@ -251,4 +255,9 @@ fn noise_of_raw_samples_goes_where_their_rows_go() {
     assert_eq!(rows_and_noise(&open(std::slice::from_ref(&short)), 0, 7)[1].len(), noise.len());
     assert_ne!(rows_and_noise(&logs, 1, 8)[1], noise);
     assert_eq!(rows_and_noise(&logs, 1, 7)[1], noise);
+    // From the middle on, where a log differs, its noise does; the filter carries that some way back.
+    let logs = open(&[short, other]);
+    let [own, others] = [0, 1].map(|log| rows_and_noise(&logs, log, 7)[1].clone());
+    let alike = own.iter().zip(&others).take_while(|(a, b)| a == b).count();
+    assert!((0.35..0.5).contains(&(alike as f64 / own.len() as f64)), "{alike}");
 }
