@@ -107,10 +107,7 @@ pub fn tune<L: RawRecording>(
 
 /// The delay that is set, or none.
 fn no_delay(logs: &impl RawRecording) -> f64 {
-    match logs.delays()[..] {
-        [set] => set,
-        _ => 0.0,
-    }
+    if let [set] = logs.delays()[..] { set } else { 0.0 }
 }
 
 /// Whether two delays are the same one of the grid.

@@ -89,7 +89,7 @@ impl Fitted {
         };
         let noise = &solved.at.noise;
         Progress::Working.tell(watch)?;
-        let kind = torque_kind(&narrowed, &survey.sample)?;
+        let kind = torque_kind(&narrowed, (&survey.sample, &survey.dq_peak), seed, watch)?;
         warnings.extend(kind.map(Warning::Excitation));
         Progress::Working.tell(watch)?;
         warnings.extend(drifts(&model, &survey.sample)?.into_iter().map(Warning::Drift));

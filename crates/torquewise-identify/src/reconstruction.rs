@@ -5,8 +5,8 @@ use crate::excitation::Finding;
 use crate::library_errors::held_out_rms;
 use crate::residual_shape::shapes;
 use crate::rough::doubtful;
-use crate::torque_kind::is_weightless;
-use crate::torque_sign::{SignTest, swapped};
+use crate::torque_kind::{has_gravity, weightless};
+use crate::torque_sign::{SignTest, at_a_glance, swapped};
 use crate::verdict::grave;
 use crate::warning::Warning;
 use torquewise_model::{Model, Torque};
@@ -63,9 +63,13 @@ impl Reconstruction {
             held_out_rms(&model, &survey.sample)?;
         let mut found =
             Self { model, survey, patterns, noise, candidates, steps, dropped, warnings };
-        let weightless = is_weightless(&found.model).then_some(Finding::Weightless);
-        found.warnings.extend(weightless.map(Warning::Excitation));
-        found.doubt_torque(seed, watch, |survey| SignTest::search(survey, seed, watch))?;
+        if !has_gravity(&found.model) {
+            let kind = weightless(&found.survey, seed, watch);
+            found.warnings.extend(kind.map(Warning::Excitation));
+        }
+        found.doubt_torque(seed, watch, |Survey { sample, dq_peak, .. }| {
+            Ok(SignTest::at(&at_a_glance((sample, dq_peak), seed, watch)?, false))
+        })?;
         Ok(found)
     }
 

@@ -6,13 +6,13 @@ use crate::learn::kinds::first_look;
 use crate::reconstruction::Watch;
 use crate::torque_sign::at_a_glance;
 use crate::unseen::{CHOICE_ROWS, HeldOut, Unseen, both_ways, geometric_mean};
-use faer::Mat;
+use faer::{Mat, MatRef};
 use std::ops::Range;
-use torquewise_model::term::{Factor, Sum};
 use torquewise_model::{Kind, Model, Term};
 use torquewise_motion::Motion;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_rigid::feasible::Factored;
+use torquewise_rigid::geometry::PER_BASE;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::survey::{Survey, thinned};
@@ -45,20 +45,48 @@ const MOST_APART: f64 = 20.0;
 /// What is left of held-out torque, in units of the least residual that weights are made of, below
 /// which it is rounding, as of a log without noise: no reading of it is better.
 const NOTHING: f64 = 0.01;
-/// A term of inertia of this part of the largest of its equation is no chance.
-const CROSSES: f64 = 0.1;
+/// How often axes are searched anew with the gains put right.
+const LOOKS: usize = 2;
 /// Ridge on columns of unit length, which may be linearly dependent.
 const RIDGE: f64 = 1e-8;
 
 /// Whether links explain held-out torque as well where nothing weighs; or whether links that joints
-/// share ask for gains of their own: a gain is not free, since the same mass loads several joints.
+/// share ask for gains of their own: a gain is not free, since the same mass loads several joints. Axes
+/// that were learned from torques of unequal units lie elsewhere: they are searched anew with the gains
+/// put right, and what is left of these is found there.
 ///
 /// - returns: [`Finding::Weightless`] or [`Finding::Gains`]; `None` where what is logged is best taken
 ///   as torque
 pub(crate) fn torque_kind(
     at: &Linearisation,
-    sample: &Motion,
+    (sample, dq_peak): (&Motion, &[f64]),
+    seed: u64,
+    watch: Watch<'_>,
 ) -> Result<Option<Finding>, IdentifyError> {
+    let mut kind = kind_at(at, sample)?;
+    let Some(Finding::Gains { gains, .. }) = &mut kind else { return Ok(kind) };
+    let is_learned = at.structure.free.iter().any(|parameter| *parameter >= PER_BASE);
+    for _ in 0..if is_learned { LOOKS } else { 0 } {
+        let mut signals = thinned(sample, ROWS).into_signals();
+        let right = |tau: Mat<f64>| {
+            Mat::from_fn(tau.nrows(), tau.ncols(), |row, k| gains[k][0] * tau[(row, k)])
+        };
+        signals.tau = signals.tau.map(right);
+        let motion = Motion::new(signals)?;
+        let Ok(mut at) = at_a_glance((&motion, dq_peak), seed, watch) else { break };
+        at.structure.free = at.geometry.movable();
+        let (columns, weights) = at.columns_of(&motion)?;
+        let Some(left) = Gains::at(&at, &motion, (&columns, &weights)) else { break };
+        for ([gain, error], [own, own_error]) in gains.iter_mut().zip(left.each()) {
+            (*gain, *error) = (*gain * own, *gain * own_error);
+        }
+    }
+    let is_apart = gains.iter().any(|[gain, _]| gain.ln().abs() > SAME.ln());
+    Ok(kind.filter(|_| is_apart))
+}
+
+/// The same at axes as they are.
+fn kind_at(at: &Linearisation, sample: &Motion) -> Result<Option<Finding>, IdentifyError> {
     let motion = thinned(sample, ROWS);
     if motion.n_rows() < CHOICE_ROWS {
         return Ok(None);
@@ -94,13 +122,7 @@ pub(crate) fn torque_kind(
     if pulled > PULLED * size(&columns) && leaves(&weightless, ALIKE) {
         return Ok(Some(Finding::Weightless));
     }
-    let drive = [PER_BODY * motion.n_joints(), at.linear.len()];
-    let edge = |part: usize| part * motion.n_rows() / PARTS;
-    let part = |part: usize| {
-        JointRows::new((&columns, &weights), &tau, drive, &(edge(part)..edge(part + 1)))
-    };
-    let parts: Vec<JointRows> = (0..PARTS).map(part).collect();
-    let Some(gains) = Gains::of(&parts, &at.linear) else { return Ok(None) };
+    let Some(gains) = Gains::at(at, &motion, (&columns, &weights)) else { return Ok(None) };
     let per = &gains.per;
     let is_apart = |joint: usize| {
         let error = gains.error(&|per| per[joint].ln());
@@ -111,12 +133,7 @@ pub(crate) fn torque_kind(
     if !leaves(&gains.all.widened(&columns, &own, &gains.loads), WORTH) {
         return Ok(None);
     }
-    let gain = |per: &[f64], joint: usize| geometric_mean(per) / per[joint];
-    let gains = (0..per.len()).map(|joint| {
-        let own = gain(per, joint);
-        [own, own * gains.error(&|per| gain(per, joint).ln())]
-    });
-    Ok(Some(Finding::Gains { joints: sample.joints().to_vec(), gains: gains.collect() }))
+    Ok(Some(Finding::Gains { joints: sample.joints().to_vec(), gains: gains.each() }))
 }
 
 /// Whether gravity does nothing to the torques of logs to which nothing was fitted yet, by a chain that
@@ -127,32 +144,17 @@ pub fn weightless(survey: &Survey, seed: u64, watch: Watch<'_>) -> Option<Findin
     if !look.kinds.all_turn() || !look.may_slide.is_empty() {
         return None;
     }
-    let (chain, drive) = at_a_glance(survey, seed, watch).ok()?;
-    let at = Linearisation::of(&chain, (drive, &chain.drive), vec![0.0; survey.joints.len()]);
-    torque_kind(&at, &survey.sample).ok()?.filter(|found| *found == Finding::Weightless)
+    let at = at_a_glance((&survey.sample, &survey.dq_peak), seed, watch).ok()?;
+    kind_at(&at, &survey.sample).ok()?.filter(|found| *found == Finding::Weightless)
 }
 
-/// Whether the terms of a library are those of axes that are not all parallel, and hold no gravity: only
-/// axes that stand upright, all of them, leave none.
-///
-/// Of parallel axes, no entry of M(q) turns with twice an angle \[E4\].
-pub(crate) fn is_weightless(model: &Model) -> bool {
-    let kinds = model.kinds();
-    let degree = |term: &Term, joint: usize| -> i32 {
-        let of = |own: &Factor| i32::from(own.multiples[joint]).abs() * i32::from(own.power);
-        term.factors.iter().map(of).sum()
-    };
-    let crosses = |equation: &Sum| {
-        let inertia = || equation.iter().filter(|(_, term)| term.kind() == Kind::Inertia);
-        let largest = inertia().fold(0.0_f64, |largest, (own, _)| largest.max(own.abs()));
-        let mut large = inertia().filter(|(own, _)| own.abs() > CROSSES * largest);
-        large.any(|(_, term)| (0..term.n_joints()).any(|joint| degree(term, joint) > 1))
-    };
+/// Whether the terms of a library hold gravity.
+pub(crate) fn has_gravity(model: &Model) -> bool {
+    let all_turn = model.kinds().all_turn();
     let weighs = |(_, term): &(f64, Term)| {
-        term.kind() == Kind::Gravity && (!term.factors.is_empty() || !kinds.all_turn())
+        term.kind() == Kind::Gravity && (!term.factors.is_empty() || !all_turn)
     };
-    let equations = model.equations();
-    !equations.iter().flatten().any(weighs) && equations.iter().any(crosses)
+    model.equations().iter().flatten().any(weighs)
 }
 
 /// One over the gain of each joint beside that of one of them.
@@ -166,19 +168,42 @@ struct Gains {
 }
 
 impl Gains {
-    /// `None` where they are no gains.
-    fn of(parts: &[JointRows], linear: &[f64]) -> Option<Self> {
+    /// Those of the rows of a motion at a linearisation; `None` where they are no gains.
+    ///
+    /// - `columns`: (m·n)×p, and what each row was multiplied by, m·n
+    fn at(
+        at: &Linearisation,
+        motion: &Motion,
+        (columns, weights): (&Mat<f64>, &[f64]),
+    ) -> Option<Self> {
+        let (tau, m) = (motion.tau()?, motion.n_rows());
+        let drive = [PER_BODY * motion.n_joints(), at.linear.len()];
+        let edge = |part: usize| part * m / PARTS;
+        let part = |part: usize| {
+            JointRows::new((columns, weights), tau, drive, &(edge(part)..edge(part + 1)))
+        };
+        let parts: Vec<JointRows> = (0..PARTS).map(part).collect();
         let all = JointRows::of(parts.iter())?;
         // The joint that links load most.
-        let links = all.links(linear);
+        let links = all.links(&at.linear);
         let load = |joint: usize| (links.transpose() * &all.sums[joint].gram * &links)[(0, 0)];
         let joints = 0..all.sums.len();
         let most = joints.max_by(|a, b| load(*a).total_cmp(&load(*b))).unwrap_or(0);
-        let (per, loads) = all.gains(linear, most)?;
+        let (per, loads) = all.gains(&at.linear, most)?;
         let others = |part: usize| parts[..part].iter().chain(&parts[part + 1..]);
-        let without = |part: usize| Some(JointRows::of(others(part))?.gains(linear, most)?.0);
+        let without = |part: usize| Some(JointRows::of(others(part))?.gains(&at.linear, most)?.0);
         let without: Vec<Vec<f64>> = (0..parts.len()).filter_map(without).collect();
         (without.len() >= LEAST_PARTS).then_some(Self { per, without, loads, all })
+    }
+
+    /// What a unit of each torque is worth beside the others, geometric mean 1, and its error, n.
+    fn each(&self) -> Vec<[f64; 2]> {
+        let gain = |per: &[f64], joint: usize| geometric_mean(per) / per[joint];
+        let of = |joint: usize| {
+            let own = gain(&self.per, joint);
+            [own, own * self.error(&|per| gain(per, joint).ln())]
+        };
+        (0..self.per.len()).map(of).collect()
     }
 
     /// Standard error of what follows from them, by the jackknife.
@@ -200,7 +225,7 @@ struct JointRows {
 impl JointRows {
     fn new(
         (columns, weights): (&Mat<f64>, &[f64]),
-        tau: &Mat<f64>,
+        tau: MatRef<'_, f64>,
         drive: [usize; 2],
         rows: &Range<usize>,
     ) -> Self {

@@ -13,7 +13,7 @@ use torquewise_rigid::search::{Search, glance, search};
 use torquewise_rigid::{Chain, ChainError, ChainRows, Geometry, Kinematics, refine};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
-use torquewise_stepwise::survey::{Survey, thinned};
+use torquewise_stepwise::survey::thinned;
 
 /// Rows that are tried on; on fewer than these, some signs fit by chance.
 const ROWS: usize = 400;
@@ -53,16 +53,6 @@ impl SignTest {
         let geometry = at.geometry.clone();
         let free = if is_given { Vec::new() } else { geometry.movable() };
         Self { geometry, free, drive: at.structure.drive.clone() }
-    }
-
-    /// A chain that is searched on few rows.
-    pub(crate) fn search(
-        survey: &Survey,
-        seed: u64,
-        watch: Watch<'_>,
-    ) -> Result<Self, IdentifyError> {
-        let (Chain { geometry, .. }, drive) = at_a_glance(survey, seed, watch)?;
-        Ok(Self { free: geometry.movable(), geometry, drive })
     }
 
     /// Joints whose torque, turned round, lets a chain explain the torques of all joints far better.
@@ -226,18 +216,18 @@ impl SignTest {
     }
 }
 
-/// A chain that is searched on few rows, and what loads its joints beside the links.
+/// A chain with usual friction that is searched on few rows of a motion, joints that all turn.
 pub(crate) fn at_a_glance(
-    survey: &Survey,
+    (sample, dq_peak): (&Motion, &[f64]),
     seed: u64,
     watch: Watch<'_>,
-) -> Result<(Chain, Vec<DriveTerm>), IdentifyError> {
-    let drive = DriveTerm::usual(&FrictionLibrary::new(survey.dq_peak.clone()));
-    let motion = thinned(&survey.sample, ROWS);
+) -> Result<Linearisation, IdentifyError> {
+    let drive = DriveTerm::usual(&FrictionLibrary::new(dq_peak.to_vec()));
+    let motion = thinned(sample, ROWS);
     let rows = rows(&motion, &columns(&drive, &motion, None))?;
     let found = search(&rows, &Search { seed, ..Search::default() }, &searching(watch))?;
     let chain = found.chains.into_iter().next().ok_or(ChainError::Singular)?;
-    Ok((chain, drive))
+    Ok(Linearisation::of(&chain, (drive, &chain.drive), vec![0.0; motion.n_joints()]))
 }
 
 /// Two joints whose torques stand in each other's place: a first look at few rows finds a chain that

@@ -158,17 +158,21 @@ fn torques_that_are_swapped_or_without_gravity_are_named() {
 
 #[test]
 fn currents_of_different_motors_are_named_with_what_each_is_worth() {
-    let gains = [9.0, 14.0, 8.0, 5.0, 6.0, 7.0];
-    let currents =
-        |_: &[f64], tau: &mut [f64]| tau.iter_mut().zip(gains).for_each(|(tau, gain)| *tau /= gain);
+    let arms =
+        [("generic-6", &[9.0, 14.0, 8.0, 5.0, 6.0, 7.0][..]), ("puma560-3", &[1.0, 2.9, 0.4])];
+    for (name, gains) in arms {
+        let currents = |_: &[f64], tau: &mut [f64]| {
+            tau.iter_mut().zip(gains).for_each(|(tau, gain)| *tau /= gain);
+        };
+        let found = said(&Arm::builtin(name).unwrap(), &Plan::chain(), currents);
 
-    let found = said(&Arm::builtin("generic-6").unwrap(), &Plan::chain(), currents);
-
-    let [Finding::Gains { gains: found, .. }] = &found[..] else { panic!("{found:?}") };
-    let mean = gains.iter().map(|gain| f64::ln(*gain)).sum::<f64>() / 6.0;
-    for ([found, error], gain) in found.iter().zip(gains) {
-        let truth = gain / mean.exp();
-        assert!((found / truth - 1.0).abs() < 0.1, "{found} {truth}");
-        assert!(*error < 0.2 * truth, "{found} {error}");
+        let [Finding::Gains { gains: found, .. }] = &found[..] else { panic!("{found:?}") };
+        let mean = gains.iter().map(|gain| gain.ln()).sum::<f64>() / gains.len() as f64;
+        for ([found, error], gain) in found.iter().zip(gains) {
+            let truth = gain / mean.exp();
+            assert!((found / truth - 1.0).abs() < 0.01, "{name}: {found} {truth}");
+            assert!((found - truth).abs() < 3.0 * error, "{name}: {found} ± {error}, {truth}");
+            assert!(*error < 0.1 * truth, "{name}: {found} {error}");
+        }
     }
 }
