@@ -65,8 +65,10 @@ pub(crate) fn torque_kind(
 ) -> Result<Option<Finding>, IdentifyError> {
     let mut kind = kind_at(at, sample)?;
     let Some(Finding::Gains { gains, .. }) = &mut kind else { return Ok(kind) };
+    // Of slides and coupled joints a glance knows nothing.
+    let is_usual = at.geometry.kinds().all_turn() && at.geometry.coupling().is_none();
     let is_learned = at.structure.free.iter().any(|parameter| *parameter >= PER_BASE);
-    for _ in 0..if is_learned { LOOKS } else { 0 } {
+    for _ in 0..if is_usual && is_learned { LOOKS } else { 0 } {
         let mut signals = thinned(sample, ROWS).into_signals();
         let right = |tau: Mat<f64>| {
             Mat::from_fn(tau.nrows(), tau.ncols(), |row, k| gains[k][0] * tau[(row, k)])

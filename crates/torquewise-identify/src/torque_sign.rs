@@ -258,20 +258,17 @@ pub(crate) fn swapped(
     let left = |rows: &ChainRows, (starts, count): (usize, usize)| {
         glance(&rows.thinned(count), &Search { seed, starts, ..Search::default() }, &watch)
     };
-    // Those that leave less than others do, the best first.
-    let better = |pairs: Vec<[usize; 2]>, look: (usize, usize), than: f64| {
+    // Those that leave less than a part of what is left as it is, the best first.
+    let better = |pairs: Vec<[usize; 2]>, look: (usize, usize), part: f64| {
+        let than = if pairs.is_empty() { 0.0 } else { part * left(&rows, look) };
         let left = |pair| (left(&rows.clone().swapped(pair), look), pair);
         let mut pairs: Vec<(f64, [usize; 2])> = pairs.into_par_iter().map(left).collect();
         pairs.retain(|(own, _)| *own <= than);
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
         pairs.into_iter().map(|(_, pair)| pair)
     };
-    let likeliest: Vec<[usize; 2]> =
-        better(pairs, FEWER, left(&rows, FEWER)).take(LIKELIEST).collect();
-    if likeliest.is_empty() {
-        return Ok(None);
-    }
-    Ok(better(likeliest, FEW, HALF * left(&rows, FEW)).next())
+    let likeliest: Vec<[usize; 2]> = better(pairs, FEWER, 1.0).take(LIKELIEST).collect();
+    Ok(better(likeliest, FEW, HALF).next())
 }
 
 /// A chain with the torque of some joints turned round.
