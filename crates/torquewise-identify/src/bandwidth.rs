@@ -101,7 +101,7 @@ pub fn tune<L: RawRecording>(
         if is_last || is_second {
             return grid.tuned(logs, searched.refined(watch)?);
         }
-        before = Some(searched.into_joints());
+        before = Some(searched.learned);
     }
 }
 

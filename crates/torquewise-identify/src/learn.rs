@@ -13,7 +13,6 @@ use rayon::prelude::*;
 use std::ops::ControlFlow;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
-use torquewise_rigid::coupling::Coupling;
 use torquewise_rigid::search::{FINAL_ROWS, SearchStage, all_parameters};
 use torquewise_rigid::{Chain, ChainError, ChainRows, JointKinds, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
@@ -42,15 +41,6 @@ pub(crate) struct Learned {
     pub(crate) laws: FrictionLibrary,
     /// How often the geometry was found, where it was searched.
     pub(crate) found: Option<GeometryFound>,
-}
-
-/// What the joints of an arm were found to be at another bandwidth: kinds, what is coupled, and how
-/// that was chosen.
-#[derive(Debug)]
-pub(crate) struct Joints {
-    pub(crate) kinds: JointKinds,
-    pub(crate) coupling: Coupling,
-    pub(crate) choices: Vec<Choice>,
 }
 
 /// No axis is farther \[rad\] than this from the nearest right angle.
@@ -83,12 +73,12 @@ const SAME: f64 = 1e-3;
 pub(crate) fn learn(
     motion: &Motion,
     options: &ChainOptions,
-    (seed, joints): (u64, Option<Joints>),
+    (seed, before): (u64, Option<Learned>),
     watch: Watch<'_>,
 ) -> Result<Learned, IdentifyError> {
     let (n, friction) = (motion.n_joints(), options.friction);
     let balanced = balanced(motion, &options.counterbalanced)?;
-    let mut learner = ChainLearner { joints, ..ChainLearner::new(motion, watch) };
+    let mut learner = ChainLearner { before, ..ChainLearner::new(motion, watch) };
     let known = |kinds: &JointKinds| -> Vec<DriveTerm> {
         let springs =
             balanced.iter().flat_map(|&joint| DriveTerm::counterbalance(n, joint, kinds.of(joint)));
@@ -195,8 +185,8 @@ struct ChainLearner<'a> {
     motion: &'a Motion,
     /// Friction that is offered.
     laws: FrictionLibrary,
-    /// What the joints are, if that was found before.
-    joints: Option<Joints>,
+    /// The arm as it was learned at another bandwidth: what its joints are stays.
+    before: Option<Learned>,
     /// How often the geometry was found.
     found: Option<GeometryFound>,
     watch: Watch<'a>,
@@ -206,7 +196,7 @@ impl<'a> ChainLearner<'a> {
     fn new(motion: &'a Motion, watch: Watch<'a>) -> Self {
         let peak = |joint: usize| motion.dq().col(joint).norm_max();
         let laws = FrictionLibrary::new((0..motion.n_joints()).map(peak).collect());
-        Self { motion, laws, joints: None, found: None, watch }
+        Self { motion, laws, before: None, found: None, watch }
     }
 
     fn rows(&self, spec: &ChainSpec, count: usize) -> Result<ChainRows, IdentifyError> {

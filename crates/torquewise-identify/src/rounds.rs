@@ -6,7 +6,7 @@
 use crate::drive_terms::AT_REST;
 use crate::estimate::{Linearisation, Passes, Sizes, Structure, refine, weights};
 use crate::fitted::Fitted;
-use crate::learn::{Joints, LAST_ROWS, Learned, learn};
+use crate::learn::{LAST_ROWS, Learned, learn};
 use crate::plan::ChainOptions;
 use crate::reconstruction::{Progress, Watch};
 use crate::regions::Regions;
@@ -32,32 +32,50 @@ const REQUEST: [u8; 8] = *b"twreques";
 pub(crate) struct Searched<'a> {
     survey: &'a Survey,
     options: &'a ChainOptions,
-    learned: Learned,
+    pub(crate) learned: Learned,
     /// Where it is linearised.
     pub(crate) at: Linearisation,
 }
 
 impl<'a> Searched<'a> {
-    /// - `of_logs`: whether they are filtered, and a seed
-    /// - `before`: what the joints of the same arm were found to be at another bandwidth
+    /// - `filtered`, `seed`: whether the logs are filtered, and a seed
+    /// - `before`: the same arm at another bandwidth, whose joints stay what they were found to be
     pub(crate) fn of(
         survey: &'a Survey,
         options: &'a ChainOptions,
-        of_logs: (bool, u64),
-        before: Option<Joints>,
+        (filtered, seed): (bool, u64),
+        before: Option<Learned>,
         watch: Watch<'_>,
     ) -> Result<Self, IdentifyError> {
         Progress::Geometry.tell(watch)?;
-        let learned = learn(&survey.sample, options, (of_logs.1, before), watch)?;
-        let at = linearised(&learned, survey, options, of_logs)?;
+        let learned = learn(&survey.sample, options, (seed, before), watch)?;
+        let sample = thinned(&survey.sample, LAST_ROWS);
+        let Learned { chain, spec, laws, .. } = &learned;
+        let rest = if spec.has_friction() { AT_REST } else { 0.0 };
+        let rest = laws.width.iter().map(|width| rest * width).collect();
+        let at = Linearisation::of(chain, (spec.drive.clone(), &chain.drive), rest);
+        let structure = Structure {
+            robot: options.geometry.as_ref().and_then(|known| known.robot.clone()),
+            free: spec.free.clone(),
+            ..at.structure
+        };
+        // The noise of filtered rows is not white: it is drawn before the filter.
+        let white = if options.noise_correction && !filtered {
+            survey.noise.clone()
+        } else {
+            NoiseFloor::none(survey.joints.len())
+        };
+        let at = Linearisation {
+            weights: weights(&chain.residual_rms, &Sizes::of(survey)),
+            structure,
+            noise: white,
+            raw_noise: options.noise_correction && filtered,
+            regions: Regions::of(&sample, FOLDS),
+            seed,
+            ..at
+        };
+        let at = cut_for(at.scaled_by(&sample)?, sample.n_rows());
         Ok(Self { survey, options, learned, at })
-    }
-
-    /// What its joints were found to be.
-    pub(crate) fn into_joints(self) -> Joints {
-        let axes = self.at.geometry;
-        let (kinds, coupling) = (axes.kinds().clone(), axes.coupling().clone());
-        Joints { kinds, coupling, choices: self.learned.choices }
     }
 
     /// Refines it on the sample, and asks for the first pass over all rows.
@@ -168,39 +186,4 @@ fn cut_for(at: Linearisation, rows: usize) -> Linearisation {
     let [least, most] = BLOCK_ROWS;
     let block_rows = (rows / BLOCKS).next_power_of_two().clamp(least, most);
     Linearisation { block_rows, ..at }
-}
-
-/// The chain as it was learned, ready for a pass over a sample.
-fn linearised(
-    learned: &Learned,
-    survey: &Survey,
-    options: &ChainOptions,
-    (filtered, seed): (bool, u64),
-) -> Result<Linearisation, IdentifyError> {
-    let sample = thinned(&survey.sample, LAST_ROWS);
-    let Learned { chain, spec, laws, .. } = learned;
-    let rest = if spec.has_friction() { AT_REST } else { 0.0 };
-    let rest = laws.width.iter().map(|width| rest * width).collect();
-    let at = Linearisation::of(chain, (spec.drive.clone(), &chain.drive), rest);
-    let structure = Structure {
-        robot: options.geometry.as_ref().and_then(|known| known.robot.clone()),
-        free: spec.free.clone(),
-        ..at.structure
-    };
-    // The noise of filtered rows is not white: it is drawn before the filter.
-    let white = if options.noise_correction && !filtered {
-        survey.noise.clone()
-    } else {
-        NoiseFloor::none(survey.joints.len())
-    };
-    let at = Linearisation {
-        weights: weights(&chain.residual_rms, &Sizes::of(survey)),
-        structure,
-        noise: white,
-        raw_noise: options.noise_correction && filtered,
-        regions: Regions::of(&sample, FOLDS),
-        seed,
-        ..at
-    };
-    Ok(cut_for(at.scaled_by(&sample)?, sample.n_rows()))
 }

@@ -2,7 +2,7 @@
 
 use super::couplings::COUPLING;
 use super::{
-    ChainLearner, DriveTerm, Joints, LEFT_BY_RIDGE, NO_RIDGE, TRIAL_ROWS, UNRESOLVED, Watch,
+    ChainLearner, DriveTerm, LEFT_BY_RIDGE, Learned, NO_RIDGE, TRIAL_ROWS, UNRESOLVED, Watch,
     searching,
 };
 use crate::chain_spec::{ChainSpec, record_worth, trial};
@@ -79,13 +79,14 @@ impl ChainLearner<'_> {
         at: &(impl Fn(JointKinds) -> ChainSpec + Sync),
         choices: &mut Vec<Choice>,
     ) -> Result<(ChainSpec, Chain), IdentifyError> {
-        if let Some(Joints { kinds, coupling, choices: before }) = self.joints.take() {
+        if let Some(Learned { chain, choices: before, .. }) = self.before.take() {
+            let kinds = chain.geometry.kinds();
             let is_of_joints = |own: &Choice| {
                 [KINDS, COUPLING].contains(&own.what.as_str()) || own.what.starts_with(KIND_OF)
             };
             choices.extend(before.into_iter().filter(is_of_joints));
-            let mut spec = upright(at(kinds.clone()), &kinds);
-            spec.search.coupling = coupling;
+            let mut spec = upright(at(kinds.clone()), kinds);
+            spec.search.coupling = chain.geometry.coupling().clone();
             let chain = self.geometry(&mut spec, None, choices)?;
             return Ok((spec, chain));
         }

@@ -1,8 +1,9 @@
-//! Masses at a known geometry.
+//! Masses at a known geometry; the best chains are found first.
 
 use crate::twins::{arm, drawn, errors, largest, rows, sines};
 use torquewise_rigid::search::UNWATCHED;
-use torquewise_rigid::{Geometry, Search, refine};
+use torquewise_rigid::{Chain, Geometry, Search, refine, search};
+use torquewise_sim::Arm;
 
 #[test]
 fn masses_fitted_at_the_true_geometry_leave_nothing_and_at_a_wrong_one_something() {
@@ -24,4 +25,19 @@ fn masses_fitted_at_the_true_geometry_leave_nothing_and_at_a_wrong_one_something
         assert!(largest(&left) < 1e-9, "{n} joints: {left:?}");
         assert!(largest(&errors(&astray, &rows)) > 1e-3, "{n} joints");
     }
+}
+
+#[test]
+fn chains_come_best_first() {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let rows = rows(&sines(&arm, 10.0, 1));
+    // Few rounds leave some starts behind.
+    let plan = Search { starts: 4, rounds: 2, weighings: 1, ..Search::default() };
+
+    let found = search(&rows, &plan, UNWATCHED).unwrap().chains;
+
+    let score = |chain: &Chain| -> f64 { chain.residual_rms.iter().map(|rms| rms.ln()).sum() };
+    let scores: Vec<f64> = found.iter().map(score).collect();
+    assert_eq!(found.len(), 4);
+    assert!(scores.is_sorted(), "{scores:?}");
 }
