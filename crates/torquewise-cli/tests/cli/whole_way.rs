@@ -40,7 +40,9 @@ fn evaluate_notes_and_predict_marks_where_a_log_leaves_the_range_of_the_fit() {
 
 #[test]
 fn scoring_the_predicted_torque_by_hand_gives_what_evaluate_says() {
-    let terminal = Terminal::with_model();
+    let terminal = Terminal::new();
+    terminal.done("simulate planar-2 -o log.csv --seconds 60 --rate 50 --seed 3 --case 3");
+    terminal.run("fit log.csv -o model.json --library product");
 
     let scores = terminal.json("evaluate model.json log.csv");
     terminal.done("predict model.json log.csv -o torque.csv");
@@ -51,7 +53,7 @@ fn scoring_the_predicted_torque_by_hand_gives_what_evaluate_says() {
             .map(|name| torque.column(&format!("{name}{joint}")));
         assert_eq!(measured, log.column(&format!("tau{joint}")));
         let own = nrmse_percent(&measured, &tau_hat);
-        // Two sums of thousands of rows taken in another order.
+        // Two sums of 3 000 rows taken in another order.
         assert!((own - said).abs() <= 1e-9 * own, "{own} {said}");
         for (row, residual) in residual.iter().enumerate() {
             let expected = measured[row] - tau_hat[row];
