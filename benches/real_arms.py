@@ -117,8 +117,7 @@ def write_choices(page, name, run):
     page.row(
         "| arm | rows, raw",
         f"| {name} | {run.raw} → {found['rows']} | {same['filter']:.2f} | {1e3 * same['delay']:.1f} |"
-        f" {told(run.fit.model)} | {', '.join(laws)} | {'; '.join(beside) or 'none'} |"
-        f" {chosen['strength of the physical prior']} |",
+        f" {told(run.fit.model)} | {', '.join(laws)} | {'; '.join(beside) or 'none'} |",
     )
     print(*run.fit.warnings, sep="\n")
 

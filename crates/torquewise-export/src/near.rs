@@ -3,7 +3,7 @@
 use faer::{Mat, Side};
 use torquewise_model::{Drive, Model, ModelError, RigidChain};
 use torquewise_rigid::base_parameters::base_parameters;
-use torquewise_rigid::feasible::{Positive, Prior, Quadratic, minimise};
+use torquewise_rigid::feasible::{Prior, Quadratic, minimise};
 use torquewise_rigid::inertia::{Inertial, is_feasible};
 use torquewise_rigid::recursion::PER_BODY;
 
@@ -37,14 +37,13 @@ pub(crate) fn near(model: &Model, nominal: &[Option<Inertial>]) -> Result<Model,
         };
         let rotor = |(k, drive): (usize, &Drive)| match drive {
             Drive::Rotor { inertia, .. } if *inertia > 0.0 => {
-                let terms = vec![(PER_BODY * chain.links.len() + k, 1.0)];
-                Some(Positive { least: 0.0, terms, nominal: *inertia, weight: 1.0 })
+                Some((PER_BODY * chain.links.len() + k, *inertia))
             }
             _ => None,
         };
         let bodies = chain.links.iter().zip(nominal).map(body).collect();
-        let positive = chain.drives.iter().enumerate().filter_map(rotor).collect();
-        let prior = Prior { bodies, positive, small: Vec::new() };
+        let rotors = chain.drives.iter().enumerate().filter_map(rotor).collect();
+        let prior = Prior { bodies, rotors, ..Prior::default() };
         if let Ok(found) = minimise(cost, &prior, WEIGHT, learned) {
             *chain = chain.at(&found, 0);
         }

@@ -9,7 +9,6 @@ mod nominal;
 mod pass;
 mod equations;
 mod step;
-mod tuning;
 mod solve;
 mod refine;
 mod windows;

@@ -58,7 +58,7 @@ impl Fitted {
         seed: u64,
         watch: Watch<'_>,
     ) -> Result<Reconstruction, IdentifyError> {
-        let Self { solved, sizes, residual_rms, mut choices, found, warning } = self;
+        let Self { solved, sizes, residual_rms, choices, found, warning } = self;
         let mut training = survey.training(residual_rms);
         let narrowed = solved.at.narrowed();
         (training.held_out_rms, training.held_out_by_region_rms) =
@@ -76,7 +76,6 @@ impl Fitted {
         chain.set_covariance(&Mat::from_fn(p, p, |i, j| covariance[(order[i], order[j])]))?;
         let (terms, candidates) =
             equations(&chain, &friction, (&survey, residual_rms), seed, watch)?;
-        choices.extend(solved.choice);
         warnings.extend(warning);
         let mut model = Model {
             joints: survey.joints.clone(),

@@ -17,7 +17,9 @@ pub use factored::Factored;
 pub struct Prior {
     /// Nominal inertial parameters of each body; the first parameters are theirs, 10 each.
     pub bodies: Vec<Inertial>,
-    /// Sums of parameters that must be positive: rotor inertia, friction at a speed.
+    /// Rotors, (index, usual inertia): as likely to be so many times smaller as larger.
+    pub rotors: Vec<(usize, f64)>,
+    /// Sums of parameters that must be positive: friction at a speed.
     pub positive: Vec<Positive>,
     /// Parameters with a Gaussian prior at zero: (index, standard deviation in its unit).
     pub small: Vec<(usize, f64)>,
@@ -67,6 +69,13 @@ impl Prior {
         for (k, nominal) in self.bodies.iter().enumerate() {
             sum += divergence(&x[PER_BODY * k..PER_BODY * (k + 1)], nominal)?;
         }
+        for &(k, usual) in &self.rotors {
+            let ratio = x[k] / usual;
+            if ratio <= 0.0 {
+                return None;
+            }
+            sum += ratio + 1.0 / ratio - 2.0;
+        }
         for positive in &self.positive {
             let ratio = positive.value(x) / positive.nominal;
             if ratio <= 0.0 {
@@ -88,19 +97,19 @@ impl Prior {
 
     /// The lower triangle of [`Self::add_hessian`].
     fn add_certainty(&self, x: &[f64], strength: f64, hessian: &mut Mat<f64>) {
-        let at = |positive: &Positive| positive.value(x).max(positive.nominal);
+        let at = f64::max;
         self.add_slopes(x, [strength; 2], at, (&mut vec![0.0; x.len()], hessian));
     }
 
     /// Adds strengths times the gradient of Ψ at x and the lower triangle of its Hessian.
     ///
     /// - `strengths`: that of the gradient, that of the Hessian
-    /// - `at`: where what must be positive is taken to be
+    /// - `at`: where what must be positive is taken to be, from its value and its usual one
     fn add_slopes(
         &self,
         x: &[f64],
         [strength, stiffness]: [f64; 2],
-        at: impl Fn(&Positive) -> f64,
+        at: impl Fn(f64, f64) -> f64,
         (gradient, hessian): (&mut [f64], &mut Mat<f64>),
     ) {
         for (body, nominal) in self.bodies.iter().enumerate() {
@@ -114,8 +123,13 @@ impl Prior {
                 }
             }
         }
+        for &(k, usual) in &self.rotors {
+            let value = at(x[k], usual);
+            gradient[k] += strength * (1.0 / usual - usual / (value * value));
+            hessian[(k, k)] += stiffness * 2.0 * usual / value.powi(3);
+        }
         for positive in &self.positive {
-            let value = at(positive);
+            let value = at(positive.value(x), positive.nominal);
             let slope = strength * positive.weight * (1.0 / positive.nominal - 1.0 / value);
             let curvature = stiffness * positive.weight / (value * value);
             for (place, &(j, b)) in positive.terms.iter().enumerate() {
@@ -161,34 +175,19 @@ pub fn minimise(
     strength: f64,
     start: &[f64],
 ) -> Result<Vec<f64>> {
-    minima(cost, prior, &[strength], start).map(|mut found| found.swap_remove(0))
-}
-
-/// The same for each of falling strengths, from the minimum at the one before.
-///
-/// # Errors
-/// As [`minimise`].
-pub fn minima(
-    cost: Quadratic<'_>,
-    prior: &Prior,
-    strengths: &[f64],
-    start: &[f64],
-) -> Result<Vec<Vec<f64>>> {
     // Where no prior counts.
     let least = Factored::new(cost.hessian.clone()).map(|factor| factor.solve(cost.right));
     let gain = least.map_or(f64::INFINITY, |least| cost.value(start) - cost.value(&least));
     let stronger = |own: &f64| (gain > own * start.len() as f64).then_some(own / FALL);
-    let stronger = std::iter::successors(strengths.first().copied(), stronger);
-    let on_the_way: Vec<f64> = stronger.take(STRENGTHS).skip(1).collect();
+    let stronger = std::iter::successors(Some(strength), stronger).take(STRENGTHS).skip(1);
+    let on_the_way: Vec<f64> = stronger.collect();
     let falling = on_the_way.iter().rev().map(|own| (*own, NEAR * own));
-    let falling = falling.chain(strengths.iter().map(|own| (*own, SETTLED)));
-    let (mut x, mut before, mut found) = (start.to_vec(), None, Vec::new());
-    for (own, near) in falling {
+    let (mut x, mut before) = (start.to_vec(), None);
+    for (own, near) in falling.chain([(strength, SETTLED)]) {
         x = descend(cost, prior, (own, before, near), x)?;
         before = Some(own);
-        found.push(x.clone());
     }
-    Ok(found.split_off(on_the_way.len()))
+    Ok(x)
 }
 
 /// Damped Newton steps at one strength, at most 60, until the squared decrement is below what is near.
@@ -252,7 +251,7 @@ fn newton_step(
     let hx = cost.hessian * ColRef::from_slice(x);
     let mut gradient: Vec<f64> = hx.iter().zip(cost.right).map(|(hx, b)| hx - b).collect();
     let mut hessian = cost.hessian.clone();
-    prior.add_slopes(x, strengths, |positive| positive.value(x), (&mut gradient, &mut hessian));
+    prior.add_slopes(x, strengths, |value, _| value, (&mut gradient, &mut hessian));
     let step: Vec<f64> = Factored::new(hessian)?.solve(&gradient).iter().map(|d| -d).collect();
     let decrement = -step.iter().zip(&gradient).map(|(d, g)| d * g).sum::<f64>();
     if !decrement.is_finite() {
@@ -327,9 +326,8 @@ mod tests {
 
     #[test]
     fn a_log_that_says_nothing_leaves_the_nominal_arm() {
-        let rotor = Positive { least: 0.0, terms: vec![(10, 1.0)], nominal: 0.3, weight: 1.0 };
-        let (bodies, small) = (vec![nominal()], vec![(11, 2.0)]);
-        let prior = Prior { bodies, positive: vec![rotor], small };
+        let (bodies, rotors) = (vec![nominal()], vec![(10, 0.3)]);
+        let prior = Prior { bodies, rotors, small: vec![(11, 2.0)], ..Prior::default() };
         let hessian = Mat::zeros(12, 12);
         let mut start = plain_link(5.0, &Vector3::new(0.0, 0.1, 0.1), 0.2).to_vec();
         start.extend([2.0, 1.0]);

@@ -17,8 +17,8 @@ impl Arm {
     ///
     /// Revolute, continuous and prismatic joints move. Fixed joints and the joints named in `locked` (held at
     /// position 0, whatever their type) weld their links together: no mass is lost. Limits of a
-    /// joint become the range of simulated motions and its [`Arm::limits`]; damping and friction
-    /// are not read.
+    /// joint become the range of simulated motions and its [`Arm::limits`], the attribute `armature`
+    /// of its dynamics its rotor; damping and friction are not read.
     ///
     /// # Errors
     /// `SimError::Urdf` and its neighbours if the text is no URDF;
@@ -39,7 +39,7 @@ impl Arm {
             let body = tree.body(&after)?.seen_from(&X_LJ.inverse());
             let limits = JointLimits::new(range, velocity, acceleration);
             let range = motion_range(kind, range);
-            let moved = Joint { X_PJ, kind, body, rotor: 0.0, range, limits };
+            let moved = Joint { X_PJ, kind, body, rotor: joint.rotor, range, limits };
             joints.push((joint.name.clone(), moved));
         }
         Self::new(robot.name.clone(), STANDARD_GRAVITY, joints)

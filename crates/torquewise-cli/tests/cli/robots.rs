@@ -123,14 +123,21 @@ fn errors_of_the_arm_count_what_joints_disagree_about() {
     let table = Table::of(&terminal, "log.csv").scaled(&["tau3"], 1.15);
     terminal.write("gain.csv", &table.text());
 
-    let error = |log: &str| {
+    // The joints that lie before the second and the third: on it, and a link of 0.4318 m away.
+    let errors = |log: &str| -> Vec<f64> {
         terminal.run(&format!("fit {log}.csv --library chain -o {log}.json"));
-        let geometry = &terminal.json(&format!("show {log}.json"))["geometry"][2];
-        geometry["distance_to_previous_m"]["std_error"].as_f64().unwrap()
+        let geometry = &terminal.json(&format!("show {log}.json"))["geometry"];
+        let of = |(joint, truth): (usize, f64)| {
+            let distance = &geometry[joint]["distance_to_previous_m"];
+            let [value, error] = ["value", "std_error"].map(|key| distance[key].as_f64().unwrap());
+            assert!((value - truth).abs() < 2.0 * error, "{log} {joint}: {distance}");
+            error
+        };
+        [(1, 0.0), (2, 0.4318)].map(of).to_vec()
     };
-    let (sound, torn) = (error("log"), error("gain"));
+    let (sound, torn) = (errors("log"), errors("gain"));
 
-    assert!(torn > 4.0 * sound, "{torn} {sound}");
+    assert!(torn[0] > 4.0 * sound[0] && torn[1] > 2.0 * sound[1], "{torn:?} {sound:?}");
 }
 
 #[test]

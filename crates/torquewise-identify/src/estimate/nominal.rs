@@ -94,9 +94,8 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> (Prior, Vec<f64>) {
         let index = first + k;
         match term {
             DriveTerm::Rotor(shaft) => {
-                let (terms, rotor) = (vec![(index, 1.0)], rotor_of(shaft));
-                prior.positive.push(Positive { least: 0.0, terms, nominal: rotor, weight: 1.0 });
-                start[index] = rotor;
+                start[index] = rotor_of(shaft);
+                prior.rotors.push((index, start[index]));
             }
             DriveTerm::Friction(term) => {
                 let usual = usual_friction(term, sizes);
@@ -127,17 +126,17 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> (Prior, Vec<f64>) {
 }
 
 /// Sums of coefficients that are the friction of each shaft at a speed, times the direction: none
-/// may be negative. An offset is a load and no friction.
+/// may be negative. An offset is a load and no friction. A joint that reverses goes through the dead
+/// zone before an element that remembers its path has turned over: there the others are none
+/// negative without it, or the arm would speed up by itself.
 fn passive(
     drive: &[DriveTerm],
     first: usize,
     (sizes, kinds): (&Sizes, &JointKinds),
 ) -> Vec<Positive> {
     let laws: Vec<(usize, &FrictionTerm)> = (drive.iter().enumerate())
-        .filter_map(|(k, term)| match term {
-            DriveTerm::Friction(term) if term.law != FrictionLaw::Offset => Some((first + k, term)),
-            _ => None,
-        })
+        .filter_map(|(k, term)| Some((first + k, term.law()?)))
+        .filter(|(_, term)| term.law != FrictionLaw::Offset)
         .collect();
     let mut shafts: Vec<(&[f64], bool)> = Vec::new();
     for (_, term) in &laws {
@@ -151,10 +150,15 @@ fn passive(
             laws.iter().filter(|(_, term)| term.shaft == shaft && term.load == load).collect();
         let Some((_, any)) = own.first() else { continue };
         let (peak, usual) = (speed_of(any, (sizes, kinds)), usual_friction(any, sizes));
+        let dead = own.iter().fold(0.0_f64, |most, (_, term)| match term.law {
+            FrictionLaw::Coulomb { width } => most.max(width),
+            _ => most,
+        });
         let part = |k: i32| 10.0_f64.powf(f64::from(k) / f64::from(PER_DECADE));
         let parts: Vec<f64> = (-DECADES * PER_DECADE..=0).map(part).chain(FAST_SPEEDS).collect();
         let at_speed = |speed: f64| -> Option<Positive> {
             let terms: Vec<(usize, f64)> = (own.iter())
+                .filter(|(_, term)| speed.abs() > dead || term.element().is_none())
                 .map(|(k, term)| (*k, speed.signum() * term.at_speed(speed)))
                 .filter(|(_, weight)| *weight != 0.0)
                 .collect();
@@ -210,4 +214,24 @@ fn usual_friction(term: &FrictionTerm, sizes: &Sizes) -> f64 {
 fn deviation(term: &FrictionTerm, (sizes, kinds): (&Sizes, &JointKinds)) -> f64 {
     let torque = LARGE * torque_of(term, sizes);
     if term.law == FrictionLaw::Viscous { torque / speed_of(term, (sizes, kinds)) } else { torque }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn where_a_joint_reverses_what_remembers_its_path_lends_no_friction_to_other_laws() {
+        let law = |law| DriveTerm::Friction(FrictionTerm::of_joint(1, 0, law));
+        let laws = [FrictionLaw::Coulomb { width: 0.01 }, FrictionLaw::Dahl { travel: 0.01 }];
+        let sizes = Sizes { torque: vec![10.0], speed: vec![1.0] };
+
+        let sums = passive(&laws.map(law), 0, (&sizes, &JointKinds::default()));
+
+        let allows = |x: [f64; 2]| {
+            let of = |sum: &Positive| sum.terms.iter().map(|&(k, a)| a * x[k]).sum::<f64>();
+            sums.iter().all(|sum| of(sum) > sum.least)
+        };
+        assert!(allows([0.1, 1.0]) && !allows([-0.1, 1.0]) && !allows([1.0, -1.1]));
+    }
 }

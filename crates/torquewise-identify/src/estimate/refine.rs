@@ -4,7 +4,7 @@ use super::linearisation::Linearisation;
 use super::nominal::Sizes;
 use super::pass::add_up;
 use super::solve::Solved;
-use super::step::{Step, Tuning, weights};
+use super::step::{Step, weights};
 use crate::reconstruction::{Progress, Watch};
 use crate::unseen::geometric_mean;
 use serde::{Deserialize, Serialize};
@@ -35,8 +35,8 @@ const AS_PROMISED: f64 = 0.5;
 pub(crate) struct Passes {
     /// Where the next pass is linearised.
     pub(crate) at: Linearisation,
-    /// Chosen by the first pass, so that all are judged alike.
-    tuning: Option<Tuning>,
+    /// Rows that the prior counts as, known from the first pass on.
+    prior_rows: Option<f64>,
     /// The best parameters so far, what they cost, and how much less the next were to cost.
     best: Option<(Vec<f64>, f64, f64)>,
     /// Longest step of a parameter of the geometry \[rad, m\].
@@ -54,8 +54,8 @@ pub(crate) struct Passes {
 impl Passes {
     /// Passes over all rows, `most` at most.
     pub(crate) fn over_all(at: Linearisation, most: usize) -> Self {
-        let (tuning, best, reach) = (None, None, REACH[0]);
-        Self { at, tuning, best, reach, is_last: false, made: 0, most, may_release: true }
+        let (prior_rows, best, reach) = (None, None, REACH[0]);
+        Self { at, prior_rows, best, reach, is_last: false, made: 0, most, may_release: true }
     }
 
     /// The same from the start with rows taken as they are, `most` passes at most.
@@ -72,34 +72,34 @@ impl Passes {
         sizes: &Sizes,
     ) -> Result<ControlFlow<Solved, Self>, IdentifyError> {
         self.made += 1;
-        let step = Step::new(sums, &self.at, sizes);
-        let (active, tuning) = match self.tuning.take() {
-            Some(tuning) => (self.at.active(), tuning),
-            None => step.tuned(self.may_release)?,
-        };
+        let mut step = Step::new(sums, &self.at, sizes);
+        let is_first = self.prior_rows.is_none();
+        step.prior_rows = *self.prior_rows.get_or_insert(step.prior_rows);
+        let releases = is_first && self.may_release;
+        let active = if releases { step.with_released()? } else { self.at.active() };
         if self.is_last {
-            return Ok(ControlFlow::Break(step.solved(&active, tuning)?));
+            return Ok(ControlFlow::Break(step.solved(&active)?));
         }
         let tolerance = step.tolerance(&active);
-        let here = step.cost(&self.at.parameters(), &tuning);
-        let linear = step.linear(&tuning)?;
-        let merit = step.cost(&linear, &tuning);
+        let here = step.cost(&self.at.parameters());
+        let linear = step.linear()?;
+        let merit = step.cost(&linear);
         let gain = self.best.as_ref().map_or(f64::INFINITY, |(_, least, _)| least - merit);
         if let Some((_, _, promised)) = &self.best {
             let longer = if gain > AS_PROMISED * promised { 2.0 } else { 1.0 };
             self.reach = (longer * self.reach).min(REACH[1]);
         }
-        let moved = step.step(&active, &tuning, self.reach)?;
-        let ahead = merit - step.cost(&moved, &tuning);
+        let moved = step.step(&active, self.reach)?;
+        let ahead = merit - step.cost(&moved);
         if here - merit <= tolerance && ahead <= tolerance {
-            return Ok(ControlFlow::Break(step.solved(&active, tuning)?));
+            return Ok(ControlFlow::Break(step.solved(&active)?));
         }
         let best = match self.best.take() {
             Some(best) if gain <= 0.0 => {
                 self.reach *= SHORTER;
                 best
             }
-            _ => (step.averaged(&linear, tuning.strength, sizes)?, merit, ahead),
+            _ => (step.averaged(&linear, sizes)?, merit, ahead),
         };
         self.is_last = gain.abs() <= tolerance || ahead <= tolerance || self.made + 1 >= self.most;
         let parameters = if self.is_last {
@@ -112,7 +112,7 @@ impl Passes {
             from.towards(&self.at, SHORTER).parameters()
         };
         let at = self.at.at(&parameters).freed(&active);
-        Ok(ControlFlow::Continue(Self { at, tuning: Some(tuning), best: Some(best), ..self }))
+        Ok(ControlFlow::Continue(Self { at, best: Some(best), ..self }))
     }
 }
 
@@ -129,7 +129,7 @@ pub(crate) fn refine(
     let linear = start.linear_indices();
     let sums = add_up(recording, start)?;
     let step = Step::new(&sums, start, sizes);
-    let parameters = step.step(&linear, &step.tuning()?, 0.0)?;
+    let parameters = step.step(&linear, 0.0)?;
     let mut at = start.at(&parameters);
     for weighing in 0..WEIGHINGS[1] {
         let before = geometric_mean(&at.weights);

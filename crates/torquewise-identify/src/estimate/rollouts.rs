@@ -15,7 +15,7 @@ use torquewise_model::model::Choice;
 use torquewise_model::rollout::Drift;
 use torquewise_motion::Recording;
 use torquewise_regression::normal_sums::NormalSums;
-use torquewise_rigid::feasible::{Positive, Prior, Quadratic, minimise};
+use torquewise_rigid::feasible::{Prior, Quadratic, minimise};
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::{CvScore, listed, mean};
@@ -141,26 +141,21 @@ struct TorqueOf<'a> {
     step: Step<'a>,
     places: Vec<usize>,
     prior: Prior,
-    strength: f64,
 }
 
 impl<'a> TorqueOf<'a> {
     fn new(step: Step<'a>, places: Vec<usize>) -> Result<Self, IdentifyError> {
-        let strength = step.tuning()?.strength;
-        let of_rotors = step.prior.positive.iter().filter_map(|positive| {
-            let [(index, weight)] = positive.terms[..] else { return None };
-            let place = places.iter().position(|own| *own == index)?;
-            Some(Positive { terms: vec![(place, weight)], ..positive.clone() })
-        });
-        let prior = Prior { positive: of_rotors.collect(), ..Prior::default() };
-        Ok(Self { step, places, prior, strength })
+        let place = |index: usize| places.iter().position(|own| *own == index);
+        let rotors = step.prior.rotors.iter().filter_map(|&(k, usual)| Some((place(k)?, usual)));
+        let prior = Prior { rotors: rotors.collect(), ..Prior::default() };
+        Ok(Self { step, places, prior })
     }
 
     /// Half the sum of squares of torque, with what the prior adds.
     fn cost(&self, rotors: &[f64]) -> f64 {
         let prior = self.prior.value(rotors).unwrap_or(f64::INFINITY);
         self.step.all.cost(self.step.at, &self.step.whole(&self.places, rotors))
-            + self.strength * prior
+            + self.step.strength() * prior
     }
 
     /// The best rotors for the torque and so many times the windows.
@@ -182,7 +177,7 @@ impl<'a> TorqueOf<'a> {
         let right: Vec<f64> =
             (0..p).map(|k| own.right[k] + weight * (gram[(p, k)] + known[k])).collect();
         let both = Quadratic { hessian: &hessian, right: &right };
-        Ok(minimise(both, &self.prior, self.strength, &windows.at)?)
+        Ok(minimise(both, &self.prior, self.step.strength(), &windows.at)?)
     }
 
     /// What windows count beside the torque: where those of held-out regions drift least, among those

@@ -1,11 +1,11 @@
 //! Parameters and covariance of converged sums (E11) (E14).
 
 use super::linearisation::Linearisation;
-use super::step::{Step, Tuning};
+use super::step::Step;
 use faer::{ColRef, Mat};
-use torquewise_model::model::Choice;
+use rayon::prelude::*;
 use torquewise_rigid::UsualArm;
-use torquewise_rigid::feasible::curvature;
+use torquewise_rigid::feasible::{curvature, minimise};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::{CvScore, choose_worth};
 
@@ -16,7 +16,8 @@ const STRICTNESS: f64 = 3.0;
 /// So much lower the error on held-out folds must be: where the model errs by more than noise, axes
 /// leave their right angles to make up for it.
 const WORTH: f64 = 0.02;
-
+/// Fewer folds with rows are too few to choose by.
+const LEAST_FOLDS: usize = 3;
 /// A spread below this part of that by noise is rounding.
 const NOTHING: f64 = 1e-6;
 
@@ -29,30 +30,43 @@ pub(crate) struct Solved {
     pub(crate) covariance: Mat<f64>,
     /// Strengths of the prior and of that of the geometry, for all rows.
     pub(crate) strengths: [f64; 2],
-    /// How the strength of the prior was chosen.
-    pub(crate) choice: Option<Choice>,
 }
 
 impl Step<'_> {
-    /// Chooses what the fit is tuned by, and where the sample may be overruled which parameters of
-    /// the geometry move: what the sample put at right angles may be wrong.
-    pub(super) fn tuned(&self, may_release: bool) -> Result<(Vec<usize>, Tuning), IdentifyError> {
-        let (active, tuning) = (self.at.active(), self.tuning()?);
-        let released = if may_release { self.released(&active, &tuning)? } else { Vec::new() };
+    /// Parameters that move, with those of the geometry that the sample held wrongly: what it put at
+    /// right angles may be off.
+    pub(super) fn with_released(&self) -> Result<Vec<usize>, IdentifyError> {
+        let active = self.at.active();
+        let released = self.released(&active)?;
         if released.is_empty() {
-            return Ok((active, tuning));
+            return Ok(active);
         }
         let mut more: Vec<usize> = active.iter().copied().chain(released).collect();
         more.sort_unstable();
         let mut trials = Vec::new();
         for (label, indices) in [("held", &active), ("released", &more)] {
-            let errors = self.errors(indices, &[tuning.strength], tuning.prior)?;
-            let errors = errors.unwrap_or_default().concat();
+            let errors = self.errors(indices)?;
             trials.push(CvScore { label: label.to_owned(), complexity: 0, errors });
         }
         let is_better =
             choose_worth("geometry", &trials, WORTH).is_some_and(|(place, _)| place == 1);
-        Ok((if is_better { more } else { active }, tuning))
+        Ok(if is_better { more } else { active })
+    }
+
+    /// What is left of each held-out fold; nothing if folds are few.
+    fn errors(&self, active: &[usize]) -> Result<Vec<f64>, IdentifyError> {
+        let folds = self.sums.folds();
+        if folds.len() < LEAST_FOLDS {
+            return Ok(Vec::new());
+        }
+        let of_fold = |&fold: &usize| {
+            let (held, rest, share) = self.without(fold);
+            let start: Vec<f64> = active.iter().map(|&k| self.start[k]).collect();
+            let rest = rest.of(active, self.at, (share * self.prior_rows, 0.0));
+            let found = minimise(rest.quadratic(), &self.prior, self.strength(), &start)?;
+            Ok(self.error(&held, fold, &self.whole(active, &found)))
+        };
+        folds.par_iter().map(of_fold).collect()
     }
 
     /// The spread of the scores of some parameters: Σ (s − s̄)(s − s̄)ᵀ over blocks of time, since
@@ -105,7 +119,7 @@ impl Step<'_> {
 
     /// Parameters of the geometry that stay where the sample put them, yet all rows together pull
     /// away: a score test, the scores of blocks of time as its measure.
-    fn released(&self, active: &[usize], tuning: &Tuning) -> Result<Vec<usize>, IdentifyError> {
+    fn released(&self, active: &[usize]) -> Result<Vec<usize>, IdentifyError> {
         let p = self.before.len();
         let (linear, movable) = (self.at.linear.len(), self.at.geometry.movable());
         let moves = |k: usize| k.checked_sub(linear).is_none_or(|k| movable.contains(&k));
@@ -114,9 +128,9 @@ impl Step<'_> {
         if held.is_empty() || self.sums.blocks() < LEAST_BLOCKS {
             return Ok(Vec::new());
         }
-        let equations = self.all.of(active, self.at, (tuning.prior, 0.0));
-        let solution = self.minimum(&equations, active, tuning.strength)?;
-        let factor = curvature(equations.quadratic(), &self.prior, tuning.strength, &solution)?;
+        let equations = self.all.of(active, self.at, (self.prior_rows, 0.0));
+        let solution = self.minimum(&equations, active)?;
+        let factor = curvature(equations.quadratic(), &self.prior, self.strength(), &solution)?;
         let across =
             Mat::from_fn(active.len(), held.len(), |i, j| self.all.hessian[(active[i], held[j])]);
         let followed = factor.solve_matrix(&across);
@@ -142,11 +156,11 @@ impl Step<'_> {
     }
 
     /// All that the passes came to, once the parameters stay where they are.
-    pub(super) fn solved(self, active: &[usize], tuning: Tuning) -> Result<Solved, IdentifyError> {
+    pub(super) fn solved(self, active: &[usize]) -> Result<Solved, IdentifyError> {
         let p = self.before.len();
-        let equations = self.all.of(active, self.at, (tuning.prior, 0.0));
-        let solution = self.minimum(&equations, active, tuning.strength)?;
-        let strength = tuning.strength;
+        let equations = self.all.of(active, self.at, (self.prior_rows, 0.0));
+        let solution = self.minimum(&equations, active)?;
+        let strength = self.strength();
         let factor = curvature(equations.quadratic(), &self.prior, strength, &solution)?;
         // An arm differs from the nominal one by what is usual, however strongly the fit holds it there,
         // and by more where the prior is weaker than that of one independent row.
@@ -156,7 +170,7 @@ impl Step<'_> {
         let spread = |mut middle: Mat<f64>| -> Mat<f64> {
             self.prior.add_hessian(&solution, uncertain(strength), &mut middle);
             for (place, &k) in active.iter().enumerate().filter(|(_, k)| **k >= linear) {
-                middle[(place, place)] += uncertain(tuning.prior) * precision[k - linear];
+                middle[(place, place)] += uncertain(self.prior_rows) * precision[k - linear];
             }
             factor.sandwiched(&middle)
         };
@@ -177,8 +191,7 @@ impl Step<'_> {
             }
         }
         let at = self.at.clone().freed(active);
-        let strengths = [tuning.strength, tuning.prior];
-        Ok(Solved { at, covariance, strengths, choice: tuning.choice })
+        Ok(Solved { at, covariance, strengths: [strength, self.prior_rows] })
     }
 }
 

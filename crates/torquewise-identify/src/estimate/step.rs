@@ -4,36 +4,25 @@ use super::equations::{Equations, cost_of_pull};
 use super::linearisation::Linearisation;
 use super::nominal::{Sizes, prior};
 use faer::{ColRef, Mat};
-use serde::{Deserialize, Serialize};
-use torquewise_model::model::Choice;
 use torquewise_regression::normal_sums::NormalSums;
 use torquewise_rigid::feasible::{Prior, minimise};
 use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::held_out::mean;
 
 /// A residual below this part of the torque is taken for it: weights stay finite.
 pub(crate) const LEAST_RESIDUAL: f64 = 1e-4;
 /// Noise of a torque that was not measured, in spreads of the largest.
 const UNMEASURED: f64 = 1e3;
+/// Strength of the prior in units of what one independent row determines. A weaker one would leave to
+/// noise what the log does not tell, and no held-out row of the same log would object.
+const STRENGTH: f64 = 0.03;
 /// So much the cost may still fall for each parameter, in squares of the noise of an independent
-/// row: parameters are then within about a tenth of their standard errors.
-const LEAST_GAIN: f64 = 0.005;
+/// row: parameters are then within a small part of their standard errors.
+const LEAST_GAIN: f64 = 0.002;
 /// Exponents of ten between which the price of a step of the geometry is looked for, in parts of
 /// its curvature.
 const DAMPING: [f64; 2] = [-12.0, 3.0];
 /// Exponents that are closer are one.
 const CLOSE: f64 = 0.1;
-
-/// What a fit is tuned by, chosen on held-out folds.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Tuning {
-    /// Strength of the prior.
-    pub(super) strength: f64,
-    /// Rows that the prior of the geometry counts as.
-    pub(super) prior: f64,
-    /// How the strength was chosen; nothing where a log has too few folds.
-    pub(super) choice: Option<Choice>,
-}
 
 /// The normal equations of a pass, and the physical constraints on its parameters.
 pub(super) struct Step<'a> {
@@ -51,8 +40,9 @@ pub(super) struct Step<'a> {
     pub(super) all: Equations,
     /// Rows per independent row: errors of neighbours are correlated.
     pub(super) repeats: f64,
-    /// Noise over the spread of the torque, geometric mean over the joints.
-    pub(super) relative_noise: f64,
+    /// Rows that the prior of the geometry, which is that of arms, counts as: one independent row of
+    /// the first pass, so that all passes are judged alike.
+    pub(super) prior_rows: f64,
 }
 
 impl<'a> Step<'a> {
@@ -61,12 +51,13 @@ impl<'a> Step<'a> {
         let (gram, bias) = (sums.gram(), sums.bias());
         let all = Equations::new(&gram, &bias, at);
         let (before, repeats) = (at.parameters(), repeats(sums, &gram));
-        let parts: Vec<f64> = (at.weights.iter().zip(&sizes.torque))
-            .filter(|(_, torque)| **torque > 0.0)
-            .map(|(weight, torque)| -(weight * torque).ln())
-            .collect();
-        let relative_noise = mean(&parts).exp();
-        Self { sums, at, gram, bias, prior, start, before, all, repeats, relative_noise }
+        let prior_rows = repeats;
+        Self { sums, at, gram, bias, prior, start, before, all, repeats, prior_rows }
+    }
+
+    /// Strength of the prior.
+    pub(super) fn strength(&self) -> f64 {
+        STRENGTH * self.prior_rows
     }
 
     /// Parameters as they were, those that may move as a solution has them.
@@ -77,20 +68,15 @@ impl<'a> Step<'a> {
     }
 
     /// The best parameters that the geometry of the linearisation allows.
-    pub(super) fn linear(&self, tuning: &Tuning) -> Result<Vec<f64>, IdentifyError> {
+    pub(super) fn linear(&self) -> Result<Vec<f64>, IdentifyError> {
         let linear = self.at.linear_indices();
-        let equations = self.all.of(&linear, self.at, (tuning.prior, 0.0));
-        Ok(self.whole(&linear, &self.minimum(&equations, &linear, tuning.strength)?))
+        let equations = self.all.of(&linear, self.at, (self.prior_rows, 0.0));
+        Ok(self.whole(&linear, &self.minimum(&equations, &linear)?))
     }
 
     /// The mean of the best linear parameters and of the best where what was chosen is all there is:
     /// both are physical arms, and so is their mean (E21).
-    pub(super) fn averaged(
-        &self,
-        best: &[f64],
-        strength: f64,
-        sizes: &Sizes,
-    ) -> Result<Vec<f64>, IdentifyError> {
+    pub(super) fn averaged(&self, best: &[f64], sizes: &Sizes) -> Result<Vec<f64>, IdentifyError> {
         if self.at.structure.chosen == self.at.structure.drive.len() {
             return Ok(best.to_vec());
         }
@@ -98,7 +84,7 @@ impl<'a> Step<'a> {
         at.linear[chosen.len()..].fill(0.0);
         let (prior, start) = prior(&self.at.narrowed(), sizes);
         let own = self.all.of(&chosen, &at, (0.0, 0.0));
-        let solution = minimise(own.quadratic(), &prior, strength, &start[..chosen.len()])?;
+        let solution = minimise(own.quadratic(), &prior, self.strength(), &start[..chosen.len()])?;
         let mut few = at.parameters();
         few[..chosen.len()].copy_from_slice(&solution);
         Ok(best.iter().zip(&few).map(|(best, few)| 0.5 * (best + few)).collect())
@@ -106,23 +92,18 @@ impl<'a> Step<'a> {
 
     /// Half the sum of squares at parameters in the linearisation, with what the priors add:
     /// infinite where the prior does not allow them.
-    pub(super) fn cost(&self, x: &[f64], tuning: &Tuning) -> f64 {
-        let prior = tuning.strength * self.prior.value(x).unwrap_or(f64::INFINITY);
-        self.all.cost(self.at, x) + prior + cost_of_pull(self.at, x, tuning.prior)
+    pub(super) fn cost(&self, x: &[f64]) -> f64 {
+        let prior = self.strength() * self.prior.value(x).unwrap_or(f64::INFINITY);
+        self.all.cost(self.at, x) + prior + cost_of_pull(self.at, x, self.prior_rows)
     }
 
     /// The best parameters where some may move, none of the geometry by more than `reach`
     /// \[rad, m\].
-    pub(super) fn step(
-        &self,
-        active: &[usize],
-        tuning: &Tuning,
-        reach: f64,
-    ) -> Result<Vec<f64>, IdentifyError> {
+    pub(super) fn step(&self, active: &[usize], reach: f64) -> Result<Vec<f64>, IdentifyError> {
         let linear = self.at.linear.len();
         let damped = |damping: f64| -> Result<(Vec<f64>, f64), IdentifyError> {
-            let equations = self.all.of(active, self.at, (tuning.prior, damping));
-            let best = self.whole(active, &self.minimum(&equations, active, tuning.strength)?);
+            let equations = self.all.of(active, self.at, (self.prior_rows, damping));
+            let best = self.whole(active, &self.minimum(&equations, active)?);
             let moves = best.iter().zip(&self.before).skip(linear);
             let longest = moves.fold(0.0_f64, |most, (x, b)| most.max((x - b).abs()));
             Ok((best, longest))
@@ -145,12 +126,32 @@ impl<'a> Step<'a> {
         &self,
         equations: &Equations,
         active: &[usize],
-        strength: f64,
     ) -> Result<Vec<f64>, IdentifyError> {
         let is_allowed = self.prior.value(&self.before).is_some();
         let start = if is_allowed { &self.before } else { &self.start };
         let start: Vec<f64> = active.iter().map(|&k| start[k]).collect();
-        Ok(minimise(equations.quadratic(), &self.prior, strength, &start)?)
+        Ok(minimise(equations.quadratic(), &self.prior, self.strength(), &start)?)
+    }
+
+    /// Part of all rows that a fold has.
+    pub(super) fn share_of(&self, fold: usize) -> f64 {
+        self.sums.rows_of(fold) as f64 / self.sums.rows() as f64
+    }
+
+    /// The Gram matrix of a fold, the equations of the others, and their part of all rows.
+    pub(super) fn without(&self, fold: usize) -> (Mat<f64>, Equations, f64) {
+        let sums = self.sums;
+        let held = sums.gram_of(fold);
+        let share = 1.0 - self.share_of(fold);
+        let (gram, bias) = (&self.gram - &held, faer::Scale(share) * &self.bias);
+        let rest = Equations::new(&gram, &bias, self.at);
+        (held, rest, share)
+    }
+
+    /// RMS of the residual of a fold in units of the noise.
+    pub(super) fn error(&self, held: &Mat<f64>, fold: usize, x: &[f64]) -> f64 {
+        let equations = self.sums.rows_of(fold) as f64 * self.at.n_joints() as f64;
+        (self.squares(held, x) / equations.max(1.0)).sqrt()
     }
 
     /// Part of the cost that may be left: the parameters are then within a small part of their

@@ -28,6 +28,8 @@ pub(crate) struct Joint {
     pub(crate) range: [f64; 2],
     /// Greatest speed \[rad/s, m/s\] and acceleration \[rad/s²\]; zero or infinity where none is given.
     pub(crate) peaks: [f64; 2],
+    /// Inertia of its rotor as felt at the joint \[kg·m²\]; zero where none is given.
+    pub(crate) rotor: f64,
     pub(crate) mimics: bool,
 }
 
@@ -81,10 +83,11 @@ impl Joint {
         let other = || OTHER_KINDS.into_iter().find(|kind| *kind == written);
         let kind = JointKind::named(&written).map(|kind| kind.name).or_else(other);
         let link = |name| attribute(required(joint, name)?, "link");
-        let limit = |name, none: f64| {
-            let given = child(joint, "limit").map(|limit| numbers(limit, name, Some([none])));
+        let number = |tag, name, none: f64| {
+            let given = child(joint, tag).map(|element| numbers(element, name, Some([none])));
             given.map_or(Ok(none), |given| given.map(|[number]| number))
         };
+        let limit = |name, none| number("limit", name, none);
         Ok(Self {
             name: attribute(joint, "name")?,
             kind: kind.ok_or_else(|| refused(joint, "has a type that no joint has"))?,
@@ -95,6 +98,7 @@ impl Joint {
                 .map_or(Ok([1.0, 0.0, 0.0]), |axis| numbers(axis, "xyz", None))?,
             range: [limit("lower", 0.0)?, limit("upper", 0.0)?],
             peaks: [limit("velocity", 0.0)?, limit("acceleration", f64::INFINITY)?],
+            rotor: number("dynamics", "armature", 0.0)?,
             mimics: child(joint, "mimic").is_some(),
         })
     }

@@ -44,6 +44,19 @@ fn revolute_and_continuous_joints_move_within_their_limits() {
 }
 
 #[test]
+fn a_rotor_resists_its_own_joint_and_is_not_below_zero() {
+    let text = two_joints("revolute", "revolute");
+    let with = |armature: &str| text.replacen("</joint>", &format!("{armature}</joint>"), 1);
+    let mass = |text: &str| Arm::from_urdf(text, &[]).unwrap().mass_matrix(&[0.3, -0.4]);
+
+    let (bare, own) = (mass(&text), mass(&with("<dynamics armature='0.7'/>")));
+
+    assert_relative_eq!(own[(0, 0)] - bare[(0, 0)], 0.7, epsilon = 1e-12);
+    assert_relative_eq!(own[(1, 1)], bare[(1, 1)]);
+    assert!(matches!(refused(&with("<dynamics armature='-1'/>")), SimError::Inertia { .. }));
+}
+
+#[test]
 fn limits_are_those_of_the_file_and_none_where_it_gives_none() {
     let text = two_joints("revolute", "continuous");
     let wide = text.replace("lower='-1' upper='2'", "lower='-7' upper='7'");
