@@ -61,7 +61,7 @@ pub(crate) fn refined_by_rollouts(
         let windows = before.first().map_or(0, |drift| drift.windows);
         return Err(IdentifyError::TooFewWindows { windows, needed: LEAST_WINDOWS });
     }
-    let torque = TorqueOf::new(Step::new(sums, &start, sizes), places.clone())?;
+    let torque = TorqueOf::new(Step::new(sums, &start, sizes), places.clone());
     let (weight, choice) = torque.chosen(&windows)?;
     let at = |rotors: &[f64]| start.at(&torque.step.whole(&torque.places, rotors));
     let cost = |rotors: &[f64]| -> Result<f64, IdentifyError> {
@@ -144,11 +144,11 @@ struct TorqueOf<'a> {
 }
 
 impl<'a> TorqueOf<'a> {
-    fn new(step: Step<'a>, places: Vec<usize>) -> Result<Self, IdentifyError> {
+    fn new(step: Step<'a>, places: Vec<usize>) -> Self {
         let place = |index: usize| places.iter().position(|own| *own == index);
         let rotors = step.prior.rotors.iter().filter_map(|&(k, usual)| Some((place(k)?, usual)));
         let prior = Prior { rotors: rotors.collect(), ..Prior::default() };
-        Ok(Self { step, places, prior })
+        Self { step, places, prior }
     }
 
     /// Half the sum of squares of torque, with what the prior adds.
