@@ -21,4 +21,4 @@ pub use pass::add_up;
 pub(crate) use refine::{Passes, refine};
 pub(crate) use rollouts::refined_by_rollouts;
 pub(crate) use solve::Solved;
-pub(crate) use step::{LEAST_RESIDUAL, weights};
+pub(crate) use step::{LEAST_RESIDUAL, STRENGTH, weights};

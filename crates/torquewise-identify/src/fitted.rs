@@ -62,7 +62,7 @@ impl Fitted {
         let mut training = survey.training(residual_rms);
         let narrowed = solved.at.narrowed();
         (training.held_out_rms, training.held_out_by_region_rms) =
-            held_out_rms((&narrowed, solved.strengths, &sizes), &survey)?;
+            held_out_rms((&narrowed, solved.prior_rows, &sizes), &survey)?;
         let mut warnings = Warning::of_survey(&survey);
         training.geometry_found = found.map(|found| GeometryFound {
             unresolved: untold(found.unresolved, &survey.joints, &warnings),
@@ -206,12 +206,12 @@ fn unexplained(
 /// single one, that were held out; and on regions of configuration (E20). Nothing where there are
 /// too few rows.
 fn held_out_rms(
-    (at, strengths, sizes): (&Linearisation, [f64; 2], &Sizes),
+    (at, prior_rows, sizes): (&Linearisation, f64, &Sizes),
     survey: &Survey,
 ) -> Result<(Vec<f64>, Vec<f64>), IdentifyError> {
     let few = thinned(&survey.sample, HELD_OUT_ROWS);
     let share = few.n_rows() as f64 / survey.rows.max(1) as f64;
-    let held_to = HeldTo::of(at, sizes, strengths.map(|strength| share * strength));
+    let held_to = HeldTo::of(at, sizes, share * prior_rows);
     let tau = few.require_tau()?.to_owned();
     let (target, columns) = ([(&tau, &tau)], at.columns_of(&few)?);
     let rms = |blocks: Vec<HeldOut>| {

@@ -73,10 +73,12 @@ impl Passes {
     ) -> Result<ControlFlow<Solved, Self>, IdentifyError> {
         self.made += 1;
         let mut step = Step::new(sums, &self.at, sizes);
-        let is_first = self.prior_rows.is_none();
         step.prior_rows = *self.prior_rows.get_or_insert(step.prior_rows);
-        let releases = is_first && self.may_release;
-        let active = if releases { step.with_released()? } else { self.at.active() };
+        let active = if self.made == 1 && self.may_release {
+            step.with_released()?
+        } else {
+            self.at.active()
+        };
         if self.is_last {
             return Ok(ControlFlow::Break(step.solved(&active)?));
         }

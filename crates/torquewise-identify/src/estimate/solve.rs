@@ -28,8 +28,8 @@ pub(crate) struct Solved {
     pub(crate) at: Linearisation,
     /// Covariance of all parameters, p×p.
     pub(crate) covariance: Mat<f64>,
-    /// Strengths of the prior and of that of the geometry, for all rows.
-    pub(crate) strengths: [f64; 2],
+    /// Rows that the prior counts as, of all rows.
+    pub(crate) prior_rows: f64,
 }
 
 impl Step<'_> {
@@ -191,7 +191,7 @@ impl Step<'_> {
             }
         }
         let at = self.at.clone().freed(active);
-        Ok(Solved { at, covariance, strengths: [strength, self.prior_rows] })
+        Ok(Solved { at, covariance, prior_rows: self.prior_rows })
     }
 }
 

@@ -14,7 +14,7 @@ pub(crate) const LEAST_RESIDUAL: f64 = 1e-4;
 const UNMEASURED: f64 = 1e3;
 /// Strength of the prior in units of what one independent row determines. A weaker one would leave to
 /// noise what the log does not tell, and no held-out row of the same log would object.
-const STRENGTH: f64 = 0.03;
+pub(crate) const STRENGTH: f64 = 0.03;
 /// So much the cost may still fall for each parameter, in squares of the noise of an independent
 /// row: parameters are then within a small part of their standard errors.
 const LEAST_GAIN: f64 = 0.002;

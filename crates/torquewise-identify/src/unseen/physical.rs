@@ -2,7 +2,7 @@
 //! fit were held to (E14).
 
 use super::{Errors, HeldOut, Sums, Unseen, all_of};
-use crate::estimate::{Linearisation, Sizes, prior};
+use crate::estimate::{Linearisation, STRENGTH, Sizes, prior};
 use faer::Mat;
 use rayon::prelude::*;
 use torquewise_rigid::UsualArm;
@@ -21,13 +21,13 @@ pub(crate) struct HeldTo {
 impl HeldTo {
     /// The priors of an arm, linearised there.
     ///
-    /// - `strengths`: that of the prior, and that of its geometry
-    pub(crate) fn of(at: &Linearisation, sizes: &Sizes, strengths: [f64; 2]) -> Self {
+    /// - `prior_rows`: rows that the prior counts as
+    pub(crate) fn of(at: &Linearisation, sizes: &Sizes, prior_rows: f64) -> Self {
         let (prior, mut start) = prior(at, sizes);
         start.truncate(at.linear.len());
-        let [strength, stiffness] = strengths;
+        let strength = STRENGTH * prior_rows;
         let (usual, own) = (UsualArm::near(&at.geometry), at.geometry.parameters());
-        let pull = |&k: &usize| (stiffness * usual.precision[k], usual.parameters[k] - own[k]);
+        let pull = |&k: &usize| (prior_rows * usual.precision[k], usual.parameters[k] - own[k]);
         let pulls: Vec<(f64, f64)> = at.structure.free.iter().map(pull).collect();
         start.resize(start.len() + pulls.len(), 0.0);
         Self { prior, strength, pulls, start }
