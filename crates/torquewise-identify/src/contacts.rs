@@ -78,9 +78,6 @@ pub type SeeTorque<'a> = dyn FnMut(Observed<'_>) -> Result<(), ReadError> + 'a;
 const APART: f64 = 0.2;
 /// Part of the rows of a free log below the level that peaks are counted from.
 const LEVEL: f64 = 0.95;
-/// Peaks that the tail is made of at most, and one in how many of all: those of a reversal of friction
-/// are larger than all others, and few.
-const TAIL: (usize, usize) = (100, 3);
 /// Rows that the level is found from at most: more are thinned evenly.
 const MOST_ROWS: usize = 65_536;
 /// Held-out rows say that other motion is missed by so many times as much at most.
@@ -289,35 +286,21 @@ impl Peaks {
         }
     }
 
-    /// The excess that so many peaks of as much other motion are expected to be beyond: that which as many
-    /// are beyond here. Where fewer than one is expected, or the largest may be contacts, it follows
-    /// from an exponential tail of the largest, whose mean excess is found by their median, which a few of
-    /// another kind do not move.
+    /// The excess that so many peaks of as much other motion are expected to be beyond: peaks are taken to
+    /// fall off exponentially. Where contacts may be among them, their mean excess is found by their
+    /// median, which a few of another kind do not move.
     fn excess_at(&mut self, expected: f64, is_free: bool) -> f64 {
         if let Some((_, _, most)) = self.open.take() {
             self.push(most);
         }
-        self.excess.sort_unstable_by(|a, b| b.total_cmp(a));
-        let stands_for = (self.left_out + 1) as f64;
-        let at = |place: usize| self.excess.get(place).copied().unwrap_or(0.0);
-        if is_free && expected >= stands_for {
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "an index"
-            )]
-            return at((expected / stands_for) as usize - 1);
-        }
-        let (most, part) = TAIL;
-        let kept = (self.excess.len() / part).min(most);
-        let begin = at(kept);
-        let mut beyond: Vec<f64> = self.excess[..kept].iter().map(|x| x - begin).collect();
-        let mean = quantile(&mut beyond, 0.5) / std::f64::consts::LN_2;
-        let count = f64::max(kept as f64 * stands_for, 1.0);
+        let mean = if is_free {
+            self.excess.iter().sum::<f64>() / self.excess.len().max(1) as f64
+        } else {
+            quantile(&mut self.excess, 0.5) / std::f64::consts::LN_2
+        };
+        let count = f64::max((self.excess.len() * (self.left_out + 1)) as f64, 1.0);
         // Its own standard error, that few peaks may not promise too little.
-        let mean = mean * (1.0 + 1.0 / count.sqrt());
-        let far = begin + mean * (count / expected).ln().max(0.0);
-        if is_free { far.max(at(0)) } else { far }
+        mean * (1.0 + 1.0 / count.sqrt()) * (count / expected).ln().max(0.0)
     }
 }
 
