@@ -45,6 +45,9 @@ pub struct Payload {
     pub residual_without: Vec<f64>,
     /// The same with it.
     pub residual_with: Vec<f64>,
+    /// Whether the verdict of the fit of the model is that it should not be used.
+    #[serde(skip)]
+    of_useless: bool,
     /// The link, from 0.
     #[serde(skip)]
     on: usize,
@@ -178,6 +181,7 @@ impl Payload {
             elsewhere: Pass::better(passes, link).map(|link| name(link).clone()),
             residual_without: rms(&pass.squares),
             residual_with: rms(&with.squares),
+            of_useless: model.training.useless().is_some(),
             on: link,
             inertial,
             own,
@@ -188,6 +192,10 @@ impl Payload {
     /// What the log does not determine, and which motion would.
     pub fn hints(&self) -> Vec<String> {
         let mut hints = Vec::new();
+        if self.of_useless {
+            let said = "the model is unusable by the verdict of its fit, and so may the load be";
+            hints.push(said.to_owned());
+        }
         if let Some(link) = &self.elsewhere {
             hints.push(format!(
                 "a load on {link} explains the torque better: say which link carries it"

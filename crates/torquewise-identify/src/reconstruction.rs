@@ -105,7 +105,7 @@ impl Reconstruction {
         let doubtful = doubtful(&self.survey.sample);
         if let Ok(Some(pair)) = swapped(&self.survey.sample, (&missed, &doubtful), seed, watch) {
             let joints = pair.map(|joint| self.survey.joints[joint].clone());
-            self.warnings.push(Warning::Excitation(Finding::Swapped { joints }));
+            self.accuse(Finding::Swapped { joints });
             return Ok(());
         }
         if !doubtful.is_empty() {
@@ -124,7 +124,7 @@ impl Reconstruction {
             let joints: Vec<String> =
                 wrong.iter().map(|&joint| self.survey.joints[joint].clone()).collect();
             if !joints.is_empty() {
-                self.warnings.push(Warning::Excitation(Finding::WrongSign { joints }));
+                self.accuse(Finding::WrongSign { joints });
             }
         }
         if grave(&self.warnings).is_empty() {
@@ -132,6 +132,13 @@ impl Reconstruction {
             self.warnings.extend(shapes.into_iter().map(Warning::Shape));
         }
         Ok(())
+    }
+
+    /// Names torques that are not those of their joints: what they seemed to be worth is no gain.
+    fn accuse(&mut self, torques: Finding) {
+        let is_gain = |own: &Warning| matches!(own, Warning::Excitation(Finding::Gains { .. }));
+        self.warnings.retain(|own| !is_gain(own));
+        self.warnings.push(Warning::Excitation(torques));
     }
 
     /// Whether a joint of the model has negative inertia on the mean of its motion.

@@ -21,10 +21,14 @@ const LEAST_ROWS: usize = 100;
 /// Other signs must leave this part of what the torques leave as they are, product of the mean squares
 /// of all joints.
 const QUARTER: f64 = 0.25;
-/// A torque turned round must be explained but for this part, RMS. Torques that are changed over must
-/// leave this part of what all leave as they are, geometric mean of the joints, by so many starts each
-/// on so many rows; of all pairs, so many that do best by fewer starts on fewer rows.
+/// A torque turned round must be explained but for this part, RMS.
 const HALF: f64 = 0.5;
+/// Friction alone tells a sign where it leaves this part, as where a torque is little but friction: of
+/// five wrists 0.014 at most; of real torques the right way round none comes below 0.1.
+const BY_FRICTION: f64 = 0.05;
+/// Torques that are changed over must leave a quarter of what they leave as they are, geometric mean of
+/// the two, by so many starts each on so many rows; of all pairs, so many that do best by fewer starts
+/// on fewer rows.
 const FEW: (usize, usize) = (6, 200);
 const FEWER: (usize, usize) = (2, 100);
 const LIKELIEST: usize = 4;
@@ -129,9 +133,9 @@ impl SignTest {
         Ok(joints_of(found).filter(|joint| self.tells(*joint, &whole, &parts, &rows)).collect())
     }
 
-    /// Whether one of several joints that were turned round tells so by itself, not by friction alone, and
-    /// is explained: turned back alone, the rest fits worse, by torque as by friction; and whatever others
-    /// are turned, by one of the two, if all its friction brakes.
+    /// Whether one of several joints that were turned round tells so by itself and is explained: turned
+    /// back alone, the rest fits worse, by torque as by friction; and whatever others are turned, by one
+    /// of the two, if all its friction brakes; or always far worse by friction.
     ///
     /// - `parts`: all other sets of the joints that `whole` turns
     fn tells(&self, joint: usize, whole: &Tried, parts: &[Tried], rows: &ChainRows) -> bool {
@@ -145,7 +149,9 @@ impl SignTest {
         let is_worse = |part: &Tried| {
             let by_torque = all(whole) <= HALF * all(part);
             let by_friction = whole.left <= QUARTER * part.left;
-            if part.signs == whole.signs ^ 1 << joint {
+            if whole.left <= BY_FRICTION * part.left {
+                true
+            } else if part.signs == whole.signs ^ 1 << joint {
                 by_torque && by_friction
             } else {
                 by_torque || by_friction && brakes
@@ -268,7 +274,8 @@ pub(crate) fn swapped(
         pairs.into_iter().map(|(_, pair)| pair)
     };
     let likeliest: Vec<[usize; 2]> = better(pairs, FEWER, 1.0).take(LIKELIEST).collect();
-    Ok(better(likeliest, FEW, HALF).next())
+    // Of all joints: what the two leave is two parts of n.
+    Ok(better(likeliest, FEW, QUARTER.powf(2.0 / n as f64)).next())
 }
 
 /// A chain with the torque of some joints turned round.

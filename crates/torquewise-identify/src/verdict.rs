@@ -168,7 +168,9 @@ fn doubts(found: &Reconstruction) -> Vec<String> {
         format!("its geometry was found by only {times} of {starts} starts, fewer than {asked}")
     });
     let refit = found.warnings.iter().find_map(|warning| match warning {
-        Warning::Refit { .. } => Some("all rows are fitted worse than a sample of them".to_owned()),
+        Warning::Refit { .. } => {
+            Some("the fit leaves more than the search for the arm did".to_owned())
+        }
         _ => None,
     });
     at_rest.chain(geometry).chain(refit).collect()

@@ -322,8 +322,8 @@ impl fmt::Display for Warning {
             Self::Refit { ratio } => write!(
                 f,
                 "the fit to all rows leaves {ratio:.2} times the torque that the search left on a \
-                 sample of them: the log disagrees with itself, or with physics; check signs and units of \
-                 the torque, and axes and gravity where they were given"
+                 sample of them: what the search found is no physical arm, as where the log moves \
+                 little, or torque has a wrong sign or unit, or given axes or gravity are not the arm's"
             ),
             Self::Units { joint, what: [what, taken, may_be], largest } => write!(
                 f,

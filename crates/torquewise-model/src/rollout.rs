@@ -25,6 +25,8 @@ const AGREED: f64 = 1e-9;
 const OUTSIDE: usize = 20;
 /// Speed \[rad/s\] below which a shaft is held by its friction as by a viscous one.
 const HELD: f64 = 1e-7;
+/// No joint of an arm is faster \[rad/s or m/s\]: a simulated one that is has run away.
+const FASTEST: f64 = 100.0;
 
 /// How far the simulated arm is from the measured one after some time, over windows all over the
 /// logs.
@@ -340,7 +342,8 @@ pub fn drifts(
             for ((horizon, end), (away, sums)) in horizons.iter().zip(ends).zip(&mut squares) {
                 let (truth, held) = (window.measured(*horizon), window.held(*horizon));
                 // What ran away is no number: it adds nothing to the sum, and is left out of the mean.
-                let ran_away = !end.iter().all(|end| end.is_finite());
+                let may_be = |(end, start): (&f64, &f64)| (end - start).abs() <= FASTEST * horizon;
+                let ran_away = !end.iter().zip(window.start()).all(may_be);
                 *away += usize::from(ran_away);
                 let end = if ran_away { truth.clone() } else { end };
                 for (sums, ends) in sums.iter_mut().zip([end, held]) {

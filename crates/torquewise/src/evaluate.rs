@@ -53,7 +53,7 @@ impl Evaluation {
                 worse.join(", ")
             ));
         }
-        let away = rollouts.iter().filter(|drift| drift.ran_away > 0);
+        let away = rollouts.iter().rfind(|drift| drift.ran_away > 0);
         self.notes.extend(away.map(|Drift { ran_away, windows, horizon_s, .. }| {
             format!(
                 "simulated, {ran_away} of {windows} windows ran away within {horizon_s} s and do not \

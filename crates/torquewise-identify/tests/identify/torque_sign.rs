@@ -53,6 +53,36 @@ fn of_a_wrist_the_torque_that_is_turned_is_named_and_no_other() {
     }
 }
 
+/// As of a wrist whose torque is little but friction, which then drives it.
+#[test]
+fn of_torques_that_are_little_but_friction_those_that_are_turned_or_swapped_are_named() {
+    let arm = Arm::builtin("generic-6").unwrap();
+    let clean = motion(&arm, MotionKind::Sines, 40.0, 50.0, 1);
+    let viscous = |joint: usize| {
+        let part = if joint < 4 { 0.3 } else { 20.0 };
+        part * deviation(clean.tau().unwrap(), joint)
+    };
+    let viscous: Vec<f64> = (0..6).map(viscous).collect();
+    let said = |spoil: &dyn Fn(&mut [f64])| {
+        let mut normal = normals(1);
+        let log = with_torque(clean.clone(), |[_, dq, _], tau| {
+            for (joint, tau) in tau.iter_mut().enumerate() {
+                *tau += viscous[joint] * (dq[joint] + 0.03 * normal());
+            }
+            spoil(tau);
+        });
+        findings(&log, &Plan::default())
+    };
+    let joints = [4, 5].map(|joint: usize| arm.joints()[joint].clone());
+
+    assert_eq!(said(&|_| ()), []);
+    for (joint, name) in [4, 5].into_iter().zip(&joints) {
+        let wrong = Finding::WrongSign { joints: vec![name.clone()] };
+        assert_eq!(said(&|tau| tau[joint] = -tau[joint]), [wrong]);
+    }
+    assert_eq!(said(&|tau| tau.swap(4, 5)), [Finding::Swapped { joints }]);
+}
+
 #[test]
 fn a_torque_that_never_changes_leaves_the_others_as_they_are() {
     let arm = Arm::builtin("puma560-3").unwrap();
