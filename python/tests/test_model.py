@@ -344,7 +344,7 @@ def test_a_model_without_use_says_so_wherever_it_goes(tmp_path):
     assert "unusable by the verdict of its fit" in (tmp_path / "arm.c").read_text()
 
 
-@pytest.mark.parametrize("part, all_run_away", [(-1.0, True), (3e-3, False)])
+@pytest.mark.parametrize("part, all_run_away", [(-1.0, True), (0.05, False)])
 def test_windows_that_run_away_are_counted_and_do_not_hide_the_others(part, all_run_away, chain):
     own = json.loads(chain.to_json())
     own["chain"]["links"] = [[part * x for x in link] for link in own["chain"]["links"]]
