@@ -9,7 +9,7 @@ use crate::unseen::geometric_mean;
 use std::fmt;
 use std::ops::Range;
 use torquewise_model::{Model, Training};
-use torquewise_motion::{Motion, Pattern};
+use torquewise_motion::{LARGEST, Motion, Pattern};
 use torquewise_stepwise::fit::LibraryFit;
 use torquewise_stepwise::orders::OrderCurve;
 use torquewise_stepwise::survey::Survey;
@@ -98,12 +98,6 @@ pub enum Warning {
         largest: f64,
     },
 }
-
-/// Eight turns, in radians: more than a joint makes, less than half a turn written in degrees.
-const LARGEST_ANGLE: f64 = 50.0;
-/// Faster than any joint \[rad/s\], and stronger \[N·m\].
-const LARGEST_SPEED: f64 = 100.0;
-const LARGEST_TORQUE: f64 = 1e5;
 
 /// The fit to all rows may leave this many times what the search left on a sample.
 const MOST_REFIT: f64 = 1.1;
@@ -210,9 +204,9 @@ impl Warning {
             let [low, high] = survey.q_range[joint];
             let torque = survey.torque_mean[joint].hypot(survey.torque_std[joint]);
             let largest = [
-                (low.abs().max(high.abs()), LARGEST_ANGLE, ["positions", "rad", "degrees"]),
-                (survey.dq_peak[joint], LARGEST_SPEED, ["velocities", "rad/s", "deg/s"]),
-                (torque, LARGEST_TORQUE, ["torques", "N·m", "mN·m"]),
+                (low.abs().max(high.abs()), LARGEST[0], ["positions", "rad", "degrees"]),
+                (survey.dq_peak[joint], LARGEST[1], ["velocities", "rad/s", "deg/s"]),
+                (torque, LARGEST[3], ["torques", "N·m", "mN·m"]),
             ];
             let beyond = largest.into_iter().filter(|(largest, limit, _)| largest > limit);
             warnings.extend(beyond.map(|(largest, _, what)| Self::Units {

@@ -1,5 +1,6 @@
 //! Rows with a value that no motion leads to: a flipped bit, a sensor that dropped out.
 
+use torquewise_motion::LARGEST;
 use torquewise_motion::signals::Signal;
 
 /// Rows in a row that may be absurd; more are taken for what happened.
@@ -13,9 +14,6 @@ const TIMES: f64 = 20.0;
 
 /// No value of q, q̇, q̈ or τ below this is absurd \[rad, rad/s, rad/s², N·m\].
 const LEAST: [f64; 4] = [std::f64::consts::TAU, 5.0, 100.0, 10.0];
-
-/// Nothing of a joint moves or pulls by as much, and within one row \[rad, rad/s, –, N·m\].
-const IMPOSSIBLE: [f64; 4] = [50.0, 100.0, f64::INFINITY, 1e5];
 /// Numbers beyond are of a damaged file, which is to fail as a whole.
 const DAMAGED: f64 = 1e9;
 /// Where more than this part of a stretch is so, it is in another unit.
@@ -63,7 +61,7 @@ pub(crate) fn impossible(x: &[f64], signal: Signal) -> Vec<usize> {
     if x.len() < LEAST_ROWS {
         return Vec::new();
     }
-    let most = IMPOSSIBLE[signal as usize];
+    let most = LARGEST[signal as usize];
     let ends = |pick: fn(f64, f64) -> f64| x.iter().copied().reduce(pick);
     if ends(f64::max).zip(ends(f64::min)).is_none_or(|(high, low)| high - low < most) {
         return Vec::new();

@@ -9,7 +9,7 @@ use faer::{Mat, Side};
 use rayon::prelude::*;
 use serde::Serialize;
 use torquewise_motion::path::Path;
-use torquewise_motion::{ReadError, Recording};
+use torquewise_motion::{LARGEST, ReadError, Recording};
 
 /// Longest step \[s\].
 const STEP: f64 = 1e-3;
@@ -25,8 +25,6 @@ const AGREED: f64 = 1e-9;
 const OUTSIDE: usize = 20;
 /// Speed \[rad/s\] below which a shaft is held by its friction as by a viscous one.
 const HELD: f64 = 1e-7;
-/// No joint of an arm is faster \[rad/s or m/s\]: a simulated one that is has run away.
-const FASTEST: f64 = 100.0;
 
 /// How far the simulated arm is from the measured one after some time, over windows all over the
 /// logs.
@@ -41,7 +39,7 @@ pub struct Drift {
     pub hold_rms_rad: Vec<f64>,
     /// Windows.
     pub windows: usize,
-    /// Those of them whose simulation ran away.
+    /// Those of them whose simulation ran away: none of their joints counts in `rms_drift_rad`.
     pub ran_away: usize,
     /// Share of windows whose measured end lies in the band of 90 % of the arms that the model may as
     /// well be, n; where such arms were given.
@@ -258,6 +256,12 @@ impl Window<'_> {
         self.rows.between(&self.rows.q, self.rows.before(self.first, t), t)
     }
 
+    /// Whether a simulated joint was faster than any is, or ends at no number.
+    fn ran_away(&self, end: &[f64], after: f64) -> bool {
+        let may_be = |(end, start): (&f64, &f64)| (end - start).abs() <= LARGEST[1] * after;
+        !end.iter().zip(self.start()).all(may_be)
+    }
+
     /// Where it would be at the velocity that it had; q, n.
     fn held(&self, after: f64) -> Vec<f64> {
         let state = self.rows.q[self.first].iter().zip(&self.rows.dq[self.first]);
@@ -341,9 +345,7 @@ pub fn drifts(
             }
             for ((horizon, end), (away, sums)) in horizons.iter().zip(ends).zip(&mut squares) {
                 let (truth, held) = (window.measured(*horizon), window.held(*horizon));
-                // What ran away is no number: it adds nothing to the sum, and is left out of the mean.
-                let may_be = |(end, start): (&f64, &f64)| (end - start).abs() <= FASTEST * horizon;
-                let ran_away = !end.iter().zip(window.start()).all(may_be);
+                let ran_away = window.ran_away(&end, *horizon);
                 *away += usize::from(ran_away);
                 let end = if ran_away { truth.clone() } else { end };
                 for (sums, ends) in sums.iter_mut().zip([end, held]) {

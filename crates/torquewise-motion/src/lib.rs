@@ -36,7 +36,7 @@ pub mod signals;
 pub use differentiate::{HALF_WINDOW, derivative};
 pub use error::MotionError;
 pub use joint_names::unfit_joint_name;
-pub use motion::{Motion, Signals};
+pub use motion::{LARGEST, Motion, Signals};
 pub use pattern::Pattern;
 pub use recording::{BLOCK_ROWS, RawRecording, ReadError, ReadResult, Recording, Visit, VisitPair};
 pub use repairs::Repairs;

@@ -3,6 +3,10 @@
 use crate::error::{MotionError, Result};
 use faer::{ColRef, Mat, MatRef};
 
+/// More than any joint reaches, of q, q̇, q̈ and τ \[rad, rad/s, –, N·m; m and m/s of a slide\]: eight
+/// turns are less than half a turn written in degrees; accelerations have no bound.
+pub const LARGEST: [f64; 4] = [50.0, 100.0, f64::INFINITY, 1e5];
+
 /// The parts a [`Motion`] is made of, before they are checked.
 #[derive(Clone, Debug)]
 pub struct Signals {
