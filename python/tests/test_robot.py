@@ -155,6 +155,13 @@ def test_a_load_is_weighed(chain):
         found.model.torque(free["q"], free["dq"], free["ddq"]), log["tau"], atol=0.05
     )
 
+    both = torquewise.fit(free, loaded=[log, log], friction="linear", progress=False)
+    alone = torquewise.payload(both.model, log, filter="none")
+
+    assert [load.mass for load in both.loads] == [alone.mass] * 2
+    assert alone.mass == pytest.approx(1.0, rel=0.05)
+    assert [load.mass for load in pickle.loads(pickle.dumps(both)).loads] == [alone.mass] * 2
+
     # The columns weigh the load at half of what it weighs.
     drives = torquewise.gains(chain, log, known_mass=2.0, filter="none")
 
@@ -218,6 +225,7 @@ def test_results_are_pickled(fit, test, train):
     inspection = torquewise.inspect(train)
     assert pickle.loads(pickle.dumps(inspection)) == copy.copy(inspection) == inspection
     found = pickle.loads(pickle.dumps(fit.evaluate(test)))
+    assert found.verdict == fit.verdict == "good" and "test error" in found.because[-1]
     covered = found.interval_coverage_percent
     for errors in (found.rmse, found.nrmse_percent, found.r2, found.raw_nrmse_percent, covered):
         assert errors.shape == (2,) and errors.dtype == np.float64

@@ -7,6 +7,7 @@ use serde::Serialize;
 use spread::{Follower, Spread};
 use torquewise_model::Model;
 use torquewise_model::momentum_observer::MomentumObserver;
+use torquewise_motion::stats::quantile;
 use torquewise_motion::{ReadError, Recording};
 use torquewise_stepwise::error::IdentifyError;
 
@@ -311,16 +312,6 @@ fn halve<T>(values: &mut Vec<T>) {
         keep = !keep;
         keep
     });
-}
-
-fn quantile(values: &mut [f64], part: f64) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index")]
-    let place = ((values.len() - 1) as f64 * part) as usize;
-    let (_, value, _) = values.select_nth_unstable_by(place, f64::total_cmp);
-    *value
 }
 
 impl ContactDetector {

@@ -5,93 +5,47 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use std::fmt;
 use torquewise_motion::Motion;
+use torquewise_motion::stats::quantile;
 use torquewise_stepwise::survey::{Survey, thinned};
 
-/// Something that the motion of a log leaves open.
+/// Something that the motion of a log leaves open. Joints are named.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "each kind explains its fields")]
 pub enum Finding {
-    /// A joint turns too little.
-    Range {
-        /// Its name.
-        joint: String,
-        /// Angle between its ends \[rad\].
-        range: f64,
-    },
-    /// A joint moves too slowly.
-    Speed {
-        /// Its name.
-        joint: String,
-        /// Its largest speed \[rad/s\].
-        peak: f64,
-    },
-    /// A joint accelerates too little.
-    Acceleration {
-        /// Its name.
-        joint: String,
-        /// Its largest acceleration \[rad/s²\].
-        peak: f64,
-    },
+    /// A joint turns through too small a range \[rad\].
+    Range { joint: String, range: f64 },
+    /// A joint moves too slowly: the speed that it hardly ever exceeds \[rad/s\].
+    Speed { joint: String, peak: f64 },
+    /// A joint accelerates too little: what it hardly ever exceeds \[rad/s²\].
+    Acceleration { joint: String, peak: f64 },
     /// A joint moves in one direction only.
-    OneWay {
-        /// Its name.
-        joint: String,
-        /// Whether that is forward.
-        forward: bool,
-    },
-    /// Joints that always move together.
-    Together {
-        /// Their names, two or more.
-        joints: Vec<String>,
-        /// Least correlation of the speeds of two of them.
-        correlation: f64,
-    },
-    /// A torque that was cut off.
-    Clipped {
-        /// Name of the joint.
-        joint: String,
-        /// Part of its motion in which the torque is at one of its ends.
-        share: f64,
-    },
+    OneWay { joint: String, forward: bool },
+    /// Two joints or more that always move together: least correlation of the speeds of two of them.
+    Together { joints: Vec<String>, correlation: f64 },
+    /// A torque that was cut off: at one of its ends in this share of its motion.
+    Clipped { joint: String, share: f64 },
     /// Torques that fit those of the other joints, or all that fit their motion, turned round alone.
-    WrongSign {
-        /// Names of the joints.
-        joints: Vec<String>,
-    },
+    WrongSign { joints: Vec<String> },
     /// Torques that no gravity is in.
     Weightless,
     /// Two torques that fit the motion of each other's joint.
-    Swapped {
-        /// Names of the joints.
-        joints: [String; 2],
-    },
-    /// Torques that are not in one unit, such as the currents of different motors.
-    Gains {
-        /// Names of all joints, n.
-        joints: Vec<String>,
-        /// What a unit of each is worth beside the others, geometric mean 1, and its standard error, n.
-        gains: Vec<[f64; 2]>,
-    },
-    /// A torque that follows from the position alone.
-    Commanded {
-        /// Name of the joint.
-        joint: String,
-        /// Share of the torque that position does not explain.
-        residual: f64,
-    },
-    /// A torque that does not follow the motion at all.
-    Unrelated {
-        /// Name of the joint.
-        joint: String,
-        /// Share of the torque that no rough model explains.
-        residual: f64,
-    },
+    Swapped { joints: [String; 2] },
+    /// Torques that are not in one unit, such as the currents of different motors: of all joints what
+    /// a unit is worth beside the others, geometric mean 1, and its standard error, n.
+    Gains { joints: Vec<String>, gains: Vec<[f64; 2]> },
+    /// A torque that follows from the position but for a share.
+    Commanded { joint: String, residual: f64 },
+    /// A torque that does not follow the motion at all: the share that no rough model explains.
+    Unrelated { joint: String, residual: f64 },
 }
 
 /// Below these a joint is hardly excited: rad, rad/s, rad/s².
 pub(crate) const LEAST_RANGE: f64 = 0.35;
 const LEAST_SPEED: f64 = 0.2;
 const LEAST_ACCELERATION: f64 = 0.5;
+/// Part of the rows that a peak exceeds: one start or stop tells little.
+const PEAK: f64 = 0.99;
 /// A direction with fewer of the moving rows than this is missing.
 const LEAST_SHARE: f64 = 0.05;
 /// A joint moves where it is faster than this part of its peak speed.
@@ -156,12 +110,12 @@ fn of_joint(survey: &Survey, joint: usize) -> Vec<Finding> {
     if high - low < LEAST_RANGE {
         found.push(Finding::Range { joint: name(), range: high - low });
     }
-    let peak = survey.dq_peak[joint];
+    let [peak, sharpest] = peaks(survey, joint);
     if peak < LEAST_SPEED {
         found.push(Finding::Speed { joint: name(), peak });
     }
-    if survey.ddq_peak[joint] < LEAST_ACCELERATION {
-        found.push(Finding::Acceleration { joint: name(), peak: survey.ddq_peak[joint] });
+    if sharpest < LEAST_ACCELERATION {
+        found.push(Finding::Acceleration { joint: name(), peak: sharpest });
     }
     let speeds = survey.sample.dq().col(joint);
     let count = |wanted: &dyn Fn(f64) -> bool| speeds.iter().filter(|dq| wanted(**dq)).count();
@@ -184,7 +138,16 @@ fn of_torque(survey: &Survey, joint: usize) -> Option<Finding> {
 }
 
 fn moves(survey: &Survey, joint: usize) -> bool {
-    survey.dq_peak[joint] > LEAST_SPEED && survey.ddq_peak[joint] > LEAST_ACCELERATION
+    let [speed, acceleration] = peaks(survey, joint);
+    speed > LEAST_SPEED && acceleration > LEAST_ACCELERATION
+}
+
+/// Speed and acceleration of a joint that [`PEAK`] of the rows do not exceed.
+fn peaks(survey: &Survey, joint: usize) -> [f64; 2] {
+    [survey.sample.dq(), survey.sample.ddq()].map(|values| {
+        let mut sizes: Vec<f64> = values.col(joint).iter().map(|value| value.abs()).collect();
+        quantile(&mut sizes, PEAK)
+    })
 }
 
 fn correlation(motion: &Motion, first: usize, second: usize) -> f64 {
@@ -247,12 +210,12 @@ impl fmt::Display for Finding {
             ),
             Self::Speed { joint, peak } => write!(
                 f,
-                "{joint} never moves faster than {peak:.2} rad/s: its Coriolis terms and its \
+                "{joint} hardly ever moves faster than {peak:.2} rad/s: its Coriolis terms and its \
                  viscous friction are guesses; drive it faster, forward and backward"
             ),
             Self::Acceleration { joint, peak } => write!(
                 f,
-                "{joint} never accelerates by more than {peak:.2} rad/s²: its inertia is a guess; \
+                "{joint} hardly ever accelerates by more than {peak:.2} rad/s²: its inertia is a guess; \
                  start and stop it more sharply"
             ),
             Self::OneWay { joint, forward } => write!(
@@ -372,9 +335,17 @@ mod tests {
     #[test]
     fn a_lame_joint_is_named_with_what_it_lacks() {
         let lame = log([(1.0, 3.0, 0.0), (0.05, 1.0, 0.0)], |[q, dq, ddq]| q + dq + ddq);
-        let found = of(&lame);
-        assert!(matches!(&found[0], Finding::Range { joint, .. } if joint == "knee"), "{found:?}");
-        assert!(matches!(&found[1], Finding::Speed { .. }));
-        assert!(matches!(&found[2], Finding::Acceleration { .. }));
+        // So is one that starts sharply once.
+        let mut jerked = lame.clone().into_signals();
+        jerked.dq.col_mut(1).subrows_mut(0, 10).fill(2.0);
+        jerked.ddq.col_mut(1).subrows_mut(0, 10).fill(20.0);
+        for found in [of(&lame), of(&Motion::new(jerked).unwrap())] {
+            assert!(
+                matches!(&found[0], Finding::Range { joint, .. } if joint == "knee"),
+                "{found:?}"
+            );
+            assert!(matches!(&found[1], Finding::Speed { .. }), "{found:?}");
+            assert!(matches!(&found[2], Finding::Acceleration { .. }), "{found:?}");
+        }
     }
 }

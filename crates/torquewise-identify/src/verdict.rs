@@ -4,8 +4,8 @@ use crate::excitation::{Finding, list};
 use crate::reconstruction::Reconstruction;
 use crate::unseen::geometric_mean;
 use crate::warning::{Warning, never_move};
-use torquewise_model::Training;
 use torquewise_model::model::GeometryFound;
+use torquewise_model::{Model, Training};
 
 pub use torquewise_model::verdict::{Grade, Verdict};
 
@@ -20,41 +20,63 @@ const HALF: f64 = 0.5;
 /// Percentage of the torque of a test that believable 95 % intervals hold in the mean of the joints.
 const HELD: f64 = 80.0;
 
-/// How a model predicts a log of another motion.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Tested<'a> {
-    /// Errors over the spread of the torque, n or none: the grade is that of the larger errors. One
-    /// that is not finite, as that of a torque that never changes, tells nothing.
-    pub errors: &'a [f64],
-    /// Percentage of its torques within their 95 % intervals, n; none where a model has no errors.
-    pub held: Option<&'a [f64]>,
+/// Errors over the spread of the torque, by joint, of the rows of a name.
+type Judged<'a> = (&'static str, Vec<(&'a String, f64)>);
+
+/// The verdict from rows that were held out, by time and by region, and what the motion leaves open.
+/// Where there are too few rows to hold any out, a model is at best usable.
+pub fn judge(found: &Reconstruction) -> Verdict {
+    let judged = errors(found);
+    let mut doubts = doubts(found);
+    if judged[0].1.is_empty() {
+        doubts.push("too few rows to hold any out".to_owned());
+    }
+    let mut verdict = graded(grave(&found.warnings), doubts, &judged);
+    verdict.because.extend(one_way(&found.warnings));
+    verdict
 }
 
-/// The verdict from rows that were held out, by time and by region, from a test where there is one, and
-/// what the motion leaves open. Where there are too few rows to hold any out, a model is at best usable.
-pub fn judge(found: &Reconstruction, test: Tested<'_>) -> Verdict {
-    let all = errors(found, test.errors);
-    let has_held_out = !all[0].1.is_empty();
-    let judged = all.iter().filter(|(_, errors)| !errors.is_empty());
+/// The verdict of a log of another motion: the worse of that by its own fit, where the model keeps
+/// one, and that by how the log is predicted.
+///
+/// - `errors`: over the spread of the torque, n; one that is not finite, as that of a torque that never
+///   changes, tells nothing
+/// - `held`: percentage of the torques within their 95 % intervals, n; none where a model has no errors
+pub fn judge_by(model: &Model, errors: &[f64], held: Option<&[f64]>) -> Verdict {
+    let named = model.joints.iter().zip(errors.iter().copied());
+    let named: Vec<_> = named.filter(|(_, error)| error.is_finite()).collect();
+    let mut doubts = Vec::new();
+    if named.is_empty() {
+        doubts.push("no torque of the test changes".to_owned());
+    }
+    let held = held.map(|held| held.iter().sum::<f64>() / held.len().max(1) as f64);
+    doubts.extend(
+        held.filter(|held| *held < HELD)
+            .map(|held| format!("its 95 % intervals hold {held:.0} % of the test torque")),
+    );
+    let verdict = graded(Vec::new(), doubts, &[("test", named)]);
+    match &model.training.verdict {
+        Some(own) => own.clone().with(verdict),
+        None => verdict,
+    }
+}
+
+/// The verdict where some reasons make a model useless, doubts keep it from being good, and the larger
+/// errors decide what else there is.
+fn graded(mut because: Vec<String>, doubts: Vec<String>, judged: &[Judged<'_>]) -> Verdict {
+    let judged = judged.iter().filter(|(_, errors)| !errors.is_empty());
     let missed = |is: &dyn Fn(f64) -> bool, how: &str| -> Vec<String> {
-        let of = |(rows, errors): &(&str, Vec<(&String, f64)>)| {
+        let of = |(rows, errors): &Judged<'_>| {
             let named = errors.iter().filter(|(_, error)| is(*error));
             let named: Vec<String> = named.map(|(name, _)| (*name).clone()).collect();
             (!named.is_empty()).then(|| format!("{rows} torque of {} is {how}", list(&named)))
         };
         judged.clone().filter_map(of).collect()
     };
-    let mut because = grave(&found.warnings);
     let is_useless = |error: f64| error.is_nan() || error >= USELESS;
     because.extend(missed(&is_useless, "predicted hardly better than by its mean"));
     let how = format!("missed by more than {:.0} % of its spread", 100.0 * Training::POOR);
     let poor = missed(&|error| (Training::POOR..USELESS).contains(&error), &how);
-    let mut doubts = doubts(found);
-    let held = test.held.map(|held| held.iter().sum::<f64>() / held.len().max(1) as f64);
-    doubts.extend(
-        held.filter(|held| *held < HELD)
-            .map(|held| format!("its 95 % intervals hold {held:.0} % of the test torque")),
-    );
     let errors_of = |errors: &[(&String, f64)]| -> Vec<f64> {
         errors.iter().map(|(_, error)| *error).collect()
     };
@@ -64,18 +86,13 @@ pub fn judge(found: &Reconstruction, test: Tested<'_>) -> Verdict {
         let missed = 100.0 * mean;
         because.push(format!("{missed:.0} % of the torque is missed in the mean of the joints"));
     }
-    let has_no_doubt = has_held_out && poor.is_empty() && doubts.is_empty();
+    let has_no_doubt = poor.is_empty() && doubts.is_empty();
     let grade = match because.is_empty() {
         false => Grade::Unusable,
         true if has_no_doubt && mean <= GOOD => Grade::Good,
         true => Grade::Usable,
     };
-    because.extend(doubts);
-    because.extend(one_way(&found.warnings));
-    because.extend(poor);
-    if !has_held_out {
-        because.push("too few rows to hold any out".to_owned());
-    }
+    because.extend(doubts.into_iter().chain(poor));
     because.extend(judged.map(|(rows, errors)| {
         let [least, most] = [f64::min, f64::max].map(|of| errors_of(errors).into_iter().reduce(of));
         let [least, most] = [least, most].map(|error| 100.0 * error.unwrap_or_default());
@@ -88,12 +105,9 @@ pub fn judge(found: &Reconstruction, test: Tested<'_>) -> Verdict {
     Verdict { grade, because }
 }
 
-/// Errors of the joints whose torque changes, on the rows that judge: those held out, all where a refit
-/// left more, and of a test.
-fn errors<'a>(
-    found: &'a Reconstruction,
-    test: &[f64],
-) -> [(&'static str, Vec<(&'a String, f64)>); 3] {
+/// Errors of the joints whose torque changes, on the rows that judge: those held out, and all where a
+/// refit left more.
+fn errors(found: &Reconstruction) -> [Judged<'_>; 2] {
     let training = &found.model.training;
     let named = |errors: Vec<f64>| {
         let named = found.model.joints.iter().zip(errors).zip(&training.torque_std);
@@ -104,11 +118,8 @@ fn errors<'a>(
     // What was judged on held-out rows is not what a refit left.
     let left = training.residual_rms.iter().zip(&training.torque_std).map(|(rms, std)| rms / std);
     let mut fitted = named(left.filter(|_| is_refit).collect());
-    let mut test = named(test.to_vec());
-    for errors in [&mut fitted, &mut test] {
-        errors.retain(|(_, error)| error.is_finite());
-    }
-    [("held-out", held_out), ("fitted", fitted), ("test", test)]
+    fitted.retain(|(_, error)| error.is_finite());
+    [("held-out", held_out), ("fitted", fitted)]
 }
 
 /// What makes a model useless whatever the error on its own log.

@@ -14,53 +14,30 @@ use torquewise_stepwise::fit::LibraryFit;
 use torquewise_stepwise::orders::OrderCurve;
 use torquewise_stepwise::survey::Survey;
 
-/// Something that does not stop the work but may spoil its result.
+/// Something that does not stop the work but may spoil its result. Joints and terms are named.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "each kind explains its fields")]
 pub enum Warning {
     /// Joints that never move.
-    ConstantJoints {
-        /// Their names.
-        joints: Vec<String>,
-    },
+    ConstantJoints { joints: Vec<String> },
     /// A joint's torque never changes.
-    ConstantTorque {
-        /// Its name.
-        joint: String,
-    },
+    ConstantTorque { joint: String },
     /// Rows of a pattern are missing, its terms were fitted with the rows of the next.
     PatternMissing(Pattern),
-    /// Candidates that no row excites.
-    UnassignedCandidates {
-        /// How many.
-        candidates: usize,
-    },
+    /// So many candidates are excited by no row.
+    UnassignedCandidates { candidates: usize },
     /// Terms left out of the last fit because they are linearly dependent in this log.
-    Dependent {
-        /// Their names.
-        terms: Vec<String>,
-    },
+    Dependent { terms: Vec<String> },
     /// Rows of a pattern are missing, so no order can be chosen for its step.
     NoOrder(Pattern),
-    /// Even the order chosen explains little of a joint's torque.
-    Unexplained {
-        /// Name of the library or step.
-        library: String,
-        /// Name of the joint.
-        joint: String,
-        /// Held-out residual over the standard deviation of its torque.
-        residual: f64,
-    },
-    /// Joints seem to slide, and were fitted as such that turn.
-    Sliding {
-        /// Kinds that they seem to be of, as in `rrpr`.
-        kinds: String,
-    },
+    /// Even the order chosen of a library, or a step, explains little of a joint's torque: the held-out
+    /// residual over the standard deviation of the torque.
+    Unexplained { library: String, joint: String, residual: f64 },
+    /// Joints seem to slide, as `rrpr`, and were fitted as such that turn.
+    Sliding { kinds: String },
     /// A joint that moved by little may as well slide as turn, and is taken to turn.
-    Kind {
-        /// Its name.
-        joint: String,
-    },
+    Kind { joint: String },
     /// What the motion of the log leaves open.
     Excitation(Finding),
     /// Logs that were fitted together differ in what gravity does.
@@ -69,34 +46,23 @@ pub enum Warning {
     Drift(FrictionDrift),
     /// Most of what is missed of a joint is missed in few rows.
     Shape(Shape),
-    /// Gravity pulls elsewhere than a URDF and its user say.
-    Gravity {
-        /// The line along which it pulls in the base of the URDF, of length 1, as one writes it.
-        line: String,
-    },
-    /// The log seems to count joints otherwise than the file that their axes are from.
-    Coordinates {
-        /// What each may be in that file, `joint3 as -q + 90°`.
-        joints: String,
-    },
+    /// Gravity pulls elsewhere than a URDF and its user say: along this line in the base of the URDF,
+    /// of length 1, as one writes it.
+    Gravity { line: String },
+    /// The log seems to count joints otherwise than the file that their axes are from: what each may be
+    /// in that file, `joint3 as -q + 90°`.
+    Coordinates { joints: String },
     /// Two logs hold the same rows.
     Repeated,
     /// M(q) is not positive definite within the range of the log, and where.
     NotPhysical(String),
-    /// The fit to all rows leaves far more than the search did on a sample.
-    Refit {
-        /// Residual of the fit over that of the search, geometric mean of the joints.
-        ratio: f64,
-    },
-    /// Positions, velocities or torques larger than those of any joint.
-    Units {
-        /// Name of the joint.
-        joint: String,
-        /// Which they are, in what unit they are taken, and in what unit they may be.
-        what: [&'static str; 3],
-        /// The largest; of torques the root of their mean square.
-        largest: f64,
-    },
+    /// The fit to all rows leaves far more than the search did on a sample: the ratio of both residuals,
+    /// geometric mean of the joints.
+    Refit { ratio: f64 },
+    /// Positions, velocities or torques larger than those of any joint: which they are, in what unit
+    /// they are taken, and in what unit they may be; the largest, of torques the root of their mean
+    /// square.
+    Units { joint: String, what: [&'static str; 3], largest: f64 },
 }
 
 /// The fit to all rows may leave this many times what the search left on a sample.

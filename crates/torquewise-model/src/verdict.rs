@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// May a model be used?
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Grade {
     /// As it is.
@@ -23,6 +23,15 @@ pub struct Verdict {
     pub grade: Grade,
     /// Why, the gravest first; one sentence part each.
     pub because: Vec<String>,
+}
+
+impl Verdict {
+    /// The worse grade of two, for the reasons of both.
+    #[must_use]
+    pub fn with(self, other: Self) -> Self {
+        let [worse, better] = if other.grade > self.grade { [other, self] } else { [self, other] };
+        Self { grade: worse.grade, because: [worse.because, better.because].concat() }
+    }
 }
 
 impl fmt::Display for Grade {

@@ -5,11 +5,13 @@ use crate::log::{Log, Rows, Source};
 use crate::observe::{NOBODY, Observer, Watched};
 use crate::predict::{Interval, MotionRange};
 use crate::prepared::Prepared;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+use serde_json::json;
 use torquewise_identify::score::{JointScore, score, score_along};
+use torquewise_identify::verdict::{Verdict, judge_by};
 use torquewise_model::Model;
 use torquewise_model::rollout::{self, Drift};
-use torquewise_motion::Recording;
+use torquewise_motion::{Motion, Recording};
 
 /// Errors of a model on a log, joint by joint.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -23,6 +25,9 @@ pub struct Evaluation {
     /// measured torque is not at hand.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval_coverage_percent: Option<Vec<f64>>,
+    /// Whether the model may be used, by what its own fit and this log say.
+    #[serde(flatten, serialize_with = "as_of_fit")]
+    pub verdict: Verdict,
     /// How far simulated windows of the log drift, where that was asked for.
     #[serde(skip_serializing_if = "Vec::is_empty", rename = "rollout")]
     pub rollouts: Vec<Drift>,
@@ -107,7 +112,7 @@ pub fn evaluate<'a>(model: &Model, log: impl Into<Source<'a>>) -> Result<Evaluat
     match log.into() {
         Source::Log(log) => evaluate_prepared(model, &prepare(model, log)?, NOBODY),
         Source::Recording(recording) => {
-            scored(model, &Watched::new(recording, NOBODY, "predicting", None))
+            scored(model, &Watched::new(recording, NOBODY, "predicting", None), None)
         }
     }
 }
@@ -131,18 +136,7 @@ pub fn evaluate_prepared(
     log: &Prepared,
     observer: Observer<'_>,
 ) -> Result<Evaluation> {
-    let watched = log.watched(observer, "predicting");
-    let mut evaluation = scored(model, &watched)?;
-    if let Some((motion, noise)) = log.raw_torque()? {
-        evaluation.interval_coverage_percent = coverage(model, &watched, (&motion, 1))?;
-        let scores = score(model, &motion)?;
-        let joints = evaluation.joints.iter_mut().zip(scores.joints).zip(noise);
-        for ((joint, JointScore { nrmse_percent, std, .. }), noise) in joints {
-            joint.raw_nrmse_percent = Some(nrmse_percent);
-            joint.noise_floor_percent = Some(100.0 * noise / std);
-        }
-    }
-    Ok(evaluation)
+    scored(model, &log.watched(observer, "predicting"), log.raw_torque()?)
 }
 
 /// Simulates windows of a log from their measured state with the measured torque, and says how far
@@ -192,7 +186,12 @@ pub(crate) fn interval<'a>(model: &'a Model, log: &dyn Recording) -> Result<Opti
 const TRAINED: &str = "the model was fitted to these rows: what is left of them says nothing of \
                        others, judge it by another log";
 
-fn scored(model: &Model, recording: &impl Recording) -> Result<Evaluation> {
+/// - `raw`: a sample of filtered rows with torque as it was measured, and its white noise \[N·m\], n
+fn scored(
+    model: &Model,
+    recording: &impl Recording,
+    raw: Option<(Motion, Vec<f64>)>,
+) -> Result<Evaluation> {
     let mut range = MotionRange::new(model.n_joints());
     let scores = score_along(model, recording, &mut |block| range.add(block))?;
     let is_raw = !recording.is_filtered();
@@ -204,18 +203,42 @@ fn scored(model: &Model, recording: &impl Recording) -> Result<Evaluation> {
         raw_nrmse_percent: is_raw.then_some(nrmse_percent),
         noise_floor_percent: None,
     };
-    let joints: Vec<JointEvaluation> = scores.joints.into_iter().map(joint).collect();
+    let mut joints: Vec<JointEvaluation> = scores.joints.into_iter().map(joint).collect();
+    let every = scores.rows.div_ceil(ROWS).max(1);
+    let covered = match raw {
+        Some((motion, noise)) => {
+            let raw = score(model, &motion)?.joints.into_iter().zip(noise);
+            for (joint, (JointScore { nrmse_percent, std, .. }, noise)) in
+                joints.iter_mut().zip(raw)
+            {
+                joint.raw_nrmse_percent = Some(nrmse_percent);
+                joint.noise_floor_percent = Some(100.0 * noise / std);
+            }
+            coverage(model, recording, (&motion, 1))?
+        }
+        None if is_raw => coverage(model, recording, (recording, every))?,
+        None => None,
+    };
+    let errors: Vec<f64> = joints.iter().map(|joint| 0.01 * joint.nrmse_percent).collect();
     let still = joints.iter().filter(|joint| !joint.nrmse_percent.is_finite());
     let still = still
         .map(|joint| format!("the torque of {} never changes: look at its RMSE only", joint.name));
-    let warnings = still.collect();
+    let is_trained = range.is_trained(model);
+    let by_fit = model.training.verdict.clone().filter(|_| is_trained);
     let mut notes = range.warnings(model);
-    if range.is_trained(model) {
-        notes.push(TRAINED.to_owned());
-    }
-    let every = scores.rows.div_ceil(ROWS).max(1);
-    let covered = is_raw.then(|| coverage(model, recording, (recording, every))).transpose()?;
-    let interval_coverage_percent = covered.flatten();
-    let (rows, rollouts) = (scores.rows, Vec::new());
-    Ok(Evaluation { joints, rows, interval_coverage_percent, rollouts, notes, warnings })
+    notes.extend(is_trained.then(|| TRAINED.to_owned()));
+    Ok(Evaluation {
+        warnings: still.collect(),
+        verdict: by_fit.unwrap_or_else(|| judge_by(model, &errors, covered.as_deref())),
+        joints,
+        rows: scores.rows,
+        interval_coverage_percent: covered,
+        rollouts: Vec::new(),
+        notes,
+    })
+}
+
+/// A verdict as in the summary of a fit.
+fn as_of_fit<S: Serializer>(verdict: &Verdict, to: S) -> Result<S::Ok, S::Error> {
+    json!({ "verdict": verdict.grade, "because": verdict.because }).serialize(to)
 }

@@ -16,7 +16,7 @@ use torquewise_identify::bandwidth::{Tuned, tune};
 use torquewise_identify::disagreement::disagreements;
 use torquewise_identify::excitation::Finding;
 use torquewise_identify::reconstruct::reconstruct_from;
-use torquewise_identify::verdict::{Grade, Tested, Verdict, judge};
+use torquewise_identify::verdict::{Grade, Verdict, judge};
 use torquewise_identify::{
     IdentifyError, Method, Plan, Reconstruction, Warning, first_look, reconstruct,
 };
@@ -201,16 +201,9 @@ impl FitResult {
         Ok(self.weakest.get_or_init(|| found))
     }
 
-    /// Whether the model may be used, and why.
+    /// Whether the model may be used, and why, by its own log; [`Evaluation::verdict`] is by others too.
     pub fn verdict(&self) -> Verdict {
-        judge(&self.found, Tested::default())
-    }
-
-    /// The same, where a log of another motion was predicted too.
-    pub fn verdict_with(&self, test: &Evaluation) -> Verdict {
-        let errors = test.joints.iter().map(|joint| 0.01 * joint.nrmse_percent);
-        let held = test.interval_coverage_percent.as_deref();
-        judge(&self.found, Tested { errors: &errors.collect::<Vec<_>>(), held })
+        judge(&self.found)
     }
 
     /// What is good to know and changes nothing: remarks of the fit, and what was repaired.

@@ -33,7 +33,7 @@ pub fn page(
         Ok::<_, Error>(seen)
     };
     let Some(log) = &fit.log else { return Ok(None) };
-    let verdict = test.map_or_else(|| fit.verdict(), |(_, scores)| fit.verdict_with(scores));
+    let verdict = test.map_or_else(|| fit.verdict(), |(_, scores)| scores.verdict.clone());
     let (diagnosis, test) = (look(log)?, test.map(|(test, _)| look(test)).transpose()?);
     let physics = PhysicsCheck::of(&fit.model, STATES)?;
     Ok(Some(fit_report(&Findings {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
@@ -15,12 +16,15 @@ from numpy.typing import NDArray
 from . import _core
 from ._log import read_log
 from ._model import Model
+from ._observer import Payload, payload
 from ._options import FitOptions, LogOptions, Path, Progress, explicit, split
 from ._progress import shown
 from ._tables import frame
 
 if TYPE_CHECKING:
     from ._options import Unpack
+
+_ARRAYS = "t", "q", "dq", "ddq", "tau"
 
 
 @dataclass(eq=False)
@@ -39,6 +43,10 @@ class Evaluation:
     interval_coverage_percent: NDArray[np.float64]
     """Torques of each joint, as they were measured, within their interval of 95 % [%]; NaN where the
     model has no covariance, or torque as it was measured is not at hand."""
+    verdict: str
+    """``good``, ``usable`` or ``unusable``, by the fit of the model and by this log."""
+    because: list[str]
+    """Why, in sentences."""
     notes: list[str] = field(default_factory=list)
     """What to know before these errors are used, in sentences."""
 
@@ -59,6 +67,8 @@ class Evaluation:
             of("r2"),
             of("raw_nrmse_percent"),
             np.array(covered, dtype=float),
+            found["verdict"],
+            found["because"],
             notes,
         )
 
@@ -72,6 +82,7 @@ class Evaluation:
         lines = [f"{'joint':<20} {'RMSE [N·m]':>12} {'NRMSE [%]':>10} {'R²':>9}"]
         for name, rmse, nrmse, r2 in zip(self.joints, self.rmse, self.nrmse_percent, self.r2):
             lines.append(f"{name:<20} {rmse:>12.4g} {nrmse:>10.4g} {r2:>9.6f}")
+        lines += [f"verdict: {self.verdict}: {'; '.join(self.because)}"]
         lines += [f"note: {note}" for note in self.notes]
         return "\n".join(lines)
 
@@ -111,13 +122,16 @@ class Fit:
 
     model: Model
     """The learned equations of motion."""
+    loads: list[Payload]
+    """The load of each log of the arm with one."""
 
-    def __init__(self, core: _core.Fit | _Kept):
+    def __init__(self, core: _core.Fit | _Kept, loads: Sequence[Payload] = ()):
         self._core = core
         self.model = Model(core.model)
+        self.loads = list(loads)
 
-    def __reduce__(self) -> tuple[type[Fit], tuple[_Kept]]:
-        return type(self), (_Kept.of(self._core),)
+    def __reduce__(self) -> tuple[type[Fit], tuple[_Kept, list[Payload]]]:
+        return type(self), (_Kept.of(self._core), self.loads)
 
     @property
     def verdict(self) -> str:
@@ -199,11 +213,20 @@ class Fit:
 
 
 @explicit(FitOptions)
-def fit(log: Any = None, *, progress: Progress = None, **options: Unpack[FitOptions]) -> Fit:
+def fit(
+    log: Any = None,
+    *,
+    loaded: Any = None,
+    progress: Progress = None,
+    **options: Unpack[FitOptions],
+) -> Fit:
     """Reconstructs the equations of motion from logs of one arm.
 
     log
         Whatever :func:`read_log` takes; or arrays by the keywords t, q, dq, ddq, tau and rate.
+    loaded
+        Log of the arm with a load on its last link, or a list of such logs, one for each load: they
+        are weighed by the model, a chain, see :attr:`Fit.loads`.
     library
         ``"energy"``, ``"product"`` or ``"chain"``; by default a chain of rigid bodies for filtered
         logs, friction, or five joints and more, else energies.
@@ -238,8 +261,14 @@ def fit(log: Any = None, *, progress: Progress = None, **options: Unpack[FitOpti
     """
     of_log, of_fit = split(options)
     log = read_log(log, **of_log)
+    loads = [] if loaded is None else loaded if isinstance(loaded, list) else [loaded]
+    of_load = {key: own for key, own in of_log.items() if key not in _ARRAYS}
+    loads = [read_log(load, **of_load) for load in loads]
+    if loads and of_fit.get("library") is None:
+        of_fit["library"] = "chain"
     with shown(progress) as told:
         found = Fit(_core.fit(log, of_fit, told))
+    found.loads = [payload(found.model, load, progress=progress) for load in loads]
     if found.verdict == "unusable":
         warnings.warn(f"the model is unusable: {'; '.join(found.because)}", stacklevel=2)
     return found

@@ -55,10 +55,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     json["conditioning"] = all_repairs(&repairs);
     Ok(Outcome {
         text: format!(
-            "{}{}\n{} rows\n{}{}",
+            "{}{}\n{} rows\n\nverdict: {}\n{}{}",
             log.text(),
             score_table::text(&scores, &model.kinds()),
             scores.rows,
+            scores.verdict,
             score_table::rollouts(&scores, &model.kinds()),
             conditioning::text(&repairs)
         ),

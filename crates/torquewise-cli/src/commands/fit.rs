@@ -90,7 +90,8 @@ pub(crate) fn run(arguments: &Arguments, words: &[OsString]) -> Result<Outcome> 
 
     let judged = test.as_ref().map(|test| evaluate_prepared(&fit.model, test, &watch()));
     let judged = judged.transpose()?;
-    let mut outcome = outcome(&fit, judged.as_ref(), arguments.explain)?;
+    let tested = judged.as_ref().map(|judged| (judged, arguments.test.len()));
+    let mut outcome = outcome(&fit, tested, arguments.explain)?;
     outcome.json["file"] = json!(arguments.output.display().to_string());
     weigh(arguments, &loaded, &fit.model, &mut outcome)?;
     let costs = call_costs::of(&fit.model)?;
@@ -168,9 +169,11 @@ fn quoted(word: &str) -> String {
 }
 
 /// What a fit came to: what can be acted on, and with `explain` what was chosen on the way.
+///
+/// - `test`: how it predicts others, and how many logs these are
 pub(crate) fn outcome(
     fit: &FitResult,
-    test: Option<&Evaluation>,
+    test: Option<(&Evaluation, usize)>,
     explain: bool,
 ) -> Result<Outcome> {
     let mut text = Vec::new();
@@ -202,13 +205,14 @@ pub(crate) fn outcome(
     let mut warnings: Vec<String> = warnings.map(ToString::to_string).collect();
     warnings.extend(fit.log.iter().flat_map(Prepared::warnings));
     let (mut notes, mut json) = (fit.notes(), fit.summary()?);
-    let verdict = test.map_or_else(|| fit.verdict(), |test| fit.verdict_with(test));
+    let verdict = test.map_or_else(|| fit.verdict(), |(test, _)| test.verdict.clone());
     text.push(format!("\nverdict: {verdict}\n"));
-    if let Some(scores) = test {
-        text.push("\nOn the test log:\n\n".to_owned());
+    if let Some((scores, logs)) = test {
+        let logs = if logs > 1 { format!("s, {logs} together") } else { String::new() };
+        text.push(format!("\nOn the test log{logs}:\n\n"));
         text.push(score_table::text(scores, &fit.model.kinds()));
         json["test"] = object(scores);
-        json["verdict"] = json!(verdict.grade.to_string());
+        json["verdict"] = json!(verdict.grade);
         json["because"] = json!(verdict.because);
         warnings.extend_from_slice(&scores.warnings);
         notes.extend_from_slice(&scores.notes);

@@ -38,7 +38,11 @@ fn a_model_can_be_judged_by_another_log_at_once() {
 
     let fit = terminal.json("fit log.csv -o model.json --test test.csv --report report.html");
 
-    assert_eq!(fit["test"]["joints"], terminal.json("evaluate model.json test.csv")["joints"]);
+    let evaluated = terminal.json("evaluate model.json test.csv");
+    assert_eq!(fit["test"]["joints"], evaluated["joints"]);
+    for key in ["verdict", "because"] {
+        assert_eq!([&fit[key], &fit["test"][key]], [&evaluated[key]; 2]);
+    }
     let report = terminal.read("report.html");
     assert!(report.contains("tested on test.csv") && report.contains("On the fitted log"));
 
@@ -50,7 +54,11 @@ fn a_model_can_be_judged_by_another_log_at_once() {
         "test error 0.00 to 41.25 % of the spread",
     ] {
         assert!(said.contains(words), "{words}: {said}");
+        let evaluated = terminal.done("evaluate model.json test.csv");
+        assert!(evaluated.contains(words), "{words}: {evaluated}");
     }
+    let said = terminal.done("fit log.csv -o model.json --test test.csv --test log.csv");
+    assert!(said.contains("On the test logs, 2 together:"), "{said}");
     assert!(terminal.read("report.html").contains("<strong>Usable</strong>"));
     let still = Table::of(&terminal, "test.csv").scaled(&["tau1", "tau2"], 0.0).text();
     terminal.write("test.csv", &still);

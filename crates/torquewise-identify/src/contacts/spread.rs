@@ -3,6 +3,7 @@
 use crate::clustered::Stretches;
 use crate::disagreement::slow;
 use torquewise_model::Model;
+use torquewise_motion::stats::quantile;
 
 /// What the variance of a joint is a sum of: a constant, its speed squared, the accelerations of all
 /// joints squared, and that it has just reversed.
@@ -74,7 +75,7 @@ impl Spread {
     /// - `is_free`: whether nothing touched the arm; else the largest squares are cut
     pub(super) fn of(rows: &[Row], is_free: bool) -> Self {
         let mut sizes: Vec<f64> = rows.iter().map(|(x, _)| x.abs()).collect();
-        let most = if is_free { f64::INFINITY } else { super::quantile(&mut sizes, CALM) };
+        let most = if is_free { f64::INFINITY } else { quantile(&mut sizes, CALM) };
         let square = |x: f64| x.abs().min(most).powi(2);
         let mean = rows.iter().map(|(x, _)| square(*x)).sum::<f64>() / rows.len().max(1) as f64;
         let mut spread = Self { coefficients: [mean, 0.0, 0.0, 0.0], whole: mean.sqrt() };

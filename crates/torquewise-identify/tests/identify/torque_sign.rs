@@ -3,7 +3,7 @@ use crate::support::{chain, deviation, fit, motion, normals, percent, with_torqu
 use faer::Mat;
 use torquewise_identify::excitation::Finding;
 use torquewise_identify::plan::FrictionKind;
-use torquewise_identify::verdict::{Grade, Tested, judge};
+use torquewise_identify::verdict::{Grade, judge};
 use torquewise_identify::{Plan, UNWATCHED, Warning, survey, weightless};
 use torquewise_motion::Motion;
 use torquewise_sim::{Arm, MotionKind};
@@ -100,7 +100,7 @@ fn a_torque_that_never_changes_leaves_the_others_as_they_are() {
         assert!(!found.warnings.iter().any(others), "{:?}", found.warnings);
         let errors = percent(&found.model, &log(2));
         assert!(errors[..2].iter().all(|error| *error < 1.0), "{errors:?}");
-        assert_ne!(judge(&found, Tested::default()).grade, Grade::Good);
+        assert_ne!(judge(&found).grade, Grade::Good);
     }
     let constant = said(&[0, 1, 2], 0.0).warnings.into_iter();
     assert_eq!(constant.filter(|own| matches!(own, Warning::ConstantTorque { .. })).count(), 3);

@@ -2,7 +2,7 @@
 
 use crate::support::{fit, motion};
 use torquewise_identify::excitation::Finding;
-use torquewise_identify::verdict::{Grade, Tested, judge};
+use torquewise_identify::verdict::{Grade, judge, judge_by};
 use torquewise_identify::{Plan, Reconstruction, Warning};
 use torquewise_model::model::GeometryFound;
 use torquewise_sim::{Arm, MotionKind};
@@ -11,11 +11,12 @@ use torquewise_sim::{Arm, MotionKind};
 fn what_is_wrong_decides_the_grade_and_stands_among_its_reasons() {
     let log = motion(&Arm::builtin("planar-2").unwrap(), MotionKind::Moves, 20.0, 50.0, 1);
     let good = fit(&log, &Plan::default());
-    let warned = |warning: Warning| {
-        let warnings = vec![warning];
-        (Reconstruction { warnings, ..good.clone() }, Tested::default())
-    };
-    let tested = |errors, held| (good.clone(), Tested { errors, held });
+    let judged = |found: Reconstruction| judge(&found);
+    let warned =
+        |warning: Warning| judged(Reconstruction { warnings: vec![warning], ..good.clone() });
+    let mut kept = good.model.clone();
+    kept.training.verdict = Some(judge(&good));
+    let tested = |errors: &[f64], held: Option<&[f64]>| judge_by(&kept, errors, held);
     let mut unsure = good.clone();
     let (times, starts, unresolved) = (1, 48, Vec::new());
     unsure.model.training.geometry_found = Some(GeometryFound { times, starts, unresolved });
@@ -25,23 +26,22 @@ fn what_is_wrong_decides_the_grade_and_stands_among_its_reasons() {
     let (joints, gains) = (good.model.joints.clone(), vec![[2.0, 0.1], [0.5, 0.1]]);
     let gains = Finding::Gains { joints: joints.clone(), gains };
     let cases = vec![
-        (tested(&[], None), Grade::Good, "held-out error 0.00"),
+        (judge(&good), Grade::Good, "held-out error 0.00"),
+        (tested(&[f64::NAN; 2], None), Grade::Usable, "no torque of the test changes"),
         (tested(&[0.01, 0.02], Some(&[93.0, 96.0])), Grade::Good, "test error 1.00 to 2.00 %"),
         (tested(&[0.01, 0.02], Some(&[70.0, 50.0])), Grade::Usable, "intervals hold 60 %"),
         (tested(&[0.01, 0.4], None), Grade::Usable, "missed by more than 30 %"),
         (tested(&[0.01, 0.95], None), Grade::Unusable, "hardly better than by its mean"),
         (tested(&[0.6, 0.6], None), Grade::Unusable, "60 % of the torque is missed"),
         (tested(&[0.01, f64::NAN], None), Grade::Good, "test error 1.00 to 1.00 %"),
-        ((unsure, Tested::default()), Grade::Usable, "by only 1 of 48 starts"),
-        ((short, Tested::default()), Grade::Usable, "too few rows to hold any out"),
+        (judged(unsure), Grade::Usable, "by only 1 of 48 starts"),
+        (judged(short), Grade::Usable, "too few rows to hold any out"),
         (warned(Warning::Repeated), Grade::Usable, "given twice"),
         (warned(Warning::NotPhysical(String::new())), Grade::Usable, "not positive definite"),
         (warned(Warning::Excitation(gains)), Grade::Unusable, "not in one unit"),
         (warned(Warning::Excitation(Finding::WrongSign { joints })), Grade::Unusable, "wrong sign"),
     ];
-    for ((found, test), grade, reason) in cases {
-        let verdict = judge(&found, test);
-
+    for (verdict, grade, reason) in cases {
         assert_eq!(verdict.grade, grade, "{reason}: {verdict}");
         let is_said = verdict.because.iter().any(|own| own.contains(reason));
         assert!(is_said, "{reason} is not among {:?}", verdict.because);

@@ -3,7 +3,7 @@
 use crate::{findings, log};
 use std::f64::consts::FRAC_PI_2;
 use torquewise_identify::excitation::Finding;
-use torquewise_identify::verdict::{Tested, judge};
+use torquewise_identify::verdict::{judge, judge_by};
 use torquewise_identify::{PatternPlan, Reconstruction, Warning, diagnose, find_patterns, survey};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Training;
@@ -50,7 +50,7 @@ fn report() -> String {
     let survey = survey(&log).unwrap();
     let patterns = find_patterns(&survey, &PatternPlan::default()).unwrap();
     let range = Finding::Range { joint: "joint3".into(), range: 0.1 };
-    let found = Reconstruction {
+    let mut found = Reconstruction {
         model: model(log.joints()),
         noise: survey.noise.clone(),
         survey,
@@ -66,7 +66,8 @@ fn report() -> String {
     let origin = Origin { logs, tests: logs, model: "m.json", command, date: "2001-02-04" };
     let errors = diagnosis.scores.joints.iter().map(|score| 0.01 * score.nrmse_percent);
     let errors: Vec<f64> = errors.collect();
-    let verdict = &judge(&found, Tested { errors: &errors, held: None });
+    found.model.training.verdict = Some(judge(&found));
+    let verdict = &judge_by(&found.model, &errors, None);
     let test = Some(&diagnosis);
     fit_report(&Findings { verdict, test, origin, ..findings(&found, &diagnosis) }).unwrap()
 }

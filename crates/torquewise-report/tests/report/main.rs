@@ -6,7 +6,7 @@ mod arm;
 mod call_cost;
 mod friction;
 
-use torquewise_identify::verdict::{Tested, judge};
+use torquewise_identify::verdict::judge;
 use torquewise_identify::{Diagnosis, Plan, Reconstruction, diagnose, reconstruct};
 use torquewise_motion::Motion;
 use torquewise_report::{Findings, Origin};
@@ -29,7 +29,7 @@ fn fitted(seconds: f64, change: impl Fn(&mut Reconstruction)) -> (Reconstruction
 
 /// Findings without test, checks, costs or origin.
 fn findings<'a>(found: &'a Reconstruction, diagnosis: &'a Diagnosis) -> Findings<'a> {
-    let verdict = Box::leak(Box::new(judge(found, Tested::default())));
+    let verdict = Box::leak(Box::new(judge(found)));
     let origin = Origin::default();
     Findings { found, verdict, diagnosis, checks: None, test: None, costs: &[], origin }
 }
