@@ -10,14 +10,15 @@
 use crate::error::Result;
 use nalgebra::{Matrix3, Vector3};
 use torquewise_model::{JointKind, RigidChain};
-use torquewise_rigid::recursion::Inertia;
+use torquewise_rigid::base_parameters::unnoticed;
+use torquewise_rigid::geometry::Placement;
+use torquewise_rigid::inertia::{Inertial, seen_from};
 
 /// Sines and cosines this near −1, 0 or 1 are these: π/2 is not a right angle to the last bit.
 const ROUNDING: f64 = 1e-15;
 
 type Matrix = Matrix3<f64>;
 type Vector = Vector3<f64>;
-type Body = Inertia<f64>;
 
 /// A chain whose links carry what torque can tell.
 #[derive(Clone, Debug)]
@@ -77,42 +78,37 @@ impl BaseChain {
         let turn = |j: usize| joints.get(j + 1).map_or(-joints[j].after, |next| next.before);
         let turns: Vec<f64> = (0..n).map(turn).collect();
         let links = chain.links.iter().zip(&turns);
-        let mut bodies: Vec<Body> =
-            links.map(|(link, turn)| turned(&Body::of(link), &about_z(-turn))).collect();
-        for j in (1..n).rev() {
-            let twist = about_x(joints[j].twist);
-            // What of it does not notice how the joint moves.
-            let mut moved = bodies[j];
-            if axes.kinds().slides(j) {
-                (moved.mass, moved.first) = (0.0, Vector::zeros());
+        let place = |rotation, origin| Placement { rotation, origin };
+        let mut links: Vec<Inertial> = links
+            .map(|(link, turn)| seen_from(link, &place(about_z(-turn), Vector::zeros())))
+            .collect();
+        for j in (0..n).rev() {
+            let kind = axes.kinds().of(j);
+            let round = unnoticed(kind, &links[j]);
+            links[j].iter_mut().zip(round).for_each(|(own, round)| *own -= round);
+            if let Some(before) = j.checked_sub(1) {
+                let twist = about_x(joints[j].twist);
+                // What is symmetric about its axis looks the same however it is turned.
+                let rotation =
+                    if kind.turns() { twist } else { twist * about_z(joints[j].after + turns[j]) };
+                let moved = seen_from(&round, &place(rotation, joints[j].origin));
+                links[before].iter_mut().zip(moved).for_each(|(own, moved)| *own += moved);
             }
-            if axes.kinds().of(j).turns() {
-                let yy = moved.about_origin.m22;
-                moved.first = Vector::new(0.0, 0.0, moved.first.z);
-                moved.about_origin = Matrix::from_diagonal(&Vector::new(yy, yy, 0.0));
-            } else {
-                bodies[j].about_origin = Matrix::zeros();
-                moved = turned(&moved, &about_z(joints[j].after + turns[j]));
-            }
-            let moved = shifted(&turned(&moved, &twist), &joints[j].origin);
-            bodies[j - 1] = bodies[j - 1].plus(&moved);
         }
-        let link = |(k, ((joint, body), turn)): (usize, ((&Joint, &Body), &f64))| {
-            let (kind, m) = (axes.kinds().of(k), body.about_origin);
-            let slides = kind.slides();
-            let [x, y, z]: [f64; 3] = body.first.into();
+        let link = |(k, ((joint, link), turn)): (usize, ((&Joint, &Inertial), &f64))| {
+            let [mass, x, y, z, xx, _, zz, xy, xz, yz] = *link;
             BaseLink {
-                kind,
+                kind: axes.kinds().of(k),
                 turns: chain.coupling.row(k, n),
                 origin: joint.origin.into(),
                 twist: sine_cosine(joint.twist),
                 offset: sine_cosine(joint.after + turn),
-                mass: if slides { body.mass } else { 0.0 },
-                first: [x, y, if slides { z } else { 0.0 }],
-                moments: Moments { xx: m.m11 - m.m22, zz: m.m33, xy: m.m12, xz: m.m13, yz: m.m23 },
+                mass,
+                first: [x, y, z],
+                moments: Moments { xx, zz, xy, xz, yz },
             }
         };
-        let links = joints.iter().zip(&bodies).zip(&turns).enumerate().map(link).collect();
+        let links = joints.iter().zip(&links).zip(&turns).enumerate().map(link).collect();
         let gravity = axes.gravity();
         let size = gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
         let gravity = gravity.map(|g| if g.abs() < ROUNDING * size { 0.0 } else { g });
@@ -136,19 +132,6 @@ impl Joint {
         let after = if cosine > 0.0 { -before } else { before - 2.0 * azimuth };
         Self { before, twist, after, origin: Vector::new(x.hypot(y), 0.0, 0.0) }
     }
-}
-
-/// Components in a frame from which `rotation` turns to the one they are in.
-fn turned(body: &Body, rotation: &Matrix) -> Body {
-    let about_origin = rotation * body.about_origin * rotation.transpose();
-    Body { mass: body.mass, first: rotation * body.first, about_origin }
-}
-
-/// The same body about a point that lies at −`by`.
-fn shifted(&Body { mass, first, about_origin }: &Body, by: &Vector) -> Body {
-    let round = Matrix::from_diagonal_element(2.0 * by.dot(&first) + mass * by.dot(by));
-    let across = by * first.transpose() + first * by.transpose() + mass * by * by.transpose();
-    Body { mass, first: first + mass * by, about_origin: about_origin - across + round }
 }
 
 /// Sine and cosine of an angle, exact at right angles.

@@ -1,4 +1,5 @@
-//! Torque models as source code: C, Rust, Python, LaTeX, an FMU, a ROS 2 package; and as robots: URDF, MJCF.
+//! Torque models as source code: C, Rust, Python, LaTeX, an FMU, a ROS 2 package; and as robots: URDF, MJCF,
+//! joints for Isaac Lab.
 //!
 //! A [`Program`] holds the functions of a model as one graph of operations, each sine and cosine
 //! once and common factors shared; one printer per language writes it down. Nothing here touches a
@@ -55,5 +56,5 @@ pub use program::{Precision, Program, Quantity};
 pub use python::to_python;
 pub use ros::ros_package;
 pub use rust::to_rust;
-pub use urdf::{RobotFile, onto_urdf, to_mjcf, to_urdf};
+pub use urdf::{RobotFile, onto_urdf, to_isaac_lab, to_mjcf, to_urdf};
 pub use vectors::test_vectors;

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::learned::{JointGeometry, joint_geometry};
-use torquewise_model::shaft_friction::{Estimated, ShaftFriction};
+use torquewise_model::shaft_friction::{Estimated, FrictionParameters, ShaftFriction};
 use torquewise_model::{Drive, JointKind, Model, RigidChain, Torque, number};
 use torquewise_rigid::geometry::{Placement, between};
 use torquewise_sim::Body;
@@ -51,6 +51,8 @@ pub(crate) struct RobotJoint {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Losses {
     pub(crate) dynamics: Dynamics,
+    /// What a motion must overcome to begin \[N·m\]: dry friction, or more.
+    pub(crate) breakaway: f64,
     /// Torque that the motor needs though nothing moves \[N·m\]; none of a shared shaft.
     pub(crate) offset: f64,
 }
@@ -225,11 +227,16 @@ fn losses(
     let (mut under_load, mut curved) = (Vec::new(), Vec::new());
     for shaft in ShaftFriction::all(model) {
         let [damping, friction] = shaft.line();
+        let FrictionParameters { forward, backward, .. } = shaft.parameters();
+        let told: Vec<Estimated> =
+            [forward, backward].into_iter().filter_map(|own| own.stiction).collect();
+        let breakaway = told.iter().map(|own| own.value).sum::<f64>() / told.len().max(1) as f64;
         let offset = shaft.laws().find(|(_, term)| term.law == FrictionLaw::Offset);
         let held =
             offset.zip(shaft.joint()).map_or(0.0, |((k, _), _)| model.friction[k].coefficient);
         at(shaft.shaft(), &|own| {
             own.dynamics = Dynamics { damping, friction, ..own.dynamics };
+            own.breakaway = breakaway.max(friction);
             own.offset = held;
         });
         let laws = || shaft.laws().map(|(_, term)| term);

@@ -1,10 +1,11 @@
-//! A model as URDF or MJCF, alone or put into the URDF of the arm.
+//! A model as URDF or MJCF, alone or put into the URDF of the arm, and its joints for PhysX.
 
 use crate::error::{ExportError, Result};
 use crate::near::near;
 use crate::robot::{Losses, Robot};
 use crate::template::filled_xml;
 use nalgebra::Vector3;
+use serde_json::{Map, Value, json};
 use torquewise_model::Model;
 use torquewise_rigid::Geometry;
 use torquewise_sim::UrdfChain;
@@ -48,6 +49,34 @@ pub fn to_mjcf(model: &Model, version: &str) -> Result<RobotFile> {
     let robot = Robot::of(model)?;
     let text = filled_xml(include_str!("templates/robot.mjcf.j2"), robot.values(version))?;
     Ok(RobotFile { text, left_out: robot.left_out })
+}
+
+/// The joints of a model as Isaac Lab takes them (`ImplicitActuatorCfg`), JSON: armature and the
+/// friction of `PhysX` 5, by joint. A joint at rest begins to move above `friction`, breakaway, and is
+/// held by `dynamic_friction` and `viscous_friction` times its speed from then on.
+///
+/// # Errors
+/// As [`to_urdf`].
+pub fn to_isaac_lab(model: &Model) -> Result<RobotFile> {
+    let robot = Robot::of(model)?;
+    let of = |number: fn(&Losses) -> f64| -> Map<String, Value> {
+        let joints = robot.joints.iter();
+        joints.map(|joint| (pattern(&joint.name), number(&joint.losses).into())).collect()
+    };
+    let file = json!({
+        "joint_names_expr": robot.joints.iter().map(|own| pattern(&own.name)).collect::<Vec<_>>(),
+        "armature": of(|own| own.dynamics.armature),
+        "friction": of(|own| own.breakaway),
+        "dynamic_friction": of(|own| own.dynamics.friction),
+        "viscous_friction": of(|own| own.dynamics.damping),
+    });
+    Ok(RobotFile { text: format!("{file:#}\n"), left_out: left_out_of_urdf(&robot) })
+}
+
+/// The regular expression of a name.
+fn pattern(name: &str) -> String {
+    let escaped = |c: char| if ".^$*+?{}[]\\|()".contains(c) { Some('\\') } else { None };
+    name.chars().flat_map(|c| escaped(c).into_iter().chain([c])).collect()
 }
 
 /// A URDF of the arm with the inertia and friction of a model: `<inertial>` of the links that move
@@ -101,7 +130,7 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
     Ok(RobotFile { text: edited(text, &bodies, &dynamics)?, left_out })
 }
 
-/// What a URDF has no room for: offsets, and what belongs to shafts that several joints turn.
+/// What neither a URDF nor a joint of `PhysX` has room for: offsets, and what belongs to shafts that several joints turn.
 fn left_out_of_urdf(robot: &Robot) -> Vec<String> {
     let words = |(shaft, _): &(Vec<f64>, Losses)| {
         let turning = robot.joints.iter().zip(shaft).filter(|(_, part)| **part != 0.0);

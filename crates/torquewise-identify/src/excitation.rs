@@ -15,10 +15,10 @@ use torquewise_stepwise::survey::{Survey, thinned};
 pub enum Finding {
     /// A joint turns through too small a range \[rad\].
     Range { joint: String, range: f64 },
-    /// A joint moves too slowly: the speed that it hardly ever exceeds \[rad/s\].
-    Speed { joint: String, peak: f64 },
-    /// A joint accelerates too little: what it hardly ever exceeds \[rad/s²\].
-    Acceleration { joint: String, peak: f64 },
+    /// Joints that move too slowly: the speed that they hardly ever exceed \[rad/s\].
+    Speed { joints: Vec<String>, peak: f64 },
+    /// Joints that accelerate too little: what they hardly ever exceed \[rad/s²\].
+    Acceleration { joints: Vec<String>, peak: f64 },
     /// A joint moves in one direction only.
     OneWay { joint: String, forward: bool },
     /// Two joints or more that always move together: least correlation of the speeds of two of them.
@@ -71,6 +71,13 @@ pub fn findings(survey: &Survey) -> Vec<Finding> {
     for &joint in &joints {
         found.extend(of_joint(survey, joint));
     }
+    found.extend(
+        lame(survey, &joints, 0, LEAST_SPEED).map(|(joints, peak)| Finding::Speed { joints, peak }),
+    );
+    found.extend(
+        lame(survey, &joints, 1, LEAST_ACCELERATION)
+            .map(|(joints, peak)| Finding::Acceleration { joints, peak }),
+    );
     found.extend(together(survey, &joints));
     found.extend(commanded(survey, &joints).unwrap_or_default());
     found.extend(joints.iter().filter_map(|joint| of_torque(survey, *joint)));
@@ -110,13 +117,7 @@ fn of_joint(survey: &Survey, joint: usize) -> Vec<Finding> {
     if high - low < LEAST_RANGE {
         found.push(Finding::Range { joint: name(), range: high - low });
     }
-    let [peak, sharpest] = peaks(survey, joint);
-    if peak < LEAST_SPEED {
-        found.push(Finding::Speed { joint: name(), peak });
-    }
-    if sharpest < LEAST_ACCELERATION {
-        found.push(Finding::Acceleration { joint: name(), peak: sharpest });
-    }
+    let [peak, _] = peaks(survey, joint, PEAK);
     let speeds = survey.sample.dq().col(joint);
     let count = |wanted: &dyn Fn(f64) -> bool| speeds.iter().filter(|dq| wanted(**dq)).count();
     let (forward, backward) =
@@ -125,6 +126,19 @@ fn of_joint(survey: &Survey, joint: usize) -> Vec<Finding> {
         found.push(Finding::OneWay { joint: name(), forward: forward > backward });
     }
     found
+}
+
+/// Joints whose speed or acceleration hardly ever reaches a limit, and the largest of what theirs are.
+fn lame(
+    survey: &Survey,
+    joints: &[usize],
+    derivative: usize,
+    least: f64,
+) -> Option<(Vec<String>, f64)> {
+    let each = joints.iter().map(|&joint| (joint, peaks(survey, joint, PEAK)[derivative]));
+    let (lame, peaks): (Vec<usize>, Vec<f64>) = each.filter(|(_, peak)| *peak < least).unzip();
+    let names: Vec<String> = lame.into_iter().map(|joint| survey.joints[joint].clone()).collect();
+    (!names.is_empty()).then(|| (names, peaks.into_iter().fold(0.0, f64::max)))
 }
 
 /// What the torque of a moving joint shows.
@@ -137,16 +151,17 @@ fn of_torque(survey: &Survey, joint: usize) -> Option<Finding> {
     (left > MOST_RESIDUAL).then_some(Finding::Unrelated { joint, residual: left })
 }
 
+/// Whether a joint moves at all; an arm that does so gently must not escape what is looked for.
 fn moves(survey: &Survey, joint: usize) -> bool {
-    let [speed, acceleration] = peaks(survey, joint);
+    let [speed, acceleration] = peaks(survey, joint, 1.0);
     speed > LEAST_SPEED && acceleration > LEAST_ACCELERATION
 }
 
-/// Speed and acceleration of a joint that [`PEAK`] of the rows do not exceed.
-fn peaks(survey: &Survey, joint: usize) -> [f64; 2] {
+/// Speed and acceleration of a joint that a part of the rows does not exceed.
+fn peaks(survey: &Survey, joint: usize, part: f64) -> [f64; 2] {
     [survey.sample.dq(), survey.sample.ddq()].map(|values| {
         let mut sizes: Vec<f64> = values.col(joint).iter().map(|value| value.abs()).collect();
-        quantile(&mut sizes, PEAK)
+        quantile(&mut sizes, part)
     })
 }
 
@@ -199,6 +214,11 @@ pub fn list(names: &[String]) -> String {
     }
 }
 
+/// One name, or several, and what they are.
+fn are(names: &[String]) -> String {
+    format!("{} {}", list(names), if names.len() == 1 { "is" } else { "are" })
+}
+
 impl fmt::Display for Finding {
     #[expect(clippy::too_many_lines, reason = "a table of sentences")]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -208,15 +228,17 @@ impl fmt::Display for Finding {
                 "{joint} turns through {range:.2} rad only: gravity and inertia that depend on its \
                  angle are guesses; swing it further, or say that it slides"
             ),
-            Self::Speed { joint, peak } => write!(
+            Self::Speed { joints, peak } => write!(
                 f,
-                "{joint} hardly ever moves faster than {peak:.2} rad/s: its Coriolis terms and its \
-                 viscous friction are guesses; drive it faster, forward and backward"
+                "{} hardly ever faster than {peak:.2} rad/s: Coriolis terms and viscous friction there \
+                 are guesses; drive faster, forward and backward",
+                are(joints)
             ),
-            Self::Acceleration { joint, peak } => write!(
+            Self::Acceleration { joints, peak } => write!(
                 f,
-                "{joint} hardly ever accelerates by more than {peak:.2} rad/s²: its inertia is a guess; \
-                 start and stop it more sharply"
+                "{} hardly ever accelerated by more than {peak:.2} rad/s²: inertia there is a guess; \
+                 start and stop more sharply",
+                are(joints)
             ),
             Self::OneWay { joint, forward } => write!(
                 f,

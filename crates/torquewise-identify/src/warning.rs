@@ -102,12 +102,14 @@ impl Warning {
         let place = |joint: &str| model.joints.iter().position(|name| name == joint);
         let slides = |joint: &str| place(joint).is_some_and(|joint| model.kinds().slides(joint));
         let error_of = |joint: &str| errors.get(place(joint)?).copied();
-        warnings.retain(|warning| match warning {
+        warnings.retain_mut(|warning| match warning {
+            Self::Excitation(Finding::Range { joint, .. }) => !slides(joint),
             Self::Excitation(
-                Finding::Range { joint, .. }
-                | Finding::Speed { joint, .. }
-                | Finding::Acceleration { joint, .. },
-            ) => !slides(joint),
+                Finding::Speed { joints, .. } | Finding::Acceleration { joints, .. },
+            ) => {
+                joints.retain(|joint| !slides(joint));
+                !joints.is_empty()
+            }
             Self::Excitation(Finding::Unrelated { joint, .. }) => {
                 error_of(joint).is_none_or(|error| error >= Training::POOR)
             }

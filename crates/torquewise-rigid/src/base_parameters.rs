@@ -1,7 +1,8 @@
 //! Regrouping of the inertial parameters of a chain towards its base parameters.
 
 use crate::geometry::Geometry;
-use crate::inertia::seen_from;
+use crate::inertia::{Inertial, seen_from};
+use crate::joint::JointKind;
 use crate::recursion::PER_BODY;
 
 /// Regroups inertial parameters without changing any torque: of a revolute link, mass, first moment
@@ -20,16 +21,7 @@ pub fn base_parameters(geometry: &Geometry, inertial: &[f64]) -> Vec<f64> {
     let placements = geometry.placements();
     for link in (0..placements.len()).rev() {
         let own = PER_BODY * link;
-        let [m, mz, yy] = [base[own], base[own + 3], base[own + 5]];
-        let kind = geometry.kinds().of(link);
-        let mut round = if kind.turns() {
-            [m, 0.0, 0.0, mz, yy, yy, 0.0, 0.0, 0.0, 0.0]
-        } else {
-            std::array::from_fn(|k| base[own + k])
-        };
-        if kind.slides() {
-            round[..4].fill(0.0);
-        }
+        let round = unnoticed(geometry.kinds().of(link), &base[own..]);
         base[own..].iter_mut().zip(round).for_each(|(own, round)| *own -= round);
         if let Some(before) = own.checked_sub(PER_BODY) {
             let moved = seen_from(&round, &placements[link]);
@@ -37,4 +29,20 @@ pub fn base_parameters(geometry: &Geometry, inertial: &[f64]) -> Vec<f64> {
         }
     }
     base
+}
+
+/// What of a link the motion of its joint does not notice, to move to the link before.
+///
+/// - `link`: its inertial parameters, 10 or those of more links behind it
+pub fn unnoticed(kind: JointKind, link: &[f64]) -> Inertial {
+    let [m, mz, yy] = [link[0], link[3], link[5]];
+    let mut round = if kind.turns() {
+        [m, 0.0, 0.0, mz, yy, yy, 0.0, 0.0, 0.0, 0.0]
+    } else {
+        std::array::from_fn(|k| link[k])
+    };
+    if kind.slides() {
+        round[..4].fill(0.0);
+    }
+    round
 }

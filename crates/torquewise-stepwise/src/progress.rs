@@ -36,6 +36,13 @@ pub enum Progress {
         /// So many at most.
         most: usize,
     },
+    /// A model was simulated along the log, to be refined by where it drifts (E23).
+    Rollouts {
+        /// So often.
+        made: usize,
+        /// So often at most: fewer where it drifts no less any more.
+        most: usize,
+    },
     /// Normal equations are summed.
     Sums,
     /// Terms are selected in a step, counted from 1.
@@ -74,7 +81,8 @@ impl Progress {
         match self {
             Self::Starts { made, most, .. }
             | Self::Choices { made, most }
-            | Self::Bandwidth { made, most } => Some((made, most)),
+            | Self::Bandwidth { made, most }
+            | Self::Rollouts { made, most } => Some((made, most)),
             _ => None,
         }
     }
@@ -87,6 +95,7 @@ impl Progress {
             Self::Geometry | Self::Starts { .. } => "learning the geometry",
             Self::Choices { .. } => "choosing friction",
             Self::Bandwidth { .. } => "trying cut-offs of the filter",
+            Self::Rollouts { .. } => "refining by rollouts",
             Self::Sums => "summing",
             Self::Step(_) => "selecting terms",
             Self::Refit => "fitting all rows",
@@ -104,11 +113,10 @@ impl fmt::Display for Progress {
             Self::Starts { made, most, agreeing } => {
                 write!(out, ", {made} of at most {most} starts, best found {agreeing} times")
             }
-            Self::Choices { made, most } | Self::Bandwidth { made, most } => {
-                write!(out, ", {made} of at most {most}")
-            }
             Self::Step(step) => write!(out, ", step {step}"),
-            _ => Ok(()),
+            _ => self
+                .share()
+                .map_or(Ok(()), |(made, most)| write!(out, ", {made} of at most {most}")),
         }
     }
 }

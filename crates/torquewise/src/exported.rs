@@ -9,38 +9,31 @@ use std::io;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use torquewise_export::{
-    Precision, Program, fmu_archive, fmu_sources, onto_urdf, ros_package, to_c, to_latex, to_mjcf,
-    to_python, to_rust, to_urdf,
+    Precision, Program, fmu_archive, fmu_sources, onto_urdf, ros_package, to_c, to_isaac_lab,
+    to_latex, to_mjcf, to_python, to_rust, to_urdf,
 };
 use torquewise_identify::samples;
 use torquewise_model::{Model, to_json};
 
-/// What is written.
+/// What is written: [`Target::NAMED`] says what each is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "a table says what each is")]
 pub enum Target {
-    /// One file of C99.
     C,
-    /// One file of Rust without std.
     Rust,
-    /// One file of Python.
     Python,
-    /// A LaTeX document.
     Latex,
-    /// An FMI 2.0 unit for model exchange and co-simulation.
     Fmu,
-    /// Sources of a ROS 2 package.
     Ros2,
-    /// A robot for ROS, Pinocchio, Drake, Gazebo.
     Urdf,
-    /// A robot for `MuJoCo`.
     Mjcf,
-    /// A model file, as a fit writes it.
+    IsaacLab,
     Json,
 }
 
 impl Target {
     /// All of them by their names, with what each is.
-    pub const NAMED: [(&'static str, &'static str, Self); 9] = [
+    pub const NAMED: [(&'static str, &'static str, Self); 10] = [
         ("c", "One file of C99", Self::C),
         ("rust", "One file of Rust without std", Self::Rust),
         ("python", "One file of Python", Self::Python),
@@ -49,12 +42,13 @@ impl Target {
         ("ros2", "Sources of a ROS 2 package", Self::Ros2),
         ("urdf", "A robot for ROS, Pinocchio, Drake, Gazebo", Self::Urdf),
         ("mjcf", "A robot for MuJoCo", Self::Mjcf),
+        ("isaaclab", "Armature and friction of the joints for Isaac Lab", Self::IsaacLab),
         ("json", "A model file, as fit writes it", Self::Json),
     ];
 
     /// Whether it is code, not a robot or a model.
     pub fn is_code(self) -> bool {
-        !matches!(self, Self::Urdf | Self::Mjcf | Self::Json)
+        !matches!(self, Self::Urdf | Self::Mjcf | Self::IsaacLab | Self::Json)
     }
 
     /// How the name of its file may end, the usual ending first; none for a package.
@@ -68,7 +62,7 @@ impl Target {
             Self::Ros2 => &[],
             Self::Urdf => &["urdf"],
             Self::Mjcf => &["xml", "mjcf"],
-            Self::Json => &["json"],
+            Self::IsaacLab | Self::Json => &["json"],
         }
     }
 }
@@ -169,10 +163,11 @@ fn export_one(model: &Model, to: Target, options: &ExportOptions<'_>) -> Result<
             files.extend(package.into_iter().map(|(path, text)| (path, text.into_bytes())));
         }
         Target::Json => files = single(to_json(model)?),
-        Target::Urdf | Target::Mjcf => {
+        Target::Urdf | Target::Mjcf | Target::IsaacLab => {
             let robot = match (to, options.onto) {
                 (Target::Urdf, Some((onto, locked))) => onto_urdf(model, onto, locked)?,
                 (Target::Urdf, None) => to_urdf(model, &version)?,
+                (Target::IsaacLab, _) => to_isaac_lab(model)?,
                 _ => to_mjcf(model, &version)?,
             };
             (files, left_out) = (single(robot.text), robot.left_out);

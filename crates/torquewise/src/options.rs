@@ -33,7 +33,7 @@ pub enum Library {
 /// What is fitted and how; what is left out is chosen by the log.
 ///
 /// Programs in other languages give them as an object of the same fields, by [`Self::of_keywords`].
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FitOptions {
     /// By default a chain for filtered logs, friction, or five joints and more, else the energy
@@ -69,8 +69,9 @@ pub struct FitOptions {
     /// Joints of a chain that a spring or a weight is known to balance.
     #[serde(rename = "counterbalance")]
     pub counterbalanced: Vec<String>,
-    /// Whether the bias that noise in q, q̇, q̈ leaves is taken out (E7).
-    pub noise_correction: bool,
+    /// Whether the bias that noise in q, q̇, q̈ leaves is taken out (E7): it is but by one-shot SINDy,
+    /// which never does.
+    pub noise_correction: Option<bool>,
     /// What a chain is refined by once its torque is fitted, if by anything (E23).
     #[serde(deserialize_with = "some_word")]
     pub refine: Option<Refine>,
@@ -81,30 +82,6 @@ pub struct FitOptions {
     pub clusters: Option<usize>,
     /// Random seed.
     pub seed: u64,
-}
-
-impl Default for FitOptions {
-    fn default() -> Self {
-        Self {
-            library: None,
-            regression: Regression::Stepwise,
-            friction: None,
-            interaction: None,
-            trig_order: None,
-            gravity_order: None,
-            selector: None,
-            threshold: None,
-            n_bootstrap: None,
-            geometry: None,
-            kinds: None,
-            counterbalanced: Vec::new(),
-            noise_correction: true,
-            refine: None,
-            activation: Scaling::default(),
-            clusters: None,
-            seed: 0,
-        }
-    }
 }
 
 /// What of a log decides what is fitted to it: the number of joints, 0 before they are read, and
@@ -267,7 +244,8 @@ impl FitOptions {
                     kinds: self.kinds.clone().map(Into::into),
                     friction: self.friction.unwrap_or(usual.friction),
                     counterbalanced: self.counterbalanced.clone(),
-                    noise_correction: usual.noise_correction && self.noise_correction,
+                    noise_correction: usual.noise_correction
+                        && self.noise_correction.unwrap_or(true),
                     refine: self.refine,
                 })
             }
@@ -287,7 +265,7 @@ impl FitOptions {
             friction: self.friction.unwrap_or(usual.friction),
             selector: self.selector(usual.selector),
             threshold: self.threshold.or(usual.threshold),
-            noise_correction: usual.noise_correction && self.noise_correction,
+            noise_correction: usual.noise_correction && self.noise_correction.unwrap_or(true),
             bags: self.n_bootstrap.unwrap_or(usual.bags),
         })
     }
@@ -336,7 +314,7 @@ mod tests {
         let chain = FitOptions {
             friction: Some(FrictionKind::Auto),
             counterbalanced: vec!["axis_2".into()],
-            noise_correction: false,
+            noise_correction: Some(false),
             ..FitOptions::default()
         };
         let product = FitOptions {

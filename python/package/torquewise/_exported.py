@@ -41,8 +41,9 @@ class Exported(_core.Model):
         """Writes the model for another program; returns what the file has no room for.
 
         to
-            ``c``, ``rust``, ``python``, ``latex``, ``fmu``, ``ros2``, ``urdf``, ``mjcf`` or ``json``;
-            by default as the ending of `path` says. For ros2 and samples `path` is a new folder.
+            ``c``, ``rust``, ``python``, ``latex``, ``fmu``, ``ros2``, ``urdf``, ``mjcf``,
+            ``isaaclab`` or ``json``; by default as the ending of `path` says. For ros2 and samples
+            `path` is a new folder.
         name
             What the functions of C, an FMU or a ROS 2 package begin with; the name of the file.
         precision, reversal, binary, force

@@ -122,6 +122,7 @@ fn robot(arguments: &Arguments, model: &Model, exported: &Exported) -> Outcome {
     let notes = left_out.iter().map(|part| format!("not in the file: {part}")).collect();
     let holds = match arguments.to {
         Target::Json => "",
+        Target::IsaacLab => ": armature, breakaway, dry and viscous friction",
         _ => ": links, rotors, viscous and dry friction",
     };
     let text = format!(

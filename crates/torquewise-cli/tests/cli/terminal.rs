@@ -27,25 +27,24 @@ impl Terminal {
     /// With `log.csv`, two joints that go through all patterns.
     pub(crate) fn with_log() -> Self {
         static LOG: OnceLock<String> = OnceLock::new();
-        let terminal = Self::new();
-        let log = LOG.get_or_init(|| {
-            terminal.done("simulate planar-2 -o log.csv --seconds 60 --rate 50 --seed 3");
-            terminal.read("log.csv")
-        });
-        terminal.write("log.csv", log);
-        terminal
+        let line = "simulate planar-2 -o log.csv --seconds 60 --rate 50 --seed 3";
+        Self::new().with(&LOG, "log.csv", line)
     }
 
     /// With `log.csv` and `model.json`, fitted on it.
     pub(crate) fn with_model() -> Self {
         static MODEL: OnceLock<String> = OnceLock::new();
-        let terminal = Self::with_log();
-        let model = MODEL.get_or_init(|| {
-            terminal.done("fit log.csv -o model.json");
-            terminal.read("model.json")
+        Self::with_log().with(&MODEL, "model.json", "fit log.csv -o model.json")
+    }
+
+    /// With a file that a line makes, once for all tests.
+    fn with(self, made: &OnceLock<String>, name: &str, line: &str) -> Self {
+        let made = made.get_or_init(|| {
+            self.done(line);
+            self.read(name)
         });
-        terminal.write("model.json", model);
-        terminal
+        self.write(name, made);
+        self
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {

@@ -4,8 +4,9 @@ use crate::models::{chain, coupled, energies, sliding, states};
 use approx::assert_relative_eq;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node};
+use serde_json::Value;
 use std::f64::consts::PI;
-use torquewise_export::{ExportError, onto_urdf, to_mjcf, to_urdf};
+use torquewise_export::{ExportError, onto_urdf, to_isaac_lab, to_mjcf, to_urdf};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{Drive, FrictionTerm, JointKind, Model, Torque, Weighted};
 use torquewise_rigid::geometry::Placement;
@@ -220,4 +221,42 @@ fn a_urdf_whose_axes_lie_elsewhere_is_refused() {
     tilted.chain.as_mut().unwrap().geometry[0] += 0.1;
     let onto = onto_urdf(&tilted, &text, &[]).unwrap();
     assert!(onto.left_out.iter().any(is_tilted), "{:?}", onto.left_out);
+}
+
+#[test]
+fn a_joint_of_isaac_lab_breaks_away_and_slides_as_the_model() {
+    let mut model = bare(chain(3, false, 5));
+    model.joints[0] = "base.yaw".into();
+    model.training.dq_peak = vec![1.0; 3];
+    let (coulomb, stribeck) =
+        (FrictionLaw::Coulomb { width: 0.0 }, FrictionLaw::Stribeck { speed: 0.02, width: 0.0 });
+    let laws = [
+        (0, coulomb, 2.0),
+        (0, stribeck, 1.0),
+        (0, FrictionLaw::Viscous, 0.5),
+        (1, coulomb, 4.0),
+        (1, stribeck, -3.0),
+        (1, FrictionLaw::Offset, 0.1),
+    ];
+    model.friction = laws
+        .map(|(joint, law, value)| Weighted::new(FrictionTerm::of_joint(3, joint, law), value))
+        .into();
+
+    let file = to_isaac_lab(&model).unwrap();
+
+    let joints: Value = serde_json::from_str(&file.text).unwrap();
+    let of = |what: &str| -> [f64; 3] {
+        let names = joints["joint_names_expr"].as_array().unwrap();
+        std::array::from_fn(|k| joints[what][names[k].as_str().unwrap()].as_f64().unwrap())
+    };
+    assert_eq!(joints["joint_names_expr"][0], "base\\.yaw");
+    // Friction that rises from rest breaks away no sooner than it slides.
+    assert_relative_eq!(of("friction")[..], [3.0, 4.0, 0.0], max_relative = 1e-6);
+    assert_relative_eq!(of("dynamic_friction")[..], [2.0, 4.0, 0.0], max_relative = 1e-6);
+    assert_relative_eq!(of("viscous_friction")[..], [0.5, 0.0, 0.0], epsilon = 1e-6);
+    let urdf = to_urdf(&model, "").unwrap().text;
+    let urdf = Document::parse(&urdf).unwrap();
+    let rotors = elements(urdf.root_element(), "dynamics").into_iter();
+    assert!(rotors.map(|own| number(own, "armature")).eq(of("armature")));
+    assert!(file.left_out.join("; ").contains(&format!("offset torque of {}", model.joints[1])));
 }

@@ -51,12 +51,12 @@ pub(crate) fn refined_by_rollouts(
     let (places, shafts) = rotors_of(&start);
     let before = drifts_of(recording, &start)?;
     let weights = weights(&before);
-    let windows_at = |at: &Linearisation| -> Result<Windows, IdentifyError> {
-        Progress::Working.tell(watch)?;
+    let windows_at = |at: &Linearisation, made: usize| -> Result<Windows, IdentifyError> {
+        Progress::Rollouts { made, most: ROUNDS }.tell(watch)?;
         let sums = add_up_windows(recording, at, &shafts, &weights)?;
         Ok(Windows { sums, at: places.iter().map(|&k| at.linear[k]).collect() })
     };
-    let windows = windows_at(&start)?;
+    let windows = windows_at(&start, 0)?;
     if windows.sums.folds().len() < LEAST_FOLDS || windows.sums.blocks() < LEAST_WINDOWS as u64 {
         let windows = before.first().map_or(0, |drift| drift.windows);
         return Err(IdentifyError::TooFewWindows { windows, needed: LEAST_WINDOWS });
@@ -71,7 +71,7 @@ pub(crate) fn refined_by_rollouts(
     };
     let mut rotors = windows.at.clone();
     let (mut windows, mut least) = (windows, cost(&rotors)?);
-    for _ in 0..if weight > 0.0 { ROUNDS } else { 0 } {
+    for made in 1..=if weight > 0.0 { ROUNDS } else { 0 } {
         let wanted = torque.best(&windows, weight)?;
         let mut better = None;
         for share in SHARES {
@@ -89,7 +89,7 @@ pub(crate) fn refined_by_rollouts(
         if is_last {
             break;
         }
-        windows = windows_at(&at(&rotors))?;
+        windows = windows_at(&at(&rotors), made)?;
     }
     let most = MOST_TORQUE * geometric_mean(&fitted.residual_rms);
     let mut refined = at(&rotors);

@@ -159,34 +159,7 @@ fn every_choice_is_on_record_with_its_errors() {
 }
 
 /// Roll, pitch, roll, as at the end of an arm.
-pub(crate) const WRIST: &str = r#"
-name = "wrist"
-base_rpy = [0.9, 0.0, 0.0]
-[[joints]]
-name = "roll"
-a = 0.0
-alpha = 1.5707963267948966
-d = 0.3
-mass = 6.0
-com = [0.03, -0.1, 0.05]
-inertia = [0.06, 0.03, 0.05, 0.002, 0.001, -0.002]
-[[joints]]
-name = "pitch"
-a = 0.0
-alpha = -1.5707963267948966
-d = 0.0
-mass = 3.0
-com = [0.02, 0.01, 0.12]
-inertia = [0.02, 0.025, 0.012, 0.001, 0.0, 0.001]
-[[joints]]
-name = "flange"
-a = 0.0
-alpha = 0.0
-d = 0.2
-mass = 2.0
-com = [0.08, -0.02, 0.03]
-inertia = [0.01, 0.014, 0.012, 0.0, 0.001, 0.0]
-"#;
+pub(crate) const WRIST: &str = include_str!("wrist.toml");
 
 #[test]
 fn the_shaft_of_a_coupled_wrist_is_found() {

@@ -176,18 +176,7 @@ fn a_saved_model_keeps_friction_steps_and_choices() {
 
 #[test]
 fn a_file_without_optional_parts_reads() {
-    let plain = r#"{"format": "torquewise-model", "version": 1, "joints": ["pivot"],
-        "form": {"torque": [[{
-            "term": {
-                "factors": [{"multiples": [1], "function": "sin", "power": 1}],
-                "dq": [0], "ddq": [0]
-            },
-            "coefficient": 3.3, "std_error": 0.01
-        }]]},
-        "stages": [{"name": "standstill", "rows": 5, "candidates": 3,
-            "form": {"torque": [[]]}}],
-        "training": {"rows": 5, "residual_rms": [0.1], "torque_std": [1.0],
-            "q_range": [[-1.0, 1.0]], "dq_peak": [2.0], "ddq_peak": [3.0]}}"#;
+    let plain = include_str!("plain.json");
 
     let read = from_json(plain).unwrap();
 

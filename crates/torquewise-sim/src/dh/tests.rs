@@ -5,17 +5,7 @@ use crate::arm::Arm;
 
 /// A good one-joint table, with one line replaced.
 fn table(replaced: &str, by: &str) -> String {
-    let text = r#"
-name = "one"
-[[joints]]
-name = "joint1"
-a = 0.5
-alpha = 0.0
-d = 0.0
-mass = 2.0
-com = [0.0, 0.0, 0.0]
-inertia = [0.1, 0.1, 0.1, 0.0, 0.0, 0.0]
-"#;
+    let text = include_str!("one.toml");
     assert!(text.contains(replaced), "the test replaces nothing: {replaced}");
     text.replacen(replaced, by, 1)
 }
