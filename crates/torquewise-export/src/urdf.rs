@@ -52,8 +52,8 @@ pub fn to_mjcf(model: &Model, version: &str) -> Result<RobotFile> {
 }
 
 /// The joints of a model as Isaac Lab takes them (`ImplicitActuatorCfg`), JSON: armature and the
-/// friction of `PhysX` 5, by joint. A joint at rest begins to move above `friction`, breakaway, and is
-/// held by `dynamic_friction` and `viscous_friction` times its speed from then on.
+/// friction of `PhysX` 5, by joint. A joint at rest begins to move above `friction`, its breakaway; one
+/// that moves is held by `dynamic_friction`, and by `viscous_friction` times its speed.
 ///
 /// # Errors
 /// As [`to_urdf`].
@@ -130,7 +130,8 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
     Ok(RobotFile { text: edited(text, &bodies, &dynamics)?, left_out })
 }
 
-/// What neither a URDF nor a joint of `PhysX` has room for: offsets, and what belongs to shafts that several joints turn.
+/// What neither a URDF nor a joint of `PhysX` has room for: offsets, and what belongs to shafts that
+/// several joints turn.
 fn left_out_of_urdf(robot: &Robot) -> Vec<String> {
     let words = |(shaft, _): &(Vec<f64>, Losses)| {
         let turning = robot.joints.iter().zip(shaft).filter(|(_, part)| **part != 0.0);
