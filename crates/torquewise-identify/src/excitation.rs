@@ -68,16 +68,20 @@ pub fn findings(survey: &Survey) -> Vec<Finding> {
     let joints: Vec<usize> =
         (0..motion.n_joints()).filter(|joint| !still.contains(joint)).collect();
     let mut found = Vec::new();
-    for &joint in &joints {
-        found.extend(of_joint(survey, joint));
+    let peaks: Vec<[f64; 2]> = joints.iter().map(|&joint| peaks(survey, joint)).collect();
+    for (&joint, [peak, _]) in joints.iter().zip(&peaks) {
+        found.extend(of_joint(survey, joint, *peak));
     }
-    found.extend(
-        lame(survey, &joints, 0, LEAST_SPEED).map(|(joints, peak)| Finding::Speed { joints, peak }),
-    );
-    found.extend(
-        lame(survey, &joints, 1, LEAST_ACCELERATION)
-            .map(|(joints, peak)| Finding::Acceleration { joints, peak }),
-    );
+    let lame = |derivative: usize, least: f64| {
+        let each = joints.iter().zip(&peaks).map(|(&joint, peaks)| (joint, peaks[derivative]));
+        let (lame, peaks): (Vec<usize>, Vec<f64>) = each.filter(|(_, peak)| *peak < least).unzip();
+        let names: Vec<String> = lame.iter().map(|&joint| survey.joints[joint].clone()).collect();
+        (!names.is_empty()).then(|| (names, peaks.into_iter().fold(0.0, f64::max)))
+    };
+    let slow = lame(0, LEAST_SPEED).map(|(joints, peak)| Finding::Speed { joints, peak });
+    let gentle = lame(1, LEAST_ACCELERATION);
+    let gentle = gentle.map(|(joints, peak)| Finding::Acceleration { joints, peak });
+    found.extend(slow.into_iter().chain(gentle));
     found.extend(together(survey, &joints));
     found.extend(commanded(survey, &joints).unwrap_or_default());
     found.extend(joints.iter().filter_map(|joint| of_torque(survey, *joint)));
@@ -110,14 +114,14 @@ fn together(survey: &Survey, joints: &[usize]) -> Vec<Finding> {
         .collect()
 }
 
-fn of_joint(survey: &Survey, joint: usize) -> Vec<Finding> {
+/// - `peak`: speed that it hardly ever exceeds \[rad/s\]
+fn of_joint(survey: &Survey, joint: usize, peak: f64) -> Vec<Finding> {
     let name = || survey.joints[joint].clone();
     let mut found = Vec::new();
     let [low, high] = survey.q_range[joint];
     if high - low < LEAST_RANGE {
         found.push(Finding::Range { joint: name(), range: high - low });
     }
-    let [peak, _] = peaks(survey, joint, PEAK);
     let speeds = survey.sample.dq().col(joint);
     let count = |wanted: &dyn Fn(f64) -> bool| speeds.iter().filter(|dq| wanted(**dq)).count();
     let (forward, backward) =
@@ -126,19 +130,6 @@ fn of_joint(survey: &Survey, joint: usize) -> Vec<Finding> {
         found.push(Finding::OneWay { joint: name(), forward: forward > backward });
     }
     found
-}
-
-/// Joints whose speed or acceleration hardly ever reaches a limit, and the largest of what theirs are.
-fn lame(
-    survey: &Survey,
-    joints: &[usize],
-    derivative: usize,
-    least: f64,
-) -> Option<(Vec<String>, f64)> {
-    let each = joints.iter().map(|&joint| (joint, peaks(survey, joint, PEAK)[derivative]));
-    let (lame, peaks): (Vec<usize>, Vec<f64>) = each.filter(|(_, peak)| *peak < least).unzip();
-    let names: Vec<String> = lame.into_iter().map(|joint| survey.joints[joint].clone()).collect();
-    (!names.is_empty()).then(|| (names, peaks.into_iter().fold(0.0, f64::max)))
 }
 
 /// What the torque of a moving joint shows.
@@ -153,15 +144,14 @@ fn of_torque(survey: &Survey, joint: usize) -> Option<Finding> {
 
 /// Whether a joint moves at all; an arm that does so gently must not escape what is looked for.
 fn moves(survey: &Survey, joint: usize) -> bool {
-    let [speed, acceleration] = peaks(survey, joint, 1.0);
-    speed > LEAST_SPEED && acceleration > LEAST_ACCELERATION
+    survey.dq_peak[joint] > LEAST_SPEED && survey.ddq_peak[joint] > LEAST_ACCELERATION
 }
 
-/// Speed and acceleration of a joint that a part of the rows does not exceed.
-fn peaks(survey: &Survey, joint: usize, part: f64) -> [f64; 2] {
+/// Speed and acceleration of a joint that [`PEAK`] of the rows do not exceed.
+fn peaks(survey: &Survey, joint: usize) -> [f64; 2] {
     [survey.sample.dq(), survey.sample.ddq()].map(|values| {
         let mut sizes: Vec<f64> = values.col(joint).iter().map(|value| value.abs()).collect();
-        quantile(&mut sizes, part)
+        quantile(&mut sizes, PEAK)
     })
 }
 
