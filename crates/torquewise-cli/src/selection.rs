@@ -46,8 +46,8 @@ pub(crate) struct SelectionArguments {
     /// for
     #[arg(help_heading = "Learned chain", long, value_name = "JOINT", value_delimiter = ',')]
     counterbalance: Vec<String>,
-    /// Refine a learned chain once its torque is fitted; what this counts is chosen on held-out
-    /// windows, and at most 2 % more of the torque is left
+    /// Refine a learned chain once its torque is fitted, as far as it may while at most 1.5 % more
+    /// of the torque is missed
     #[arg(help_heading = "Learned chain", long, value_parser = words(&REFINE))]
     refine: Option<String>,
     /// Disable the correction of the bias that measurement noise causes, as --method sindy always does

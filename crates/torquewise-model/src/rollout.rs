@@ -245,11 +245,6 @@ impl Window<'_> {
         Ok(reached)
     }
 
-    /// Where the arm is measured to begin; q, n.
-    pub fn start(&self) -> &[f64] {
-        &self.rows.q[self.first]
-    }
-
     /// Where the arm was after some time \[s\]; q, n.
     pub fn measured(&self, after: f64) -> Vec<f64> {
         let t = self.rows.t[self.first] + after;
@@ -259,7 +254,7 @@ impl Window<'_> {
     /// Whether a simulated joint was faster than any is, or ends at no number.
     fn ran_away(&self, end: &[f64], after: f64) -> bool {
         let may_be = |(end, start): (&f64, &f64)| (end - start).abs() <= LARGEST[1] * after;
-        !end.iter().zip(self.start()).all(may_be)
+        !end.iter().zip(&self.rows.q[self.first]).all(may_be)
     }
 
     /// Where it would be at the velocity that it had; q, n.

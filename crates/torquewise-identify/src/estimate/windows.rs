@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use torquewise_model::rollout::{Drift, Window, drifts, windows};
 use torquewise_model::{ModelError, Torque};
 use torquewise_motion::Recording;
-use torquewise_regression::normal_sums::{Alike, BlockSums, FOLDS, NormalSums};
+use torquewise_regression::normal_sums::{Alike, BlockSums, NormalSums};
 use torquewise_stepwise::error::IdentifyError;
 
 /// Times from the start of a window \[s\] at which it is compared.
@@ -40,7 +40,7 @@ pub(super) fn add_up_windows(
 ) -> Result<NormalSums, IdentifyError> {
     let model = movable(at, recording.joints());
     let torque = Torque::new(&model);
-    let mut sums = NormalSums::new(rotors.len(), at.n_joints(), FOLDS);
+    let mut sums = NormalSums::new(rotors.len(), at.n_joints(), 1);
     let arm = Arm { torque, at, rotors, weights };
     let longest = HORIZONS[HORIZONS.len() - 1];
     windows(&model, recording, longest, &mut |windows| {
@@ -102,8 +102,7 @@ impl Arm<'_> {
         if !rows.is_all_finite() {
             return Ok(None);
         }
-        let fold = self.at.regions.nearest(|joint| window.start()[joint]);
-        Ok(Some(BlockSums::new(fold, rows.as_ref(), &weights, (n, Alike::Block))))
+        Ok(Some(BlockSums::new(0, rows.as_ref(), &weights, (n, Alike::Block))))
     }
 
     /// Takes ∂q/∂β to a state by the linear differential equation M δq̈ + D δq̇ + K δq + Y δβ = 0,
