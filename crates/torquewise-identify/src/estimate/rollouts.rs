@@ -1,5 +1,6 @@
 //! Rotors refined by simulated windows of the log as well as by torque (E23).
 
+use super::equations::Equations;
 use super::linearisation::Linearisation;
 use super::nominal::Sizes;
 use super::pass::add_up;
@@ -8,7 +9,7 @@ use super::windows::{add_up_windows, drifts_of};
 use crate::drive_terms::DriveTerm;
 use crate::fitted::Fitted;
 use crate::reconstruction::{Progress, Watch};
-use faer::ColRef;
+use faer::{ColRef, Mat};
 use torquewise_model::model::Choice;
 use torquewise_model::rollout::Drift;
 use torquewise_motion::Recording;
@@ -16,7 +17,6 @@ use torquewise_regression::normal_sums::NormalSums;
 use torquewise_rigid::feasible::{Prior, Quadratic, minimise};
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::held_out::{CvScore, listed};
 
 /// What a window may count beside the torque, in quarters of powers of ten of an independent row.
 const EXPONENTS: std::ops::RangeInclusive<i32> = -12..=12;
@@ -47,21 +47,20 @@ pub(crate) fn refined_by_rollouts(
     let (places, shafts) = rotors_of(&start);
     let before = drifts_of(recording, &start)?;
     let weights = weights(&before);
-    let windows_at = |at: &Linearisation, made: usize| -> Result<Windows, IdentifyError> {
+    let windows_at = |at: &Linearisation, made: usize| {
         Progress::Rollouts { made, most: ROUNDS }.tell(watch)?;
-        let sums = add_up_windows(recording, at, &shafts, &weights)?;
-        Ok(Windows { sums, at: places.iter().map(|&k| at.linear[k]).collect() })
+        add_up_windows(recording, at, &shafts, &weights)
     };
     let windows = windows_at(&start, 0)?;
-    if windows.sums.blocks() < LEAST_WINDOWS as u64 {
+    if windows.blocks() < LEAST_WINDOWS as u64 {
         let windows = before.first().map_or(0, |drift| drift.windows);
         return Err(IdentifyError::TooFewWindows { windows, needed: LEAST_WINDOWS });
     }
-    let torque = TorqueOf::new(Step::new(sums, &start, sizes), places.clone());
+    let mut rotors: Vec<f64> = places.iter().map(|&k| start.linear[k]).collect();
+    let torque = TorqueOf::new(Step::new(sums, &start, sizes), places);
     let at = |rotors: &[f64]| start.at(&torque.step.whole(&torque.places, rotors));
-    let mut rotors = windows.at.clone();
     let mut drifted = half_squares(&before, &weights);
-    let mut chosen = torque.chosen(&windows)?;
+    let mut chosen = torque.chosen(&windows, &rotors)?;
     for made in 1..=ROUNDS {
         let cost = |rotors: &[f64], drifted: f64| torque.cost(rotors) + chosen.weight * drifted;
         let from = cost(&rotors, drifted);
@@ -81,7 +80,7 @@ pub(crate) fn refined_by_rollouts(
         if from - cost(&rotors, drifted) < LEAST_GAIN * from {
             break;
         }
-        chosen = torque.chosen(&windows_at(&at(&rotors), made)?)?;
+        chosen = torque.chosen(&windows_at(&at(&rotors), made)?, &rotors)?;
     }
     let refined = at(&rotors);
     let left = add_up(recording, &refined)?.residual_rms();
@@ -91,7 +90,12 @@ pub(crate) fn refined_by_rollouts(
         solved.covariance[(k, k)] += (refined.linear[k] - start.linear[k]).powi(2);
     }
     solved.at = refined;
-    choices.push(chosen.choice);
+    choices.push(Choice {
+        what: "what simulated windows count for the rotors".to_owned(),
+        chosen: chosen.label,
+        rule: format!("the most for which at most {MOST_TORQUE} times the torque is missed"),
+        from: Vec::new(),
+    });
     Ok(Fitted { solved, residual_rms: left, choices, ..fitted })
 }
 
@@ -106,16 +110,11 @@ fn rotors_of(at: &Linearisation) -> (Vec<usize>, Vec<Vec<f64>>) {
     rotors.unzip()
 }
 
-/// Normal equations of simulated windows in the rotors, at those they were simulated with.
-struct Windows {
-    sums: NormalSums,
-    at: Vec<f64>,
-}
-
 /// Normal equations of torque and prior in the rotors, where all else stays.
 struct TorqueOf<'a> {
     step: Step<'a>,
     places: Vec<usize>,
+    own: Equations,
     prior: Prior,
 }
 
@@ -124,7 +123,8 @@ impl<'a> TorqueOf<'a> {
         let place = |index: usize| places.iter().position(|own| *own == index);
         let rotors = step.prior.rotors.iter().filter_map(|&(k, usual)| Some((place(k)?, usual)));
         let prior = Prior { rotors: rotors.collect(), ..Prior::default() };
-        Self { step, places, prior }
+        let own = step.all.of(&places, step.at, (0.0, 0.0));
+        Self { step, places, own, prior }
     }
 
     /// Half the sum of squares of torque, with what the prior adds.
@@ -134,44 +134,34 @@ impl<'a> TorqueOf<'a> {
             + self.step.strength() * prior
     }
 
-    /// The best rotors for the torque and so many times the windows.
-    fn best(&self, windows: &Windows, weight: f64) -> Result<Vec<f64>, IdentifyError> {
-        let (p, gram) = (windows.at.len(), windows.sums.gram());
-        let own = self.step.all.of(&self.places, self.step.at, (0.0, 0.0));
-        let of_windows = gram.submatrix(0, 0, p, p);
-        let known = of_windows * ColRef::from_slice(&windows.at);
-        let hessian = &own.hessian + faer::Scale(weight) * of_windows;
-        let right: Vec<f64> =
-            (0..p).map(|k| own.right[k] + weight * (gram[(p, k)] + known[k])).collect();
-        let both = Quadratic { hessian: &hessian, right: &right };
-        Ok(minimise(both, &self.prior, self.step.strength(), &windows.at)?)
-    }
-
     /// The most that windows may count beside the torque, for which hardly more of it is left.
-    fn chosen(&self, windows: &Windows) -> Result<Chosen, IdentifyError> {
+    ///
+    /// - `windows`: in the rotors, at those they were simulated with
+    fn chosen(&self, windows: &NormalSums, at: &[f64]) -> Result<Chosen, IdentifyError> {
         let squares = |x: &[f64]| self.step.squares(&self.step.gram, x);
-        let usual = squares(&self.step.before);
-        let mut chosen = (0.0, windows.at.clone(), "nothing".to_owned());
-        let mut from = Vec::new();
-        for exponent in EXPONENTS {
+        let most = MOST_TORQUE.powi(2) * squares(&self.step.before);
+        let gram = windows.gram();
+        for exponent in EXPONENTS.rev() {
             let rows = 10_f64.powf(0.25 * f64::from(exponent));
             let weight = self.step.repeats * rows;
-            let best = self.best(windows, weight)?;
-            let left = (squares(&self.step.whole(&self.places, &best)) / usual).sqrt();
-            let (label, complexity) = (format!("{rows:.3} rows each"), self.places.len());
-            let errors = vec![left];
-            from.push(CvScore { label: label.clone(), complexity, errors });
-            if left <= MOST_TORQUE {
-                chosen = (weight, best, label);
+            let best = self.best(&gram, at, weight)?;
+            if squares(&self.step.whole(&self.places, &best)) <= most {
+                return Ok(Chosen { weight, best, label: format!("{rows:.3} rows each") });
             }
         }
-        let (weight, best, label) = chosen;
-        let rule = format!(
-            "the most for which the torque is missed by at most {MOST_TORQUE} times as much"
-        );
-        let what = "what simulated windows count for the rotors".to_owned();
-        let choice = Choice { what, chosen: label, rule, from: listed(&from) };
-        Ok(Chosen { weight, best, choice })
+        Ok(Chosen { weight: 0.0, best: at.to_vec(), label: "nothing".to_owned() })
+    }
+
+    /// The best rotors for the torque and so many times the windows.
+    fn best(&self, gram: &Mat<f64>, at: &[f64], weight: f64) -> Result<Vec<f64>, IdentifyError> {
+        let p = at.len();
+        let of_windows = gram.submatrix(0, 0, p, p);
+        let known = of_windows * ColRef::from_slice(at);
+        let hessian = &self.own.hessian + faer::Scale(weight) * of_windows;
+        let right: Vec<f64> =
+            (0..p).map(|k| self.own.right[k] + weight * (gram[(p, k)] + known[k])).collect();
+        let both = Quadratic { hessian: &hessian, right: &right };
+        Ok(minimise(both, &self.prior, self.step.strength(), at)?)
     }
 }
 
@@ -179,7 +169,7 @@ impl<'a> TorqueOf<'a> {
 struct Chosen {
     weight: f64,
     best: Vec<f64>,
-    choice: Choice,
+    label: String,
 }
 
 /// One over the usual drift of each joint at each horizon; of one that runs away, over what a held
