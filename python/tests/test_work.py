@@ -96,3 +96,36 @@ def test_ctrl_c_ends_a_fit_at_once_and_leaves_the_interpreter_usable():
     assert out == "['joint1', 'joint2']\n" and child.returncode == 0, error
     # It is looked for every 50 ms; the machine may be busy.
     assert waited < 5.0
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+@pytest.mark.parametrize(
+    "stage", ["learning the geometry", "choosing friction", "fitting all rows"]
+)
+def test_ctrl_c_leaves_no_engine_at_work(stage):
+    program = textwrap.dedent(
+        """
+        import time
+        import torquewise
+
+        def told(what, rows, total):
+            print(what, flush=True)
+
+        log = torquewise.simulate("generic-7", seconds=60, rate=100, case=2)
+        try:
+            torquewise.fit(log, library="chain", progress=told)
+        except KeyboardInterrupt:
+            begin = time.process_time()
+            time.sleep(3.0)
+            print("worked on for", time.process_time() - begin, flush=True)
+        """
+    )
+    child = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
+    for told in child.stdout:
+        if stage in told:
+            child.send_signal(signal.SIGINT)
+            break
+    *_, last = child.communicate(timeout=300)[0].splitlines()
+
+    # Half a second of two processors, counted as their time: the machine may be busy.
+    assert float(last.removeprefix("worked on for ")) < 1.0

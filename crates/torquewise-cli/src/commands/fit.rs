@@ -19,6 +19,7 @@ use std::time::SystemTime;
 use torquewise::evaluate::{Evaluation, evaluate_prepared};
 use torquewise::identify::Warning;
 use torquewise::log::{Prepared, Rows};
+use torquewise::model::model::Choice;
 use torquewise::model::units::heading;
 use torquewise::model::{Model, ModelError, number};
 use torquewise::page::{LogFile, Origin, page};
@@ -273,13 +274,13 @@ fn choices(model: &Model) -> String {
     if model.choices.is_empty() {
         return String::new();
     }
-    let mut table = Table::new(["chosen on held-out rows", "", "error [%]", "from"]);
-    for choice in &model.choices {
-        let error = choice.from.iter().find(|candidate| candidate.label == choice.chosen);
+    let mut table = Table::new(["choice", "chosen", "held out [%]", "from"]);
+    for Choice { what, chosen, rule, from } in &model.choices {
+        let error = from.iter().find(|candidate| candidate.label == *chosen);
         let error = error.map_or_else(String::new, |chosen| number(100.0 * chosen.error));
-        let from = Some(choice.from.len()).filter(|from| *from > 0);
-        let from = from.map_or_else(String::new, |from| from.to_string());
-        table.row(&choice.what, [choice.chosen.clone(), error, from]);
+        // Without candidates it was given, or follows from what else was found.
+        let from = if from.is_empty() { rule.clone() } else { from.len().to_string() };
+        table.row(what, [chosen.clone(), error, from]);
     }
     format!("\n{}", table.text())
 }
