@@ -238,6 +238,9 @@ fn a_counterbalance_is_found_and_one_that_is_known_of_is_a_term() {
     let found = terminal.json(&format!("{fit} --counterbalance joint1"));
 
     assert_eq!(said(&found, "rule"), "as given");
+    let told = terminal.done(&format!("{fit} --counterbalance joint1 --explain"));
+    let line = told.lines().find(|line| line.starts_with("counterbalance of joint1")).unwrap();
+    assert!(line.contains("spring") && line.ends_with("as given"), "{told}");
     // τ = ∂V/∂q, so that V = 0.3 cos 2q.
     let shown = terminal.done("show model.json");
     let line = shown.lines().find(|line| line.contains("* cos(2*q1)")).unwrap();
