@@ -21,7 +21,7 @@ pub(crate) const SHARE_AT_REST: f64 = 0.1;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum DriveTerm {
     /// Friction of a shaft (17).
-    Friction(#[serde(with = "whole")] FrictionTerm),
+    Friction(#[serde(with = "WholeFriction")] FrictionTerm),
     /// Inertia of a rotor on a shaft that turns with Σ shaft\[j\]·q̇ⱼ: T = ½ (Σ shaft\[j\]·q̇ⱼ)².
     Rotor(Vec<f64>),
     /// A term of V or M that no chain of rigid bodies has, such as a spring's.
@@ -191,22 +191,15 @@ pub(crate) fn columns(
     columns
 }
 
-/// Laws of friction with all their fields: a model file leaves out the usual direction, which a
+/// A law of friction with all its fields: a model file leaves out the usual direction, which a
 /// format without names cannot.
-mod whole {
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-    use torquewise_model::FrictionTerm;
-
-    pub(super) fn serialize<S: Serializer>(term: &FrictionTerm, to: S) -> Result<S::Ok, S::Error> {
-        (&term.shaft, term.law, term.direction, term.load).serialize(to)
-    }
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
-        from: D,
-    ) -> Result<FrictionTerm, D::Error> {
-        let (shaft, law, direction, load) = Deserialize::deserialize(from)?;
-        Ok(FrictionTerm { shaft, law, direction, load })
-    }
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "FrictionTerm")]
+struct WholeFriction {
+    shaft: Vec<f64>,
+    law: FrictionLaw,
+    direction: Direction,
+    load: bool,
 }
 
 #[cfg(test)]
