@@ -6,7 +6,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use torquewise_motion::path::Path;
-use torquewise_motion::{Motion, ReadError, Recording};
+use torquewise_motion::{Motion, Recording};
 use torquewise_regression::normal_sums::{Alike, BlockSums, FOLDS, NormalSums};
 use torquewise_stepwise::error::IdentifyError;
 
@@ -47,30 +47,22 @@ pub fn add_up(
             }
             Ok(())
         };
-        read(recording, log, at, &mut take).map_err(IdentifyError::Read)?;
+        let mut with_noise =
+            |trajectory, motion: &Motion, noise: &Motion| take(trajectory, motion, Some(noise));
+        let is_read = at.raw_noise
+            && recording
+                .read_log_with_noise(log, at.seed, &mut with_noise)
+                .map_err(IdentifyError::Read)?;
+        if !is_read {
+            recording
+                .read_log(log, &mut |trajectory, motion| take(trajectory, motion, None))
+                .map_err(IdentifyError::Read)?;
+        }
         flush(&mut waiting, &mut sums, at)?;
     }
     let mut all = empty();
     sums.iter().try_for_each(|lane| all.merge(lane))?;
     Ok(all)
-}
-
-/// Who is shown rows, and the noise in them if it is asked for and known.
-type Take<'t> = &'t mut dyn FnMut(usize, &Motion, Option<&Motion>) -> Result<(), ReadError>;
-
-/// Reads a log, beside its noise where that is corrected for.
-fn read(
-    recording: &(impl Recording + ?Sized),
-    log: usize,
-    at: &Linearisation,
-    take: Take<'_>,
-) -> Result<(), ReadError> {
-    let mut with_noise =
-        |trajectory, motion: &Motion, noise: &Motion| take(trajectory, motion, Some(noise));
-    if at.raw_noise && recording.read_log_with_noise(log, at.seed, &mut with_noise)? {
-        return Ok(());
-    }
-    recording.read_log(log, &mut |trajectory, motion| take(trajectory, motion, None))
 }
 
 impl Block {
