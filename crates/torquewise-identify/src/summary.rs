@@ -16,7 +16,7 @@ use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::library::{Basis, LibrarySums, PatternAccumulator, SummedLibrary};
 use torquewise_stepwise::noise::NoiseSum;
 use torquewise_stepwise::patterns::find_patterns;
-use torquewise_stepwise::survey::{Survey, SurveySum};
+use torquewise_stepwise::survey::SurveySum;
 
 /// First bytes of the file of a summary.
 const MAGIC: [u8; 8] = *b"twmoment";
@@ -205,11 +205,6 @@ impl Summary {
     fn sort(&mut self) {
         self.survey.sort();
         self.still.sort();
-    }
-
-    /// Summary of its logs: ranges, noise, sample.
-    pub(crate) fn survey(&self) -> Result<Survey, IdentifyError> {
-        self.survey.finish()
     }
 
     /// What its logs were summed up to for a library.

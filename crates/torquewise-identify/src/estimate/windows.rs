@@ -164,7 +164,7 @@ mod tests {
         let log = simulate(&Arm::builtin("puma560-3").unwrap(), &plan).unwrap().motion;
         let options = ChainOptions { friction: FrictionKind::Linear, ..ChainOptions::default() };
         let sums = summary::summarise(&log, &Plan::from(options.clone()), "", UNWATCHED).unwrap();
-        let survey = sums.survey().unwrap();
+        let survey = sums.survey.finish().unwrap();
         let searched = Searched::of(&survey, &options, (false, 0), None, UNWATCHED).unwrap();
         let mut at = searched.refined(UNWATCHED).unwrap().linearisation().clone();
         let rotor = 30;
