@@ -54,7 +54,7 @@ impl Pass {
         recording: &(impl Recording + ?Sized),
         request: Request,
     ) -> Result<Self, IdentifyError> {
-        let sums = add_up(recording, request.linearisation())?;
+        let sums = add_up(recording, &request.passes.at)?;
         Ok(Self { request, sums })
     }
 }
@@ -238,7 +238,7 @@ impl Summary {
             && still.is_sound(n)
             && sums.len() == settings.parts().len();
         let is_sound = |pass: &Pass| {
-            let at = pass.request.linearisation();
+            let at = &pass.request.passes.at;
             at.is_sound(n) && pass.sums.is_sound(at.n_parameters(), n, FOLDS)
         };
         if !fits || !pass.as_ref().is_none_or(is_sound) {

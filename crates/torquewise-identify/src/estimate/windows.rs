@@ -166,7 +166,7 @@ mod tests {
         let sums = summary::summarise(&log, &Plan::from(options.clone()), "", UNWATCHED).unwrap();
         let survey = sums.survey.finish().unwrap();
         let searched = Searched::of(&survey, &options, (false, 0), None, UNWATCHED).unwrap();
-        let mut at = searched.refined(UNWATCHED).unwrap().linearisation().clone();
+        let mut at = searched.refined(UNWATCHED).unwrap().passes.at;
         let rotor = 30;
         at.linear[rotor] += 0.05;
         let weights = vec![vec![1.0; 3]; 2];
