@@ -93,11 +93,6 @@ impl DriveTerm {
         self.law().is_some_and(|term| term.load)
     }
 
-    /// Whether it is friction that remembers the path.
-    pub(crate) fn remembers(&self) -> bool {
-        matches!(self, Self::Friction(term) if term.element().is_some())
-    }
-
     /// What it loads the joints with, per unit of its coefficient, states×n.
     pub(crate) fn loads(&self, states: &States) -> Mat<f64> {
         let of_shaft = |shaft: &[f64], values: &[f64]| {

@@ -174,7 +174,8 @@ impl Linearisation {
 
     /// Travels \[rad\] of the elements by which friction remembers the path.
     pub(crate) fn travels(&self) -> Vec<f64> {
-        let remembers = self.structure.drive.iter().any(DriveTerm::remembers);
+        let mut laws = self.structure.drive.iter().filter_map(DriveTerm::law);
+        let remembers = laws.any(|term| term.element().is_some());
         if remembers { TRAVELS.to_vec() } else { Vec::new() }
     }
 
