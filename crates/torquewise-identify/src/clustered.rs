@@ -91,11 +91,6 @@ impl Stretches {
         self.whole.iter().chain(Some(&self.rest).filter(|rest| rest.rows > 0.0))
     }
 
-    /// Stretches.
-    pub(crate) fn count(&self) -> usize {
-        self.all().count()
-    }
-
     /// Sums over all stretches.
     pub(crate) fn total(&self) -> NormalEquations {
         self.whole.iter().chain([&self.rest]).sum()
