@@ -3,7 +3,7 @@
 use super::kinds::is_told_from_gravity;
 use super::{ChainLearner, LAST_ROWS};
 use crate::chain_spec::ChainSpec;
-use crate::drive_terms::DriveTerm;
+use crate::drive_terms::{DriveTerm, Gravity};
 use crate::unseen::{Unseen, regions};
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
@@ -200,7 +200,7 @@ impl ChainLearner<'_> {
         offers: &[Offer],
         choices: &mut Vec<Choice>,
     ) -> Result<(), IdentifyError> {
-        spec.bear(chain);
+        spec.gravity = Some(Gravity::of(chain, &spec.drive));
         for (offer, (way, choice)) in offers.iter().zip(self.best(spec, chain, offers)?) {
             let terms = offer.ways[way].1.iter().filter(|term| !spec.drive.contains(term));
             let terms: Vec<DriveTerm> = terms.cloned().collect();
