@@ -173,8 +173,7 @@ pub(crate) fn columns(
 ) -> Vec<Mat<f64>> {
     let mut states = States::of(motion);
     if let (true, Some(gravity)) = (drive.iter().any(DriveTerm::is_load_dependent), gravity) {
-        let gravity = gravity.over(motion, &states);
-        states = states.under(gravity);
+        states.gravity = Some(gravity.over(motion, &states));
     }
     let mut columns = vec![Mat::zeros(motion.n_rows(), drive.len()); motion.n_joints()];
     for (k, drive) in drive.iter().enumerate() {

@@ -20,8 +20,8 @@ pub(crate) struct States {
     ddq: Vec<Vec<f64>>,
     /// What friction remembers at each state.
     memory: Option<Memory>,
-    /// G(q) of each state, states×n, where it is known.
-    gravity: Option<Mat<f64>>,
+    /// G(q) of each state \[N·m\], states×n, where it is known.
+    pub(crate) gravity: Option<Mat<f64>>,
 }
 
 impl States {
@@ -68,13 +68,6 @@ impl States {
             }),
             gravity: None,
         }
-    }
-
-    /// The same where gravity loads the joints.
-    ///
-    /// - `gravity`: G(q) \[N·m\], states×n
-    pub(crate) fn under(self, gravity: Mat<f64>) -> Self {
-        Self { gravity: Some(gravity), ..self }
     }
 
     /// Number of states.
