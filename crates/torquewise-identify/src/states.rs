@@ -85,16 +85,12 @@ impl States {
         [peak(&self.dq), peak(&self.ddq)]
     }
 
-    /// Joint speeds \[rad/s\] of a state, n.
-    pub(crate) fn speeds(&self, state: usize) -> Vec<f64> {
-        self.dq.iter().map(|dq| dq[state]).collect()
-    }
-
     /// What a law of friction comes to at a state, per unit of its coefficient.
     pub(crate) fn friction(&self, state: usize, law: &FrictionTerm) -> f64 {
         let remembered = |(joint, travel)| self.memory.as_ref()?.state(state, joint, travel);
         let known = law.element().and_then(remembered);
-        let value = known.unwrap_or_else(|| law.value(&self.speeds(state)));
+        let speeds = || self.dq.iter().map(|dq| dq[state]).collect::<Vec<f64>>();
+        let value = known.unwrap_or_else(|| law.value(&speeds()));
         match &self.gravity {
             Some(gravity) if law.load => {
                 value * law.pressed(&gravity.row(state).iter().copied().collect::<Vec<f64>>())
