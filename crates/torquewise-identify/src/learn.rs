@@ -120,7 +120,7 @@ pub(crate) fn learn(
         }
         FrictionKind::Auto => {
             let laws = learner.friction(&searched);
-            offered = laws.iter().flat_map(Offer::terms).collect();
+            offered = laws.iter().flat_map(Offer::terms).cloned().collect();
             offers.extend(laws);
             spec.drive = known(&kinds);
         }

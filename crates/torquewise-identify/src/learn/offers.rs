@@ -59,15 +59,9 @@ impl Offer {
         Some((place, Choice { what, chosen, rule, from: listed(trials) }))
     }
 
-    /// All that is offered, each once.
-    pub(super) fn terms(&self) -> Vec<DriveTerm> {
-        let mut all: Vec<DriveTerm> = Vec::new();
-        for term in self.ways.iter().flat_map(|(_, terms)| terms) {
-            if !all.contains(term) {
-                all.push(term.clone());
-            }
-        }
-        all
+    /// The terms of all ways.
+    pub(super) fn terms(&self) -> impl Iterator<Item = &DriveTerm> {
+        self.ways.iter().flat_map(|(_, terms)| terms)
     }
 }
 
