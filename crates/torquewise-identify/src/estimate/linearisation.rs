@@ -143,12 +143,6 @@ impl Linearisation {
         Self { structure: Structure { free, ..self.structure }, ..self }
     }
 
-    /// The same with rows taken as they are.
-    pub(crate) fn without_noise_correction(&self) -> Self {
-        let noise = NoiseFloor::none(self.n_joints());
-        Self { noise, raw_noise: false, ..self.clone() }
-    }
-
     /// Whether its parts fit n joints.
     pub(crate) fn is_sound(&self, n: usize) -> bool {
         let bodies = torquewise_rigid::recursion::PER_BODY * n;

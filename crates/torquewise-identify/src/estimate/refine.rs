@@ -12,6 +12,7 @@ use std::ops::ControlFlow;
 use torquewise_motion::Recording;
 use torquewise_regression::normal_sums::NormalSums;
 use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::noise::NoiseFloor;
 
 /// Passes over a sample, for each set of weights, at most.
 const SAMPLE_PASSES: usize = 20;
@@ -60,8 +61,9 @@ impl Passes {
 
     /// The same from the start with rows taken as they are, `most` passes at most.
     pub(crate) fn without_noise_correction(self, most: usize) -> Self {
-        let (at, may_release) = (self.at.without_noise_correction(), self.may_release);
-        Self { may_release, ..Self::over_all(at, most) }
+        let noise = NoiseFloor::none(self.at.n_joints());
+        let at = Linearisation { noise, raw_noise: false, ..self.at };
+        Self { may_release: self.may_release, ..Self::over_all(at, most) }
     }
 
     /// What follows from the sums of the pass that was asked for: another pass, or a break where nothing
