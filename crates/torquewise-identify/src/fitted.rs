@@ -19,6 +19,7 @@ use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_model::{
     Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Torque, Training, Weighted,
 };
+use torquewise_regression::normal_equations::ascending;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::fit::StepReport;
@@ -110,9 +111,7 @@ fn untold(mut told: Vec<usize>, names: &[String], warnings: &[Warning]) -> Vec<u
             told.extend(ends.into_iter().flat_map(|(first, last)| first + 1..=last));
         }
     }
-    told.sort_unstable();
-    told.dedup();
-    told
+    ascending(told)
 }
 
 /// How many times as large as the residual is what is left of rows that were held out, the larger

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use std::ops::ControlFlow;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
+use torquewise_regression::normal_equations::ascending;
 use torquewise_rigid::search::{FINAL_ROWS, SearchStage, all_parameters};
 use torquewise_rigid::{Chain, ChainError, ChainRows, JointKinds, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
@@ -169,10 +170,7 @@ fn balanced(motion: &Motion, names: &[String]) -> Result<Vec<usize>, IdentifyErr
             joints: joints.join(", "),
         })
     };
-    let mut places = names.iter().map(place).collect::<Result<Vec<usize>, _>>()?;
-    places.sort_unstable();
-    places.dedup();
-    Ok(places)
+    Ok(ascending(names.iter().map(place).collect::<Result<Vec<usize>, _>>()?))
 }
 
 /// A chain by its error on held-out rows, with what was fitted.

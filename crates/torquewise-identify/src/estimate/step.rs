@@ -4,6 +4,7 @@ use super::equations::{Equations, cost_of_pull};
 use super::linearisation::Linearisation;
 use super::nominal::{Sizes, prior};
 use faer::{ColRef, Mat};
+use torquewise_motion::stats::median;
 use torquewise_regression::normal_sums::NormalSums;
 use torquewise_rigid::feasible::{Prior, minimise};
 use torquewise_stepwise::error::IdentifyError;
@@ -183,8 +184,7 @@ fn repeats(sums: &NormalSums, gram: &Mat<f64>) -> f64 {
         .filter(|&k| gram[(k, k)] > 0.0)
         .map(|k| scores[(k, k)] / (gram[(k, k)] * noise))
         .collect();
-    ratios.sort_by(f64::total_cmp);
-    ratios.get(ratios.len() / 2).copied().unwrap_or(1.0).max(1.0)
+    median(&mut ratios).max(1.0)
 }
 
 /// One over the residual of each joint \[1/(N·m)\], n. A torque that never changes is none that was

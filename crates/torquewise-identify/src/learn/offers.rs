@@ -10,6 +10,7 @@ use torquewise_model::FrictionTerm;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
+use torquewise_regression::normal_equations::ascending;
 use torquewise_rigid::{Chain, JointKinds};
 use torquewise_stepwise::Progress;
 use torquewise_stepwise::error::IdentifyError;
@@ -233,10 +234,8 @@ impl ChainLearner<'_> {
                     let others =
                         (0..offers.len()).map(|other| if other == k { way } else { chosen[other] });
                     let own = others.zip(&places).flat_map(|(way, places)| &places[way]);
-                    let mut active: Vec<usize> =
-                        (0..known).chain(own.map(|place| bodies + place)).collect();
-                    active.sort_unstable();
-                    active.dedup();
+                    let own = own.map(|place| bodies + place);
+                    let active = ascending((0..known).chain(own).collect());
                     let errors = unseen.errors(&active).pop()??.by_block();
                     let (label, complexity) = (offer.ways[way].0.clone(), active.len());
                     Some(CvScore { label, complexity, errors })
