@@ -1,6 +1,7 @@
 //! Diagnosis of a model: its residuals, and which terms carry the torque.
 
 use crate::score::{Scores, score};
+use crate::states::state_of;
 use crate::turning::Turning;
 use faer::Mat;
 use std::collections::VecDeque;
@@ -240,13 +241,8 @@ fn turning(model: &Model) -> Vec<Option<Turning>> {
 
 /// RMS of each term of each joint, friction too, over the rows of a motion.
 fn importance(model: &Model, motion: &Motion) -> Result<Vec<Vec<Importance>>, IdentifyError> {
-    let n = model.n_joints();
-    let states: Vec<[Vec<f64>; 3]> = (0..motion.n_rows())
-        .map(|row| {
-            [motion.q(), motion.dq(), motion.ddq()]
-                .map(|x| (0..n).map(|joint| x[(row, joint)]).collect())
-        })
-        .collect();
+    let states: Vec<[Vec<f64>; 3]> =
+        (0..motion.n_rows()).map(|row| state_of(motion, row)).collect();
     let rms = |weight: f64, value: &dyn Fn(&[Vec<f64>; 3]) -> f64| {
         let squares: f64 = states.iter().map(|state| value(state).powi(2)).sum();
         weight.abs() * (squares / states.len().max(1) as f64).sqrt()

@@ -1,6 +1,7 @@
 //! Rows for a payload: what each counts, the columns of the last body, what the model leaves.
 
 use crate::drive_terms::{AT_REST, SHARE_AT_REST};
+use crate::states::state_of;
 use faer::{ColRef, Mat};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{Model, RigidChain, Torque};
@@ -88,10 +89,6 @@ pub(super) fn visit(
             Ok(())
         })
         .map_err(IdentifyError::Read)
-}
-
-pub(super) fn state_of(block: &torquewise_motion::Motion, row: usize) -> [Vec<f64>; 3] {
-    [block.q(), block.dq(), block.ddq()].map(|x| x.row(row).iter().copied().collect())
 }
 
 /// What one pass over the rows adds up to, once the load is known.
