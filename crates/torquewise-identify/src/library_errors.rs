@@ -48,10 +48,6 @@ fn columns(model: &Model, motion: &Motion) -> Vec<(std::ops::Range<usize>, Mat<f
         let own = model.friction.iter().map(move |own| (&own.term, own.term.shaft[joint]));
         own.map(|(law, turn)| (0..m).map(|row| turn * states.friction(row, law)).collect())
     };
-    let joined = |joint: usize, columns: Vec<Vec<f64>>| {
-        let own = Mat::from_fn(m, columns.len(), |row, k| columns[k][row]);
-        (joint..joint + 1, own)
-    };
     match &model.form {
         Form::Torque(joints) => joints
             .iter()
@@ -60,7 +56,9 @@ fn columns(model: &Model, motion: &Motion) -> Vec<(std::ops::Range<usize>, Mat<f
                 let value = |own: &Weighted<Term>| -> Vec<f64> {
                     rows.iter().map(|[q, dq, ddq]| own.term.value(q, dq, ddq)).collect()
                 };
-                joined(joint, terms.iter().map(value).chain(friction(joint)).collect())
+                let columns: Vec<Vec<f64>> =
+                    terms.iter().map(value).chain(friction(joint)).collect();
+                (joint..joint + 1, Mat::from_fn(m, columns.len(), |row, k| columns[k][row]))
             })
             .collect(),
         Form::Energy(terms) => {
