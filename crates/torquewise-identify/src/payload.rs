@@ -231,8 +231,7 @@ impl Payload {
     /// [`IdentifyError::Model`] if the model is no rigid chain.
     pub fn added_to(&self, model: &Model) -> Result<Model, IdentifyError> {
         let mut model = model.clone();
-        chain_of(&model)?;
-        let Some(chain) = &mut model.chain else { return Ok(model) };
+        let chain = model.chain.as_mut().ok_or(ModelError::NoChain)?;
         let first = PER_BODY * self.on;
         if let Some(link) = chain.links.get_mut(self.on) {
             link.iter_mut().zip(self.inertial).for_each(|(own, load)| *own += load);
