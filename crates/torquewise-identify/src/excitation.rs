@@ -83,8 +83,9 @@ pub fn findings(survey: &Survey) -> Vec<Finding> {
     let gentle = gentle.map(|(joints, peak)| Finding::Acceleration { joints, peak });
     found.extend(slow.into_iter().chain(gentle));
     found.extend(together(survey, &joints));
-    found.extend(commanded(survey, &joints).unwrap_or_default());
-    found.extend(joints.iter().filter_map(|joint| of_torque(survey, *joint)));
+    let moving: Vec<usize> = joints.into_iter().filter(|joint| moves(survey, *joint)).collect();
+    found.extend(commanded(survey, &moving).unwrap_or_default());
+    found.extend(moving.iter().filter_map(|joint| of_torque(survey, *joint)));
     found
 }
 
@@ -134,17 +135,17 @@ fn of_joint(survey: &Survey, joint: usize, peak: f64) -> Vec<Finding> {
 
 /// What the torque of a moving joint shows.
 fn of_torque(survey: &Survey, joint: usize) -> Option<Finding> {
-    if !moves(survey, joint) || survey.torque_std[joint] <= 0.0 {
-        return None;
-    }
     let left = unexplained_part(&survey.sample, joint)?;
     let joint = survey.joints[joint].clone();
     (left > MOST_RESIDUAL).then_some(Finding::Unrelated { joint, residual: left })
 }
 
-/// Whether a joint moves at all; an arm that does so gently must not escape what is looked for.
+/// Whether a joint moves at all, under a torque that changes; an arm that does so gently must not
+/// escape what is looked for.
 fn moves(survey: &Survey, joint: usize) -> bool {
-    survey.dq_peak[joint] > LEAST_SPEED && survey.ddq_peak[joint] > LEAST_ACCELERATION
+    survey.dq_peak[joint] > LEAST_SPEED
+        && survey.ddq_peak[joint] > LEAST_ACCELERATION
+        && survey.torque_std[joint] > 0.0
 }
 
 /// Speed and acceleration of a joint that [`PEAK`] of the rows do not exceed.
@@ -182,9 +183,6 @@ fn commanded(survey: &Survey, joints: &[usize]) -> Option<Vec<Finding>> {
     }
     let factor = gram.llt(Side::Lower).ok()?;
     let of_joint = |&joint: &usize| {
-        if !moves(survey, joint) || survey.torque_std[joint] <= 0.0 {
-            return None;
-        }
         let target = tau.col(joint);
         let fitted = &columns * factor.solve(columns.transpose() * target);
         let squares: f64 = target.iter().zip(fitted.iter()).map(|(a, b)| (a - b).powi(2)).sum();
