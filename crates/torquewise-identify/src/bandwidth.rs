@@ -154,15 +154,12 @@ impl Grid {
         Ok(best.map(|cutoff| Self { cutoffs, delays, cutoff, delay }))
     }
 
-    /// Error at the best cut-off and delay.
-    fn least(&self) -> f64 {
-        self.cutoffs.iter().map(|tried| tried.errors.all()).fold(f64::INFINITY, f64::min)
-    }
-
     /// Whether a cut-off does about as well as the best.
     fn is_near(&self, cutoff: f64) -> bool {
+        let errors = self.cutoffs.iter().map(|tried| tried.errors.all());
+        let least = errors.fold(f64::INFINITY, f64::min);
         let here = self.cutoffs.iter().rfind(|tried| tried.cutoff <= cutoff);
-        here.is_some_and(|here| here.errors.all() <= (1.0 + NEAR) * self.least())
+        here.is_some_and(|here| here.errors.all() <= (1.0 + NEAR) * least)
     }
 
     /// Logs at the best cut-off and delay.
