@@ -150,7 +150,7 @@ impl Thresholds {
     ) -> Result<Self, IdentifyError> {
         let n = model.n_joints();
         // First the spreads and levels, from rows thinned evenly, then the peaks beyond them.
-        let Sample { of_joints: sample, rows, seconds } = Sample::of(model, free, bandwidth)?;
+        let (sample, rows, seconds) = sample(model, free, bandwidth)?;
         if rows == 0 || seconds <= 0.0 {
             return Err(IdentifyError::TooFewRows { rows, needed: 2, joints: n });
         }
@@ -203,45 +203,36 @@ impl Thresholds {
     }
 }
 
-/// Rows of a free arm, thinned evenly.
-struct Sample {
-    of_joints: Vec<Vec<spread::Row>>,
-    /// Of all, before they were thinned.
-    rows: usize,
-    seconds: f64,
-}
-
-impl Sample {
-    fn of(
-        model: &Model,
-        free: &(impl Recording + ?Sized),
-        bandwidth: f64,
-    ) -> Result<Self, IdentifyError> {
-        let of_joints = vec![Vec::new(); model.n_joints()];
-        let (mut all, mut stride, mut last) = (Self { of_joints, rows: 0, seconds: 0.0 }, 1, None);
-        external_torques(model, free, bandwidth, &mut |row| {
-            if let Some((own, before)) = last
-                && own == row.trajectory
-            {
-                all.seconds += row.t - before;
-            }
-            last = Some((row.trajectory, row.t));
-            if row.torque.iter().any(|x| x.is_nan()) {
-                return Ok(());
-            }
-            if all.rows.is_multiple_of(stride) {
-                let own = row.torque.iter().copied().zip(row.followed.iter().copied());
-                all.of_joints.iter_mut().zip(own).for_each(|(sample, own)| sample.push(own));
-            }
-            all.rows += 1;
-            if all.of_joints[0].len() > MOST_ROWS {
-                all.of_joints.iter_mut().for_each(halve);
-                stride *= 2;
-            }
-            Ok(())
-        })?;
-        Ok(all)
-    }
+/// Rows of each joint of a free arm, thinned evenly, n; their number before, and their time \[s\].
+fn sample(
+    model: &Model,
+    free: &(impl Recording + ?Sized),
+    bandwidth: f64,
+) -> Result<(Vec<Vec<spread::Row>>, usize, f64), IdentifyError> {
+    let mut of_joints = vec![Vec::new(); model.n_joints()];
+    let (mut rows, mut seconds, mut stride, mut last) = (0_usize, 0.0, 1, None);
+    external_torques(model, free, bandwidth, &mut |row| {
+        if let Some((own, before)) = last
+            && own == row.trajectory
+        {
+            seconds += row.t - before;
+        }
+        last = Some((row.trajectory, row.t));
+        if row.torque.iter().any(|x| x.is_nan()) {
+            return Ok(());
+        }
+        if rows.is_multiple_of(stride) {
+            let own = row.torque.iter().copied().zip(row.followed.iter().copied());
+            of_joints.iter_mut().zip(own).for_each(|(sample, own)| sample.push(own));
+        }
+        rows += 1;
+        if of_joints[0].len() > MOST_ROWS {
+            of_joints.iter_mut().for_each(halve);
+            stride *= 2;
+        }
+        Ok(())
+    })?;
+    Ok((of_joints, rows, seconds))
 }
 
 /// Largest excess of each run beyond a level.
