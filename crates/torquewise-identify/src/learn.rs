@@ -204,7 +204,10 @@ impl<'a> ChainLearner<'a> {
         let rows = ChainRows::new([motion.q(), motion.dq(), motion.ddq(), tau], &drive)?;
         let is_measured: Vec<bool> =
             (0..motion.n_joints()).map(|joint| rows.deviation_of(joint) > 0.0).collect();
-        let is_certain = |row, joint| !spec.has_friction() || self.moves(&motion, row, joint);
+        // Where a joint moves, its friction has one direction.
+        let moves =
+            |row, joint: usize| motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.width[joint];
+        let is_certain = |row, joint| !spec.has_friction() || moves(row, joint);
         let share = |row, joint: usize| match (is_measured[joint], is_certain(row, joint)) {
             (true, true) => 1.0,
             (true, false) => WEIGHT_AT_REST,
@@ -218,11 +221,6 @@ impl<'a> ChainLearner<'a> {
         let linear = self.laws.linear();
         let of_joints = spec.drive.iter().filter_map(DriveTerm::law);
         of_joints.filter(|term| term.joint().is_some()).all(|term| linear.contains(term))
-    }
-
-    /// Whether a joint moves in a row, so that its friction has one direction.
-    fn moves(&self, motion: &Motion, row: usize, joint: usize) -> bool {
-        motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.width[joint]
     }
 
     /// Searches the geometry. Its axes stand at right angles, as those of nearly all arms do, unless
