@@ -2,7 +2,6 @@
 
 use crate::chain_spec::{ChainSpec, error, record_worth, trial};
 use crate::drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, columns};
-use crate::estimate::Linearisation;
 use crate::plan::{ChainOptions, FrictionKind};
 use crate::reconstruction::{Progress, Watch};
 use crate::unseen::geometric_mean;
@@ -330,13 +329,6 @@ impl<'a> ChainLearner<'a> {
         }
         spec.search = search;
         Ok(exact)
-    }
-
-    /// A chain with more beside its links, whose coefficients are none so far, at its own geometry.
-    fn library(&self, chain: &Chain, drive: Vec<DriveTerm>) -> Linearisation {
-        let none = vec![0.0; drive.len()];
-        let rest = self.laws.width.iter().map(|width| AT_REST * width).collect();
-        Linearisation::of(chain, (drive, &none), rest)
     }
 }
 

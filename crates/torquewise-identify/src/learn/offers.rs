@@ -3,7 +3,8 @@
 use super::kinds::is_told_from_gravity;
 use super::{ChainLearner, LAST_ROWS};
 use crate::chain_spec::ChainSpec;
-use crate::drive_terms::{DriveTerm, Gravity};
+use crate::drive_terms::{AT_REST, DriveTerm, Gravity};
+use crate::estimate::Linearisation;
 use crate::unseen::{Unseen, regions};
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
@@ -215,7 +216,9 @@ impl ChainLearner<'_> {
     ) -> Result<Vec<(usize, Option<Choice>)>, IdentifyError> {
         let (library, places) = placed(offers, &spec.drive);
         let motion = thinned(self.motion, LAST_ROWS);
-        let (tau, at) = (motion.require_tau()?.to_owned(), self.library(chain, library));
+        let (tau, none) = (motion.require_tau()?.to_owned(), vec![0.0; library.len()]);
+        let rest = self.laws.width.iter().map(|width| AT_REST * width).collect();
+        let at = Linearisation::of(chain, (library, &none), rest);
         let blocks = regions(&motion, self.motion.n_rows().div_ceil(motion.n_rows().max(1)));
         let target = [(&tau, &tau)];
         let Some(unseen) = Unseen::new(&at, &motion, &target, &blocks, 0.0)? else {
