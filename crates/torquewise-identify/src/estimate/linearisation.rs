@@ -32,7 +32,7 @@ pub(crate) struct Structure {
 /// Where the torque of an arm is linearised, and how its rows are weighted: all that a pass over
 /// logs needs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Linearisation {
+pub(crate) struct Linearisation {
     pub(crate) structure: Structure,
     /// Where the axes lie, θ₀, and what moves by them.
     pub(crate) geometry: Geometry,
@@ -85,7 +85,7 @@ impl Linearisation {
     }
 
     /// Number of parameters p: linear ones, then those of the geometry, free or not.
-    pub fn n_parameters(&self) -> usize {
+    pub(crate) fn n_parameters(&self) -> usize {
         self.linear.len() + self.geometry.parameters().len()
     }
 
@@ -174,7 +174,7 @@ impl Linearisation {
     }
 
     /// Number of joints n.
-    pub fn n_joints(&self) -> usize {
+    pub(crate) fn n_joints(&self) -> usize {
         self.weights.len()
     }
 

@@ -22,10 +22,7 @@ struct Block {
 
 /// Adds up the normal equations of a recording at a linearisation (E11), with the bias that noise
 /// in its rows leaves in them (E7).
-///
-/// # Errors
-/// [`IdentifyError`]: the reader's message, missing torque, another arm, or sums out of range.
-pub fn add_up(
+pub(crate) fn add_up(
     recording: &(impl Recording + ?Sized),
     at: &Linearisation,
 ) -> Result<NormalSums, IdentifyError> {
