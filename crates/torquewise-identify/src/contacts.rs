@@ -107,31 +107,30 @@ pub fn external_torques(
     let mut last: Option<(usize, f64)> = None;
     let mut begin = 0.0;
     let settling = vec![f64::NAN; model.n_joints()];
-    recording
-        .read(&mut |trajectory, block| {
-            let tau = block.require_tau()?;
-            for (row, &t) in block.t().iter().enumerate() {
-                let dt = match last {
-                    Some((own, before)) if own == trajectory => t - before,
-                    _ => {
-                        observer.reset();
-                        follower.reset();
-                        begin = t;
-                        0.0
-                    }
-                };
-                last = Some((trajectory, t));
-                let [q, dq, ddq, tau] = [block.q(), block.dq(), block.ddq(), tau]
-                    .map(|x| x.row(row).iter().copied().collect::<Vec<f64>>());
-                let external = observer.step(dt, [&q, &dq, &tau])?;
-                let followed = follower.step(dt, &dq, &ddq);
-                let is_settled = t - begin > SETTLING / gain;
-                let torque = if is_settled { external } else { &settling };
-                see(Observed { trajectory, t, torque, followed })?;
-            }
-            Ok(())
-        })
-        .map_err(IdentifyError::Read)
+    recording.read(&mut |trajectory, block| {
+        let tau = block.require_tau()?;
+        for (row, &t) in block.t().iter().enumerate() {
+            let dt = match last {
+                Some((own, before)) if own == trajectory => t - before,
+                _ => {
+                    observer.reset();
+                    follower.reset();
+                    begin = t;
+                    0.0
+                }
+            };
+            last = Some((trajectory, t));
+            let [q, dq, ddq, tau] = [block.q(), block.dq(), block.ddq(), tau]
+                .map(|x| x.row(row).iter().copied().collect::<Vec<f64>>());
+            let external = observer.step(dt, [&q, &dq, &tau])?;
+            let followed = follower.step(dt, &dq, &ddq);
+            let is_settled = t - begin > SETTLING / gain;
+            let torque = if is_settled { external } else { &settling };
+            see(Observed { trajectory, t, torque, followed })?;
+        }
+        Ok(())
+    })?;
+    Ok(())
 }
 
 impl Thresholds {

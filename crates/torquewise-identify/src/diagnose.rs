@@ -89,9 +89,7 @@ pub fn diagnose(
 ) -> Result<Diagnosis, IdentifyError> {
     let scores = score(model, recording)?;
     let mut look = Look::new(model, &scores);
-    recording
-        .read(&mut |trajectory, block| look.add(trajectory, block, patterns))
-        .map_err(IdentifyError::Read)?;
+    recording.read(&mut |trajectory, block| look.add(trajectory, block, patterns))?;
     look.finish(scores)
 }
 

@@ -72,12 +72,10 @@ pub fn disagreements(
     model.check_joints(recording.joints())?;
     let mut logs = Logs { torque: Torque::new(model), slow: slow(model), each: Vec::new() };
     let mut path = logs.torque.path();
-    recording
-        .read(&mut |trajectory, block| {
-            let Some(place) = logs.place(log_of(trajectory)) else { return Ok(()) };
-            logs.add(place, &path.follow(trajectory, block))
-        })
-        .map_err(IdentifyError::Read)?;
+    recording.read(&mut |trajectory, block| {
+        let Some(place) = logs.place(log_of(trajectory)) else { return Ok(()) };
+        logs.add(place, &path.follow(trajectory, block))
+    })?;
     Ok(logs.compared(&model.joints))
 }
 

@@ -88,9 +88,7 @@ pub fn summarise(
     for log in 0..recording.n_logs() {
         Progress::Survey.tell(watch)?;
         let mut look = SurveySum::new(recording.joints());
-        recording
-            .read_log(log, &mut |trajectory, block| Ok(look.add(trajectory, block)?))
-            .map_err(IdentifyError::Read)?;
+        recording.read_log(log, &mut |trajectory, block| Ok(look.add(trajectory, block)?))?;
         if look.rows() == 0 {
             continue;
         }
@@ -104,9 +102,7 @@ pub fn summarise(
             let patterns = find_patterns(&survey, &all.settings.patterns)?;
             Progress::Sums.tell(watch)?;
             let mut sorter = PatternAccumulator::new(basis, &patterns, &all.settings.parts());
-            recording
-                .read_log(log, &mut |_, block| sorter.add(block))
-                .map_err(IdentifyError::Read)?;
+            recording.read_log(log, &mut |_, block| sorter.add(block))?;
             let (sums, still) = sorter.finish()?;
             all.still.merge(&still);
             all.sums.iter_mut().zip(&sums).try_for_each(|(all, own)| all.merge(own))?;

@@ -46,14 +46,10 @@ pub(crate) fn add_up(
         };
         let mut with_noise =
             |trajectory, motion: &Motion, noise: &Motion| take(trajectory, motion, Some(noise));
-        let is_read = at.raw_noise
-            && recording
-                .read_log_with_noise(log, at.seed, &mut with_noise)
-                .map_err(IdentifyError::Read)?;
+        let is_read =
+            at.raw_noise && recording.read_log_with_noise(log, at.seed, &mut with_noise)?;
         if !is_read {
-            recording
-                .read_log(log, &mut |trajectory, motion| take(trajectory, motion, None))
-                .map_err(IdentifyError::Read)?;
+            recording.read_log(log, &mut |trajectory, motion| take(trajectory, motion, None))?;
         }
         flush(&mut waiting, &mut sums, at)?;
     }

@@ -24,7 +24,7 @@ pub(super) fn drifts_of(
     recording: &(impl Recording + ?Sized),
     at: &Linearisation,
 ) -> Result<Vec<Drift>, IdentifyError> {
-    drifts(&movable(at, recording.joints()), &[], recording, &HORIZONS).map_err(IdentifyError::Read)
+    Ok(drifts(&movable(at, recording.joints()), &[], recording, &HORIZONS)?)
 }
 
 /// Adds up the normal equations of where windows end, an instant for each horizon; a window whose
@@ -49,8 +49,7 @@ pub(super) fn add_up_windows(
             sums.add(&block)?;
         }
         Ok(())
-    })
-    .map_err(IdentifyError::Read)?;
+    })?;
     Ok(sums)
 }
 

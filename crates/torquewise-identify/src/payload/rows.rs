@@ -80,15 +80,14 @@ pub(super) fn visit(
 ) -> Result<(), IdentifyError> {
     let torque = Torque::new(model);
     let mut path = torque.path();
-    recording
-        .read(&mut |trajectory, block| {
-            let followed = path.follow(trajectory, block);
-            let laws = torque.laws(&followed)?;
-            let left = block.require_tau()? - torque.over(&followed)?;
-            see(block, &left, &laws)?;
-            Ok(())
-        })
-        .map_err(IdentifyError::Read)
+    recording.read(&mut |trajectory, block| {
+        let followed = path.follow(trajectory, block);
+        let laws = torque.laws(&followed)?;
+        let left = block.require_tau()? - torque.over(&followed)?;
+        see(block, &left, &laws)?;
+        Ok(())
+    })?;
+    Ok(())
 }
 
 /// What one pass over the rows adds up to, once the load is known.
