@@ -134,21 +134,18 @@ fn passive(
     first: usize,
     (sizes, kinds): (&Sizes, &JointKinds),
 ) -> Vec<Positive> {
-    let laws: Vec<(usize, &FrictionTerm)> = (drive.iter().enumerate())
-        .filter_map(|(k, term)| Some((first + k, term.law()?)))
-        .filter(|(_, term)| term.law != FrictionLaw::Offset)
-        .collect();
-    let mut shafts: Vec<(&[f64], bool)> = Vec::new();
-    for (_, term) in &laws {
-        if !shafts.contains(&(&term.shaft[..], term.load)) {
-            shafts.push((&term.shaft, term.load));
+    let laws = drive.iter().enumerate().filter_map(|(k, term)| Some((first + k, term.law()?)));
+    let mut shafts: Vec<Vec<(usize, &FrictionTerm)>> = Vec::new();
+    for (k, term) in laws.filter(|(_, term)| term.law != FrictionLaw::Offset) {
+        let is_of = |any: &FrictionTerm| (&any.shaft, any.load) == (&term.shaft, term.load);
+        match shafts.iter_mut().find(|own| is_of(own[0].1)) {
+            Some(own) => own.push((k, term)),
+            None => shafts.push(vec![(k, term)]),
         }
     }
     let mut all = Vec::new();
-    for (shaft, load) in shafts {
-        let own: Vec<&(usize, &FrictionTerm)> =
-            laws.iter().filter(|(_, term)| term.shaft == shaft && term.load == load).collect();
-        let Some((_, any)) = own.first() else { continue };
+    for own in shafts {
+        let (_, any) = own[0];
         let (peak, usual) = (speed_of(any, (sizes, kinds)), usual_friction(any, sizes));
         let dead = own.iter().fold(0.0_f64, |most, (_, term)| match term.law {
             FrictionLaw::Coulomb { width } => most.max(width),
