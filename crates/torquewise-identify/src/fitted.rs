@@ -141,12 +141,8 @@ fn parameters(
         match term {
             DriveTerm::Friction(term) => {
                 friction_at.push(index);
-                friction.push(Weighted {
-                    term: term.clone(),
-                    coefficient,
-                    std_error: error(index),
-                    inclusion: None,
-                });
+                let std_error = error(index);
+                friction.push(Weighted { std_error, ..Weighted::new(term.clone(), coefficient) });
             }
             DriveTerm::Rotor(shaft) => {
                 drive_at.push(index);
