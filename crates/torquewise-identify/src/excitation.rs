@@ -85,7 +85,10 @@ pub fn findings(survey: &Survey) -> Vec<Finding> {
     found.extend(together(survey, &joints));
     let moving: Vec<usize> = joints.into_iter().filter(|joint| moves(survey, *joint)).collect();
     found.extend(commanded(survey, &moving).unwrap_or_default());
-    found.extend(moving.iter().filter_map(|joint| of_torque(survey, *joint)));
+    found.extend(moving.iter().filter_map(|&joint| {
+        let residual = unexplained_part(motion, joint).filter(|left| *left > MOST_RESIDUAL)?;
+        Some(Finding::Unrelated { joint: survey.joints[joint].clone(), residual })
+    }));
     found
 }
 
@@ -131,13 +134,6 @@ fn of_joint(survey: &Survey, joint: usize, peak: f64) -> Vec<Finding> {
         found.push(Finding::OneWay { joint: name(), forward: forward > backward });
     }
     found
-}
-
-/// What the torque of a moving joint shows.
-fn of_torque(survey: &Survey, joint: usize) -> Option<Finding> {
-    let left = unexplained_part(&survey.sample, joint)?;
-    let joint = survey.joints[joint].clone();
-    (left > MOST_RESIDUAL).then_some(Finding::Unrelated { joint, residual: left })
 }
 
 /// Whether a joint moves at all, under a torque that changes; an arm that does so gently must not
