@@ -156,10 +156,7 @@ impl States {
         for (place, factor) in factors.iter().enumerate() {
             let rest = product(Some(place));
             for (joint, &k) in factor.multiples.iter().enumerate().filter(|(_, k)| **k != 0) {
-                let mut slope = rest.clone();
-                for s in &mut slope {
-                    *s *= f64::from(k);
-                }
+                let slope: Vec<f64> = rest.iter().map(|s| s * f64::from(k)).collect();
                 match slopes.iter_mut().find(|(known, _)| *known == joint) {
                     Some((_, known)) => known.iter_mut().zip(slope).for_each(|(a, b)| *a += b),
                     None => slopes.push((joint, slope)),
