@@ -74,9 +74,8 @@ struct Moves {
 impl Arm<'_> {
     fn block(&self, window: &Window<'_>) -> Result<Option<BlockSums>, ModelError> {
         let (n, p) = (self.at.n_joints(), self.rotors.len());
-        let still = || Mat::zeros(n, p);
-        let (position, speed, reached) = (still(), still(), Vec::new());
-        let mut moves = Moves { before: 0.0, t: 0.0, position, speed, reached };
+        let (position, speed) = (Mat::zeros(n, p), Mat::zeros(n, p));
+        let mut moves = Moves { before: 0.0, t: 0.0, position, speed, reached: Vec::new() };
         let mut failed = Ok(());
         let ends = window.simulated(&self.torque, &HORIZONS, &mut |arm, seconds| {
             moves.t += seconds;
