@@ -162,7 +162,6 @@ impl Grid {
         here.is_some_and(|here| here.errors.all() <= (1.0 + NEAR) * least)
     }
 
-    /// Logs at the best cut-off and delay.
     fn tuned<L: RawRecording>(
         &self,
         logs: &L,

@@ -21,7 +21,6 @@ pub(crate) struct ChainSpec {
 }
 
 impl ChainSpec {
-    /// Whether friction is fitted.
     pub(crate) fn has_friction(&self) -> bool {
         self.drive.iter().any(|drive| matches!(drive, DriveTerm::Friction(_)))
     }

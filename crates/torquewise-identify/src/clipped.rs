@@ -27,7 +27,6 @@ pub(crate) fn clipped(sample: &Motion, joint: usize) -> Option<f64> {
     (at_end >= LEAST_ROWS && share > MANY).then_some(share)
 }
 
-/// The least and the largest of some numbers.
 pub(crate) fn ends<'a>(values: impl Iterator<Item = &'a f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)))
 }

@@ -53,7 +53,6 @@ impl Stretches {
         Self { most, length, whole: Vec::new(), rest: NormalEquations::zeros(columns, 1) }
     }
 
-    /// Adds an equation.
     pub(crate) fn add(&mut self, columns: &[f64], response: f64, weight: f64) {
         self.rest.rows += 1.0;
         self.rest.energy[0] += weight * response * response;
@@ -91,7 +90,6 @@ impl Stretches {
         self.whole.iter().chain(Some(&self.rest).filter(|rest| rest.rows > 0.0))
     }
 
-    /// Sums over all stretches.
     pub(crate) fn total(&self) -> NormalEquations {
         self.whole.iter().chain([&self.rest]).sum()
     }

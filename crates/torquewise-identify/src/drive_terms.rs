@@ -29,7 +29,6 @@ pub(crate) enum DriveTerm {
 }
 
 impl DriveTerm {
-    /// Laws of friction.
     pub(crate) fn friction(terms: Vec<FrictionTerm>) -> impl Iterator<Item = Self> {
         terms.into_iter().map(Self::Friction)
     }
@@ -75,7 +74,6 @@ impl DriveTerm {
         functions.into_iter().map(spring).collect()
     }
 
-    /// The law, if it is friction.
     pub(crate) fn law(&self) -> Option<&FrictionTerm> {
         match self {
             Self::Friction(term) => Some(term),
@@ -114,7 +112,6 @@ impl DriveTerm {
         }
     }
 
-    /// Number of joints n.
     pub(crate) fn n_joints(&self) -> usize {
         match self {
             Self::Friction(term) => term.shaft.len(),
@@ -134,8 +131,6 @@ pub(crate) struct Gravity {
 }
 
 impl Gravity {
-    /// That of a chain.
-    ///
     /// - `drive`: what stands beside its links, in the order of their coefficients
     pub(crate) fn of(chain: &Chain, drive: &[DriveTerm]) -> Self {
         let springs = drive.iter().zip(&chain.drive).filter_map(|(drive, coefficient)| {

@@ -9,7 +9,6 @@ const VERSION: u32 = 1;
 /// Magic, version and checksum of what follows.
 const HEADER_BYTES: usize = 16;
 
-/// The bytes of a file.
 pub(crate) fn framed(magic: [u8; 8], holds: &impl Serialize) -> Result<Vec<u8>, IdentifyError> {
     let body = postcard::to_stdvec(holds).map_err(|error| damaged(&error.to_string()))?;
     let checksum = crc32fast::hash(&body).to_le_bytes();

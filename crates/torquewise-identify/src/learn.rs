@@ -184,7 +184,6 @@ struct ChainLearner<'a> {
     laws: FrictionLibrary,
     /// The arm as it was learned at another bandwidth: what its joints are stays.
     before: Option<Learned>,
-    /// How often the geometry was found.
     found: Option<GeometryFound>,
     watch: Watch<'a>,
 }

@@ -48,7 +48,6 @@ pub struct Payload {
     /// Whether the verdict of the fit of the model is that it should not be used.
     #[serde(skip)]
     of_useless: bool,
-    /// The link, from 0.
     #[serde(skip)]
     on: usize,
     #[serde(skip)]

@@ -53,7 +53,6 @@ impl Regions {
         nearest.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(region, _)| region)
     }
 
-    /// Whether its parts fit n joints.
     pub(crate) fn is_sound(&self, n: usize) -> bool {
         let finite = |x: &[f64]| x.len() == n && x.iter().all(|x| x.is_finite());
         finite(&self.scales) && self.centres.iter().all(|centre| finite(centre))

@@ -34,7 +34,6 @@ pub struct Shape {
 /// Speeds, of the largest: up to the first a joint rests, up to the second it is slow, from the
 /// third on it is fast.
 const SPEEDS: [f64; 3] = [0.02, 0.15, 0.7];
-/// Number of bins of the range of an angle.
 const POSES: usize = 6;
 /// Of the squared residual this part must lie there, and so many times as much as of the rows.
 const MOST: f64 = 0.6;

@@ -33,7 +33,6 @@ pub(crate) struct Searched<'a> {
     survey: &'a Survey,
     options: &'a ChainOptions,
     pub(crate) learned: Learned,
-    /// Where it is linearised.
     pub(crate) at: Linearisation,
 }
 

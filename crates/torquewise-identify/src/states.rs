@@ -30,7 +30,6 @@ pub(crate) struct States {
 }
 
 impl States {
-    /// The states of a motion.
     pub(crate) fn of(motion: &Motion) -> Self {
         let rows: Vec<[usize; 3]> = (0..motion.n_rows()).map(|row| [row; 3]).collect();
         Self::new(motion, &rows)
@@ -75,7 +74,6 @@ impl States {
         }
     }
 
-    /// Number of states.
     pub(crate) fn len(&self) -> usize {
         self.dq.first().map_or(0, Vec::len)
     }
@@ -84,7 +82,6 @@ impl States {
         self.dq.len()
     }
 
-    /// Largest speed and acceleration of any joint.
     pub(crate) fn peaks(&self) -> [f64; 2] {
         let peak = |x: &[Vec<f64>]| x.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
         [peak(&self.dq), peak(&self.ddq)]

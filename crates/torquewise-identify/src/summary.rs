@@ -37,7 +37,6 @@ pub struct Summary {
     /// What was chosen before rows were summed; not in a file, which holds no friction.
     #[serde(skip)]
     pub(crate) choices: Vec<Choice>,
-    /// Sums of the rows that a chain asked for.
     pub(crate) pass: Option<Pass>,
 }
 
@@ -49,7 +48,6 @@ pub(crate) struct Pass {
 }
 
 impl Pass {
-    /// Sums up the rows of a recording as a request asks for.
     pub(crate) fn over(
         recording: &(impl Recording + ?Sized),
         request: Request,

@@ -1,6 +1,5 @@
 //! Travel of each joint since its last reversal.
 
-/// Travel since the last reversal of one joint.
 #[derive(Clone, Debug)]
 pub(crate) struct Turning {
     /// Way \[rad\] after which friction counts as turned.

@@ -89,7 +89,6 @@ impl Linearisation {
         self.linear.len() + self.geometry.parameters().len()
     }
 
-    /// Indices of the parameters that may move.
     pub(crate) fn active(&self) -> Vec<usize> {
         let linear = self.linear.len();
         (0..linear).chain(self.structure.free.iter().map(|&k| linear + k)).collect()
@@ -100,7 +99,6 @@ impl Linearisation {
         (0..self.linear.len()).collect()
     }
 
-    /// Indices of the linear parameters that were chosen.
     pub(crate) fn chosen_indices(&self) -> Vec<usize> {
         let offered = self.structure.drive.len() - self.structure.chosen;
         (0..self.linear.len() - offered).collect()
@@ -143,7 +141,6 @@ impl Linearisation {
         Self { structure: Structure { free, ..self.structure }, ..self }
     }
 
-    /// Whether its parts fit n joints.
     pub(crate) fn is_sound(&self, n: usize) -> bool {
         let bodies = torquewise_rigid::recursion::PER_BODY * n;
         let geometry = self.geometry.parameters();
@@ -173,12 +170,10 @@ impl Linearisation {
         if remembers { TRAVELS.to_vec() } else { Vec::new() }
     }
 
-    /// Number of joints n.
     pub(crate) fn n_joints(&self) -> usize {
         self.weights.len()
     }
 
-    /// All parameters, p.
     pub(crate) fn parameters(&self) -> Vec<f64> {
         self.linear.iter().chain(self.geometry.parameters()).copied().collect()
     }
@@ -211,7 +206,6 @@ impl Linearisation {
         Ok(Self { scales: sizes.iter().map(scale).collect(), ..at })
     }
 
-    /// The chain that is linearised.
     pub(crate) fn chain(&self) -> Chain {
         let bodies = torquewise_rigid::recursion::PER_BODY * self.n_joints();
         let (inertial, drive) = self.linear.split_at(bodies);

@@ -51,7 +51,6 @@ pub(crate) struct Sizes {
 }
 
 impl Sizes {
-    /// Those of an arm whose logs were summed up.
     pub(crate) fn of(survey: &Survey) -> Self {
         Self { torque: survey.torque_std.clone(), speed: survey.dq_peak.clone() }
     }

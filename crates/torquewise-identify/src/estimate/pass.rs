@@ -85,7 +85,6 @@ fn flush(
     Ok(())
 }
 
-/// The sums of one block.
 fn summed(block: &Block, at: &Linearisation) -> Result<BlockSums, IdentifyError> {
     let motion = &block.motion;
     let (rows, weights) = at.rows(motion, motion)?;

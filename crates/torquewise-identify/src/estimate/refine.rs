@@ -44,16 +44,13 @@ pub(crate) struct Passes {
     reach: f64,
     /// Whether the next pass is the last: the geometry stays.
     is_last: bool,
-    /// Passes made.
     pub(crate) made: usize,
-    /// Passes at most.
     most: usize,
     /// Whether parameters of the geometry that the sample held may be released.
     pub(crate) may_release: bool,
 }
 
 impl Passes {
-    /// Passes over all rows, `most` at most.
     pub(crate) fn over_all(at: Linearisation, most: usize) -> Self {
         let (prior_rows, best, reach) = (None, None, REACH[0]);
         Self { at, prior_rows, best, reach, is_last: false, made: 0, most, may_release: true }

@@ -35,7 +35,6 @@ pub(super) struct Step<'a> {
     pub(super) prior: Prior,
     /// Parameters that the prior allows.
     pub(super) start: Vec<f64>,
-    /// Parameters of the linearisation.
     pub(super) before: Vec<f64>,
     /// Without the prior of the geometry.
     pub(super) all: Equations,
@@ -56,7 +55,6 @@ impl<'a> Step<'a> {
         Self { sums, at, gram, bias, prior, start, before, all, repeats, prior_rows }
     }
 
-    /// Strength of the prior.
     pub(super) fn strength(&self) -> f64 {
         STRENGTH * self.prior_rows
     }

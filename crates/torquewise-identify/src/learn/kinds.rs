@@ -265,7 +265,6 @@ pub(super) fn upright(spec: ChainSpec, searched: &JointKinds) -> ChainSpec {
     ChainSpec { drive: spec.drive.iter().filter(|term| is_told(term)).cloned().collect(), ..spec }
 }
 
-/// The kinds of joints that slide.
 fn sliding() -> impl Iterator<Item = JointKind> {
     JointKind::ALL.into_iter().filter(|kind| kind.slides())
 }
