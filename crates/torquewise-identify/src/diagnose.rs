@@ -11,6 +11,7 @@ use torquewise_model::term::Sum;
 use torquewise_model::{FrictionTerm, Model, Term, Torque, Weighted};
 use torquewise_motion::motion::Memory;
 use torquewise_motion::path::Path;
+use torquewise_motion::stats::whole;
 use torquewise_motion::{Motion, Pattern, Recording};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::patterns::Patterns;
@@ -171,10 +172,7 @@ impl<'m> Look<'m> {
     fn add_residual(&mut self, joint: usize, residual: f64) {
         let histogram = &mut self.histograms[joint];
         let place = ((residual - histogram.start) / histogram.width).clamp(0.0, BINS as f64 - 1.0);
-        // Clamped to the bins.
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-        let bin = place as usize;
-        histogram.counts[bin] += 1;
+        histogram.counts[whole(place)] += 1;
 
         let recent = &mut self.recent[joint];
         recent.push_front(residual);
