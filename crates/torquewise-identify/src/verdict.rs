@@ -178,12 +178,8 @@ fn doubts(found: &Reconstruction) -> Vec<String> {
         let asked = GeometryFound::CERTAIN;
         format!("its geometry was found by only {times} of {starts} starts, fewer than {asked}")
     });
-    let refit = found.warnings.iter().find_map(|warning| match warning {
-        Warning::Refit { .. } => {
-            Some("the fit leaves more than the search for the arm did".to_owned())
-        }
-        _ => None,
-    });
+    let is_refit = found.warnings.iter().any(|own| matches!(own, Warning::Refit { .. }));
+    let refit = is_refit.then(|| "the fit leaves more than the search for the arm did".to_owned());
     at_rest.chain(geometry).chain(refit).collect()
 }
 
