@@ -94,11 +94,6 @@ impl Linearisation {
         (0..linear).chain(self.structure.free.iter().map(|&k| linear + k)).collect()
     }
 
-    /// Indices of the linear parameters, all of which may move.
-    pub(crate) fn linear_indices(&self) -> Vec<usize> {
-        (0..self.linear.len()).collect()
-    }
-
     pub(crate) fn chosen_indices(&self) -> Vec<usize> {
         let offered = self.structure.drive.len() - self.structure.chosen;
         (0..self.linear.len() - offered).collect()

@@ -127,11 +127,8 @@ pub(crate) fn refine(
     sizes: &Sizes,
     watch: Watch<'_>,
 ) -> Result<Linearisation, IdentifyError> {
-    let linear = start.linear_indices();
     let sums = add_up(recording, start)?;
-    let step = Step::new(&sums, start, sizes);
-    let parameters = step.step(&linear, 0.0)?;
-    let mut at = start.at(&parameters);
+    let mut at = start.at(&Step::new(&sums, start, sizes).linear()?);
     for weighing in 0..WEIGHINGS[1] {
         let before = geometric_mean(&at.weights);
         at.weights = weights(&add_up(recording, &at)?.weighted_rms(), sizes);

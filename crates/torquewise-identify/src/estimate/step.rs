@@ -68,7 +68,7 @@ impl<'a> Step<'a> {
 
     /// The best parameters that the geometry of the linearisation allows.
     pub(super) fn linear(&self) -> Result<Vec<f64>, IdentifyError> {
-        let linear = self.at.linear_indices();
+        let linear: Vec<usize> = (0..self.at.linear.len()).collect();
         let equations = self.all.of(&linear, self.at, (self.prior_rows, 0.0));
         Ok(self.whole(&linear, &self.minimum(&equations, &linear)?))
     }
