@@ -190,8 +190,7 @@ impl<'m> Look<'m> {
         };
         let signal = |place: usize| columns(1 + place * n, n);
         let travels = model.travels();
-        let memory = (!travels.is_empty())
-            .then(|| Memory::new(travels.clone(), columns(1 + 6 * n, travels.len() * n)));
+        let states = columns(1 + 6 * n, travels.len() * n);
         let motion = Motion::new(torquewise_motion::Signals {
             joints: model.joints.clone(),
             t: self.sampled.iter().map(|(values, _)| values[0]).collect(),
@@ -200,7 +199,7 @@ impl<'m> Look<'m> {
             ddq: signal(2),
             tau: Some(signal(3)),
         })?
-        .with_memory(memory);
+        .with_memory(Some(Memory::new(travels, states)));
         let normalised = |products: Vec<f64>| -> Vec<f64> {
             let own = products[0].max(f64::MIN_POSITIVE);
             products.into_iter().map(|product| product / own).collect()
