@@ -62,7 +62,7 @@ impl Fitted {
         let Self { solved, sizes, residual_rms, choices, found, warning } = self;
         let mut training = survey.training(residual_rms);
         let narrowed = solved.at.narrowed();
-        (training.held_out_rms, training.held_out_by_region_rms) =
+        [training.held_out_rms, training.held_out_by_region_rms] =
             held_out_rms((&narrowed, solved.prior_rows, &sizes), &survey)?;
         let mut warnings = Warning::of_survey(&survey);
         training.geometry_found = found.map(|found| GeometryFound {
@@ -203,7 +203,7 @@ fn unexplained(
 fn held_out_rms(
     (at, prior_rows, sizes): (&Linearisation, f64, &Sizes),
     survey: &Survey,
-) -> Result<(Vec<f64>, Vec<f64>), IdentifyError> {
+) -> Result<[Vec<f64>; 2], IdentifyError> {
     let few = thinned(&survey.sample, HELD_OUT_ROWS);
     let share = few.n_rows() as f64 / survey.rows.max(1) as f64;
     let held_to = HeldTo::of(at, sizes, share * prior_rows);
@@ -213,8 +213,7 @@ fn held_out_rms(
         let unseen = Unseen::of_columns(columns.clone(), few.n_rows(), &target, &blocks)?;
         Some(unseen.physical_errors(&held_to)?.rms_by_joint())
     };
-    let [by_time, by_region] = both_ways(&few, &survey.sample);
-    Ok((rms(by_time).unwrap_or_default(), rms(by_region).unwrap_or_default()))
+    Ok(both_ways(&few, &survey.sample).map(|blocks| rms(blocks).unwrap_or_default()))
 }
 
 /// The energy terms of a chain that its torque needs, with their standard errors; and how many there
