@@ -7,7 +7,6 @@ use faer::Mat;
 use std::collections::VecDeque;
 use torquewise_model::print::weighted_friction;
 use torquewise_model::shaft_friction::ShaftFriction;
-use torquewise_model::term::Sum;
 use torquewise_model::{FrictionTerm, Model, Term, Torque, Weighted};
 use torquewise_motion::motion::Memory;
 use torquewise_motion::path::Path;
@@ -238,28 +237,22 @@ fn turning(model: &Model) -> Vec<Option<Turning>> {
 fn importance(model: &Model, motion: &Motion) -> Result<Vec<Vec<Importance>>, IdentifyError> {
     let states: Vec<[Vec<f64>; 3]> =
         (0..motion.n_rows()).map(|row| state_of(motion, row)).collect();
-    let rms = |weight: f64, value: &dyn Fn(&[Vec<f64>; 3]) -> f64| {
-        let squares: f64 = states.iter().map(|state| value(state).powi(2)).sum();
-        weight.abs() * (squares / states.len().max(1) as f64).sqrt()
-    };
-    let of_equation = |equation: Sum| -> Vec<Importance> {
-        let term = |(weight, term): &(f64, Term)| Importance {
-            name: term.name(),
-            rms: rms(*weight, &|[q, dq, ddq]| term.value(q, dq, ddq)),
-        };
-        equation.iter().map(term).collect()
+    let rms =
+        |weight: f64, squares: f64| weight.abs() * (squares / states.len().max(1) as f64).sqrt();
+    let of_equation = |(weight, term): (f64, Term)| {
+        let squares = states.iter().map(|[q, dq, ddq]| term.value(q, dq, ddq).powi(2)).sum();
+        Importance { name: term.name(), rms: rms(weight, squares) }
     };
     let laws = Torque::new(model).laws(motion)?;
     let of_friction = |w: Weighted<FrictionTerm>| {
         let place = model.friction.iter().position(|own| own.term == w.term);
         let squares = place.map_or(0.0, |place| laws.col(place).squared_norm_l2());
-        let rms = w.coefficient.abs() * (squares / states.len().max(1) as f64).sqrt();
-        Importance { name: w.term.name(), rms }
+        Importance { name: w.term.name(), rms: rms(w.coefficient, squares) }
     };
     let all = (model.equations().into_iter().zip(weighted_friction(model)))
         .map(|(equation, friction)| {
-            let mut terms = of_equation(equation);
-            terms.extend(friction.into_iter().map(of_friction));
+            let friction = friction.into_iter().map(of_friction);
+            let mut terms: Vec<_> = equation.into_iter().map(of_equation).chain(friction).collect();
             terms.sort_by(|a, b| b.rms.total_cmp(&a.rms));
             terms
         })
