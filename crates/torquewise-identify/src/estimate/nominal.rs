@@ -10,7 +10,7 @@ use torquewise_motion::path::TRAVELS;
 use torquewise_rigid::JointKinds;
 use torquewise_rigid::feasible::{Positive, Prior};
 use torquewise_rigid::geometry::GRAVITY;
-use torquewise_rigid::inertia::plain_link;
+use torquewise_rigid::inertia::{Inertial, plain_link};
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::survey::Survey;
 
@@ -76,14 +76,12 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> (Prior, Vec<f64>) {
     // Plain links between the axes.
     let placements = at.geometry.placements();
     let end = |k: usize| placements.get(k + 1).map_or_else(Vector3::zeros, |next| next.origin);
-    let links = (0..placements.len()).flat_map(|k| plain_link(mass, &end(k), SPREAD * length));
-    let bodies: Vec<f64> = links.collect();
-    let mut start = bodies.clone();
-    start.extend(at.parameters().into_iter().skip(bodies.len()));
-    let of_bodies = bodies.chunks_exact(PER_BODY).map(|p| std::array::from_fn(|k| p[k])).collect();
-    let mut prior = Prior { bodies: of_bodies, ..Prior::default() };
-    let drive = &at.structure.drive;
-    let first = bodies.len();
+    let links = (0..placements.len()).map(|k| plain_link(mass, &end(k), SPREAD * length));
+    let bodies: Vec<Inertial> = links.collect();
+    let (drive, first) = (&at.structure.drive, PER_BODY * bodies.len());
+    let mut start = at.parameters();
+    start[..first].copy_from_slice(bodies.as_flattened());
+    let mut prior = Prior { bodies, ..Prior::default() };
     let rotor_of = |shaft: &[f64]| {
         // A slide feels its motor as a mass.
         let slides = shaft.iter().enumerate().any(|(joint, s)| *s != 0.0 && kinds.slides(joint));
