@@ -132,8 +132,7 @@ fn parameters(
     error: &dyn Fn(usize) -> f64,
 ) -> (RigidChain, Vec<Weighted<FrictionTerm>>, Vec<usize>) {
     let bodies = PER_BODY * at.n_joints();
-    let links = at.linear[..bodies].chunks_exact(PER_BODY);
-    let links = links.map(|p| std::array::from_fn(|k| p[k])).collect();
+    let links = at.linear[..bodies].as_chunks::<PER_BODY>().0.to_vec();
     let (mut drives, mut friction) = (Vec::new(), Vec::new());
     let (mut drive_at, mut friction_at) = (Vec::new(), Vec::new());
     for (k, term) in at.structure.drive.iter().enumerate() {
