@@ -101,17 +101,12 @@ impl Linearisation {
 
     /// The same without what was not chosen.
     pub(crate) fn narrowed(&self) -> Self {
-        let mut structure = self.structure.clone();
-        structure.drive.truncate(structure.chosen);
-        let (linear, offered) = (self.chosen_indices().len(), self.linear.len());
-        let scales = self.scales.iter().enumerate();
-        let scales = scales.filter(|(k, _)| !(linear..offered).contains(k)).map(|(_, x)| *x);
-        Self {
-            structure,
-            linear: self.linear[..linear].to_vec(),
-            scales: scales.collect(),
-            ..self.clone()
-        }
+        let chosen = self.chosen_indices().len();
+        let mut narrowed = self.clone();
+        narrowed.structure.drive.truncate(self.structure.chosen);
+        narrowed.linear.truncate(chosen);
+        narrowed.scales.drain(chosen..self.linear.len());
+        narrowed
     }
 
     /// The same with what was offered beside what was chosen.
