@@ -45,8 +45,7 @@ pub(crate) fn prune(
         }
         (left_out, kept[place]) = (more, false);
     }
-    let mut kept = kept.into_iter();
-    terms.into_iter().filter(|_| kept.next().unwrap_or(true)).collect()
+    terms.into_iter().zip(kept).filter(|(_, is_kept)| *is_kept).map(|(term, _)| term).collect()
 }
 
 /// Drops the terms that no state can make matter.
