@@ -14,13 +14,10 @@ pub(crate) fn score(of: &NormalEquations, solution: MatRef<'_, f64>) -> Mat<f64>
 
 /// Σ s sᵀ of the scores of stretches, p×1 each, as many would scatter: p×p.
 pub(crate) fn scatter(scores: impl Iterator<Item = Mat<f64>>) -> Mat<f64> {
-    let (mut sum, mut count) = (Mat::zeros(0, 0), 0.0);
-    for score in scores {
-        let square = &score * score.transpose();
-        sum = if count == 0.0 { square } else { sum + square };
-        count += 1.0;
-    }
-    sum * faer::Scale(count / f64::max(count - 1.0, 1.0))
+    let squares: Vec<Mat<f64>> = scores.map(|score| &score * score.transpose()).collect();
+    let count = squares.len() as f64;
+    let sum = squares.into_iter().reduce(|sum, square| sum + square);
+    sum.unwrap_or_else(|| Mat::zeros(0, 0)) * faer::Scale(count / f64::max(count - 1.0, 1.0))
 }
 
 /// Sums over equal stretches of time, a bounded number, and the rest.
