@@ -127,9 +127,8 @@ fn of_joint(survey: &Survey, joint: usize, peak: f64) -> Vec<Finding> {
         found.push(Finding::Range { joint: name(), range: high - low });
     }
     let speeds = survey.sample.dq().col(joint);
-    let count = |wanted: &dyn Fn(f64) -> bool| speeds.iter().filter(|dq| wanted(**dq)).count();
-    let (forward, backward) =
-        (count(&|dq| dq > MOVING * peak) as f64, count(&|dq| dq < -MOVING * peak) as f64);
+    let count = |way: f64| speeds.iter().filter(|dq| way * **dq > MOVING * peak).count() as f64;
+    let (forward, backward) = (count(1.0), count(-1.0));
     if forward.min(backward) < LEAST_SHARE * (forward + backward) {
         found.push(Finding::OneWay { joint: name(), forward: forward > backward });
     }
