@@ -311,10 +311,9 @@ impl ContactDetector {
         let factors = external.iter().zip(thresholds).map(|(x, most)| x.abs() / most);
         let largest = factors.enumerate().filter(|(_, factor)| factor.is_finite());
         let Some((joint, factor)) = largest.max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
-        let is_beyond = factor > 1.0;
         let ends = self.found.last().map_or(f64::NEG_INFINITY, |contact| contact.end);
         self.is_open &= t >= ends && t - ends < APART;
-        if !is_beyond {
+        if factor <= 1.0 {
             return;
         }
         let (name, torque) = (&self.joints[joint], external[joint]);
