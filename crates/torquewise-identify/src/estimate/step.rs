@@ -137,22 +137,6 @@ impl<'a> Step<'a> {
         self.sums.rows_of(fold) as f64 / self.sums.rows() as f64
     }
 
-    /// The Gram matrix of a fold, the equations of the others, and their part of all rows.
-    pub(super) fn without(&self, fold: usize) -> (Mat<f64>, Equations, f64) {
-        let sums = self.sums;
-        let held = sums.gram_of(fold);
-        let share = 1.0 - self.share_of(fold);
-        let (gram, bias) = (&self.gram - &held, faer::Scale(share) * &self.bias);
-        let rest = Equations::new(&gram, &bias, self.at);
-        (held, rest, share)
-    }
-
-    /// RMS of the residual of a fold in units of the noise.
-    pub(super) fn error(&self, held: &Mat<f64>, fold: usize, x: &[f64]) -> f64 {
-        let equations = self.sums.rows_of(fold) as f64 * self.at.n_joints() as f64;
-        (self.squares(held, x) / equations.max(1.0)).sqrt()
-    }
-
     /// Part of the cost that may be left: the parameters are then within a small part of their
     /// standard errors.
     pub(super) fn tolerance(&self, active: &[usize]) -> f64 {
