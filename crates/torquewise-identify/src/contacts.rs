@@ -72,9 +72,6 @@ pub struct Observed<'a> {
     followed: &'a [[f64; spread::FOLLOWED]],
 }
 
-/// What is done with each row.
-pub type SeeTorque<'a> = dyn FnMut(Observed<'_>) -> Result<(), ReadError> + 'a;
-
 /// Peaks that are closer than this \[s\] are one.
 const APART: f64 = 0.2;
 /// Part of the rows of a free log below the level that peaks are counted from.
@@ -98,7 +95,7 @@ pub fn external_torques(
     model: &Model,
     recording: &(impl Recording + ?Sized),
     bandwidth: f64,
-    see: &mut SeeTorque<'_>,
+    see: &mut dyn FnMut(Observed<'_>) -> Result<(), ReadError>,
 ) -> Result<(), IdentifyError> {
     model.check_joints(recording.joints())?;
     let gain = std::f64::consts::TAU * bandwidth;
