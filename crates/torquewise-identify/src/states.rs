@@ -165,15 +165,14 @@ impl States {
 
     /// Values of a factor and of its slope.
     fn part(&self, factor: &Factor) -> [Vec<f64>; 2] {
-        if factor.function == Trig::Position {
-            return self.powers(factor);
+        match factor.function {
+            Trig::Position => self.powers(factor),
+            Trig::Sin => self.turn(&factor.multiples).into(),
+            Trig::Cos => {
+                let (sin, cos) = self.turn(&factor.multiples);
+                [cos, sin.into_iter().map(|s| -s).collect()]
+            }
         }
-        let (sin, cos) = self.turn(&factor.multiples);
-        if factor.function == Trig::Sin {
-            return [sin, cos];
-        }
-        let slope = sin.into_iter().map(|s| -s).collect();
-        [cos, slope]
     }
 
     /// Powers of a sum of positions, and their slopes.
