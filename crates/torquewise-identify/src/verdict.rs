@@ -6,6 +6,7 @@ use crate::unseen::geometric_mean;
 use crate::warning::{Warning, never_move};
 use torquewise_model::model::GeometryFound;
 use torquewise_model::{Model, Training};
+use torquewise_stepwise::held_out::mean;
 
 pub use torquewise_model::verdict::{Grade, Verdict};
 
@@ -49,11 +50,9 @@ pub fn judge_by(model: &Model, errors: &[f64], held: Option<&[f64]>) -> Verdict 
     if named.is_empty() {
         doubts.push("no torque of the test changes".to_owned());
     }
-    let held = held.map(|held| held.iter().sum::<f64>() / held.len().max(1) as f64);
-    doubts.extend(
-        held.filter(|held| *held < HELD)
-            .map(|held| format!("its 95 % intervals hold {held:.0} % of the test torque")),
-    );
+    let held = held.map(mean).filter(|held| *held < HELD);
+    doubts
+        .extend(held.map(|held| format!("its 95 % intervals hold {held:.0} % of the test torque")));
     let verdict = graded(Vec::new(), doubts, &[("test", named)]);
     match &model.training.verdict {
         Some(own) => own.clone().with(verdict),
