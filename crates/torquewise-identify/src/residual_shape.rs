@@ -49,9 +49,8 @@ pub(crate) fn shapes(
 ) -> Result<Vec<Shape>, IdentifyError> {
     let left = sample.require_tau()? - Torque::new(model).over(sample)?;
     let of_joint = |&joint: &usize| {
-        let [q, dq] =
-            [sample.q(), sample.dq()].map(|x| x.col(joint).iter().copied().collect::<Vec<f64>>());
-        let left: Vec<f64> = left.col(joint).iter().copied().collect();
+        let [q, dq, left] = [sample.q(), sample.dq(), left.as_ref()]
+            .map(|x| x.col(joint).iter().copied().collect::<Vec<f64>>());
         let (place, shares) = densest(&q, &dq, &left)?;
         Some(Shape { joint: model.joints[joint].clone(), place, shares })
     };
