@@ -82,7 +82,6 @@ impl Stretches {
         Self { whole, rest: weighted(&self.rest), ..*self }
     }
 
-    /// Of each stretch.
     pub(crate) fn all(&self) -> impl Iterator<Item = &NormalEquations> {
         self.whole.iter().chain(Some(&self.rest).filter(|rest| rest.rows > 0.0))
     }
@@ -92,8 +91,6 @@ impl Stretches {
     }
 
     /// Least squares; a column of nothing but zeros has a coefficient of zero.
-    ///
-    /// - returns: `None` where there is nothing to solve
     pub(crate) fn solved(&self) -> Option<Solved> {
         let total = self.total();
         let p = total.cross.nrows();

@@ -42,7 +42,6 @@ pub(crate) struct Fitted {
     pub(crate) sizes: Sizes,
     /// RMS of the residual of each joint \[N·m\], n.
     pub(crate) residual_rms: Vec<f64>,
-    /// What the search chose.
     pub(crate) choices: Vec<Choice>,
     /// How often it found the geometry.
     pub(crate) found: Option<GeometryFound>,

@@ -16,7 +16,6 @@ const GLANCE: f64 = 0.05;
 /// Keeps the terms without which the torque of some joint would be off by more than a tenth of the
 /// residual.
 ///
-/// - `terms`: energy terms with their coefficients
 /// - `residual_rms`: what the chain leaves of the torque of each joint \[N·m\], n
 pub(crate) fn prune(
     terms: Vec<(EnergyTerm, f64)>,
