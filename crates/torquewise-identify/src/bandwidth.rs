@@ -79,7 +79,7 @@ pub fn tune<L: RawRecording>(
     let Method::Chain(options) = &plan.method else { return Err(IdentifyError::NoLibrary) };
     let mut before = None;
     loop {
-        let recording = logs.filtered(cutoff, delay).map_err(IdentifyError::Read)?;
+        let recording = logs.filtered(cutoff, delay)?;
         let summary = summarise(&recording, plan, "", watch)?;
         let survey = match surveyed(&summary) {
             // Long rest or slow motion makes for a cut-off that leaves few rows.
@@ -154,25 +154,21 @@ impl Grid {
         Ok(best.map(|cutoff| Self { cutoffs, delays, cutoff, delay }))
     }
 
-    /// Error at the best cut-off and delay.
-    fn least(&self) -> f64 {
-        self.cutoffs.iter().map(|tried| tried.errors.all()).fold(f64::INFINITY, f64::min)
-    }
-
     /// Whether a cut-off does about as well as the best.
     fn is_near(&self, cutoff: f64) -> bool {
+        let errors = self.cutoffs.iter().map(|tried| tried.errors.all());
+        let least = errors.fold(f64::INFINITY, f64::min);
         let here = self.cutoffs.iter().rfind(|tried| tried.cutoff <= cutoff);
-        here.is_some_and(|here| here.errors.all() <= (1.0 + NEAR) * self.least())
+        here.is_some_and(|here| here.errors.all() <= (1.0 + NEAR) * least)
     }
 
-    /// Logs at the best cut-off and delay.
     fn tuned<L: RawRecording>(
         &self,
         logs: &L,
         request: Request,
     ) -> Result<Tuned<L::Filtered>, IdentifyError> {
         let Self { cutoff, delay, .. } = *self;
-        let recording = logs.filtered(cutoff, delay).map_err(IdentifyError::Read)?;
+        let recording = logs.filtered(cutoff, delay)?;
         let hertz = |cutoff: f64| format!("{cutoff:.2} Hz");
         let milliseconds = |delay: f64| format!("{:.1} ms", 1e3 * delay);
         let of = |tried: &Tried, label: String| Candidate {
@@ -258,7 +254,7 @@ fn at(
     watch: Watch<'_>,
 ) -> Result<Vec<Tried>, IdentifyError> {
     Progress::Working.tell(watch)?;
-    let band = logs.band(cutoff, delays).map_err(IdentifyError::Read)?;
+    let band = logs.band(cutoff, delays)?;
     let Some(Band { motion, torques }) = band else { return Ok(Vec::new()) };
     let targets: Vec<_> = torques.iter().map(|torque| (&torque.filtered, &torque.raw)).collect();
     let blocks = even_blocks(&motion);

@@ -38,10 +38,9 @@ fn products_in(term: &EnergyTerm) -> Vec<(EnergyTerm, f64)> {
         };
         products = products.iter().flat_map(with).collect();
     }
-    let weighted = products.into_iter().filter_map(|function| {
+    let weighted = products.into_iter().filter_map(|mut function| {
         let mut own = waves_of(1.0, &function).into_iter();
         let (weight, _) = own.find(|(_, wave)| harmonic(wave) == angles)?;
-        let mut function = function;
         function.factors.extend(positions.iter().cloned());
         // In the order of the joints, as chains list them.
         function.factors.sort_by_key(|factor| factor.multiples.iter().position(|k| *k != 0));

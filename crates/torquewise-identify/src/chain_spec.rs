@@ -21,12 +21,6 @@ pub(crate) struct ChainSpec {
 }
 
 impl ChainSpec {
-    /// Sets Gⱼ(q) \[N·m\] of `chain`, by which load-dependent friction is multiplied.
-    pub(crate) fn bear(&mut self, chain: &Chain) {
-        self.gravity = Some(Gravity::of(chain, &self.drive));
-    }
-
-    /// Whether friction is fitted.
     pub(crate) fn has_friction(&self) -> bool {
         self.drive.iter().any(|drive| matches!(drive, DriveTerm::Friction(_)))
     }

@@ -15,7 +15,7 @@ const MOVING: f64 = 0.05;
 /// more than a torque which is free to move would be.
 ///
 /// Dry friction alone looks like this too: to be asked of joints that a model misses.
-pub fn clipped(sample: &Motion, joint: usize) -> Option<f64> {
+pub(crate) fn clipped(sample: &Motion, joint: usize) -> Option<f64> {
     let tau = sample.tau()?.col(joint);
     let (low, high) = ends(tau.iter());
     let margin = END * (high - low);
@@ -27,7 +27,6 @@ pub fn clipped(sample: &Motion, joint: usize) -> Option<f64> {
     (at_end >= LEAST_ROWS && share > MANY).then_some(share)
 }
 
-/// The least and the largest of some numbers.
 pub(crate) fn ends<'a>(values: impl Iterator<Item = &'a f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)))
 }

@@ -14,13 +14,10 @@ pub(crate) fn score(of: &NormalEquations, solution: MatRef<'_, f64>) -> Mat<f64>
 
 /// Σ s sᵀ of the scores of stretches, p×1 each, as many would scatter: p×p.
 pub(crate) fn scatter(scores: impl Iterator<Item = Mat<f64>>) -> Mat<f64> {
-    let (mut sum, mut count) = (Mat::zeros(0, 0), 0.0);
-    for score in scores {
-        let square = &score * score.transpose();
-        sum = if count == 0.0 { square } else { sum + square };
-        count += 1.0;
-    }
-    sum * faer::Scale(count / f64::max(count - 1.0, 1.0))
+    let squares: Vec<Mat<f64>> = scores.map(|score| &score * score.transpose()).collect();
+    let count = squares.len() as f64;
+    let sum = squares.into_iter().reduce(|sum, square| sum + square);
+    sum.unwrap_or_else(|| Mat::zeros(0, 0)) * faer::Scale(count / f64::max(count - 1.0, 1.0))
 }
 
 /// Sums over equal stretches of time, a bounded number, and the rest.
@@ -53,7 +50,6 @@ impl Stretches {
         Self { most, length, whole: Vec::new(), rest: NormalEquations::zeros(columns, 1) }
     }
 
-    /// Adds an equation.
     pub(crate) fn add(&mut self, columns: &[f64], response: f64, weight: f64) {
         self.rest.rows += 1.0;
         self.rest.energy[0] += weight * response * response;
@@ -86,24 +82,15 @@ impl Stretches {
         Self { whole, rest: weighted(&self.rest), ..*self }
     }
 
-    /// Of each stretch.
     pub(crate) fn all(&self) -> impl Iterator<Item = &NormalEquations> {
         self.whole.iter().chain(Some(&self.rest).filter(|rest| rest.rows > 0.0))
     }
 
-    /// Stretches.
-    pub(crate) fn count(&self) -> usize {
-        self.all().count()
-    }
-
-    /// Sums over all stretches.
     pub(crate) fn total(&self) -> NormalEquations {
         self.whole.iter().chain([&self.rest]).sum()
     }
 
     /// Least squares; a column of nothing but zeros has a coefficient of zero.
-    ///
-    /// - returns: `None` where there is nothing to solve
     pub(crate) fn solved(&self) -> Option<Solved> {
         let total = self.total();
         let p = total.cross.nrows();

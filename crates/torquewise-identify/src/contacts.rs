@@ -72,9 +72,6 @@ pub struct Observed<'a> {
     followed: &'a [[f64; spread::FOLLOWED]],
 }
 
-/// What is done with each row.
-pub type SeeTorque<'a> = dyn FnMut(Observed<'_>) -> Result<(), ReadError> + 'a;
-
 /// Peaks that are closer than this \[s\] are one.
 const APART: f64 = 0.2;
 /// Part of the rows of a free log below the level that peaks are counted from.
@@ -98,7 +95,7 @@ pub fn external_torques(
     model: &Model,
     recording: &(impl Recording + ?Sized),
     bandwidth: f64,
-    see: &mut SeeTorque<'_>,
+    see: &mut dyn FnMut(Observed<'_>) -> Result<(), ReadError>,
 ) -> Result<(), IdentifyError> {
     model.check_joints(recording.joints())?;
     let gain = std::f64::consts::TAU * bandwidth;
@@ -107,31 +104,30 @@ pub fn external_torques(
     let mut last: Option<(usize, f64)> = None;
     let mut begin = 0.0;
     let settling = vec![f64::NAN; model.n_joints()];
-    recording
-        .read(&mut |trajectory, block| {
-            let tau = block.require_tau()?;
-            for (row, &t) in block.t().iter().enumerate() {
-                let dt = match last {
-                    Some((own, before)) if own == trajectory => t - before,
-                    _ => {
-                        observer.reset();
-                        follower.reset();
-                        begin = t;
-                        0.0
-                    }
-                };
-                last = Some((trajectory, t));
-                let [q, dq, ddq, tau] = [block.q(), block.dq(), block.ddq(), tau]
-                    .map(|x| x.row(row).iter().copied().collect::<Vec<f64>>());
-                let external = observer.step(dt, [&q, &dq, &tau])?;
-                let followed = follower.step(dt, &dq, &ddq);
-                let is_settled = t - begin > SETTLING / gain;
-                let torque = if is_settled { external } else { &settling };
-                see(Observed { trajectory, t, torque, followed })?;
-            }
-            Ok(())
-        })
-        .map_err(IdentifyError::Read)
+    recording.read(&mut |trajectory, block| {
+        let tau = block.require_tau()?;
+        for (row, &t) in block.t().iter().enumerate() {
+            let dt = match last {
+                Some((own, before)) if own == trajectory => t - before,
+                _ => {
+                    observer.reset();
+                    follower.reset();
+                    begin = t;
+                    0.0
+                }
+            };
+            last = Some((trajectory, t));
+            let [q, dq, ddq, tau] = [block.q(), block.dq(), block.ddq(), tau]
+                .map(|x| x.row(row).iter().copied().collect::<Vec<f64>>());
+            let external = observer.step(dt, [&q, &dq, &tau])?;
+            let followed = follower.step(dt, &dq, &ddq);
+            let is_settled = t - begin > SETTLING / gain;
+            let torque = if is_settled { external } else { &settling };
+            see(Observed { trajectory, t, torque, followed })?;
+        }
+        Ok(())
+    })?;
+    Ok(())
 }
 
 impl Thresholds {
@@ -150,7 +146,7 @@ impl Thresholds {
     ) -> Result<Self, IdentifyError> {
         let n = model.n_joints();
         // First the spreads and levels, from rows thinned evenly, then the peaks beyond them.
-        let Sample { of_joints: sample, rows, seconds } = Sample::of(model, free, bandwidth)?;
+        let (sample, rows, seconds) = sample(model, free, bandwidth)?;
         if rows == 0 || seconds <= 0.0 {
             return Err(IdentifyError::TooFewRows { rows, needed: 2, joints: n });
         }
@@ -203,45 +199,36 @@ impl Thresholds {
     }
 }
 
-/// Rows of a free arm, thinned evenly.
-struct Sample {
-    of_joints: Vec<Vec<spread::Row>>,
-    /// Of all, before they were thinned.
-    rows: usize,
-    seconds: f64,
-}
-
-impl Sample {
-    fn of(
-        model: &Model,
-        free: &(impl Recording + ?Sized),
-        bandwidth: f64,
-    ) -> Result<Self, IdentifyError> {
-        let of_joints = vec![Vec::new(); model.n_joints()];
-        let (mut all, mut stride, mut last) = (Self { of_joints, rows: 0, seconds: 0.0 }, 1, None);
-        external_torques(model, free, bandwidth, &mut |row| {
-            if let Some((own, before)) = last
-                && own == row.trajectory
-            {
-                all.seconds += row.t - before;
-            }
-            last = Some((row.trajectory, row.t));
-            if row.torque.iter().any(|x| x.is_nan()) {
-                return Ok(());
-            }
-            if all.rows.is_multiple_of(stride) {
-                let own = row.torque.iter().copied().zip(row.followed.iter().copied());
-                all.of_joints.iter_mut().zip(own).for_each(|(sample, own)| sample.push(own));
-            }
-            all.rows += 1;
-            if all.of_joints[0].len() > MOST_ROWS {
-                all.of_joints.iter_mut().for_each(halve);
-                stride *= 2;
-            }
-            Ok(())
-        })?;
-        Ok(all)
-    }
+/// Rows of each joint of a free arm, thinned evenly, n; their number before, and their time \[s\].
+fn sample(
+    model: &Model,
+    free: &(impl Recording + ?Sized),
+    bandwidth: f64,
+) -> Result<(Vec<Vec<spread::Row>>, usize, f64), IdentifyError> {
+    let mut of_joints = vec![Vec::new(); model.n_joints()];
+    let (mut rows, mut seconds, mut stride, mut last) = (0_usize, 0.0, 1, None);
+    external_torques(model, free, bandwidth, &mut |row| {
+        if let Some((own, before)) = last
+            && own == row.trajectory
+        {
+            seconds += row.t - before;
+        }
+        last = Some((row.trajectory, row.t));
+        if row.torque.iter().any(|x| x.is_nan()) {
+            return Ok(());
+        }
+        if rows.is_multiple_of(stride) {
+            let own = row.torque.iter().copied().zip(row.followed.iter().copied());
+            of_joints.iter_mut().zip(own).for_each(|(sample, own)| sample.push(own));
+        }
+        rows += 1;
+        if of_joints[0].len() > MOST_ROWS {
+            of_joints.iter_mut().for_each(halve);
+            stride *= 2;
+        }
+        Ok(())
+    })?;
+    Ok((of_joints, rows, seconds))
 }
 
 /// Largest excess of each run beyond a level.
@@ -307,11 +294,7 @@ impl Peaks {
 
 /// Keeps the first of each two.
 fn halve<T>(values: &mut Vec<T>) {
-    let mut keep = false;
-    values.retain(|_| {
-        keep = !keep;
-        keep
-    });
+    *values = std::mem::take(values).into_iter().step_by(2).collect();
 }
 
 impl ContactDetector {
@@ -325,10 +308,9 @@ impl ContactDetector {
         let factors = external.iter().zip(thresholds).map(|(x, most)| x.abs() / most);
         let largest = factors.enumerate().filter(|(_, factor)| factor.is_finite());
         let Some((joint, factor)) = largest.max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
-        let is_beyond = factor > 1.0;
         let ends = self.found.last().map_or(f64::NEG_INFINITY, |contact| contact.end);
         self.is_open &= t >= ends && t - ends < APART;
-        if !is_beyond {
+        if factor <= 1.0 {
             return;
         }
         let (name, torque) = (&self.joints[joint], external[joint]);

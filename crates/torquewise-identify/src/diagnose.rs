@@ -1,15 +1,16 @@
 //! Diagnosis of a model: its residuals, and which terms carry the torque.
 
 use crate::score::{Scores, score};
+use crate::states::state_of;
 use crate::turning::Turning;
 use faer::Mat;
 use std::collections::VecDeque;
 use torquewise_model::print::weighted_friction;
 use torquewise_model::shaft_friction::ShaftFriction;
-use torquewise_model::term::Sum;
 use torquewise_model::{FrictionTerm, Model, Term, Torque, Weighted};
 use torquewise_motion::motion::Memory;
 use torquewise_motion::path::Path;
+use torquewise_motion::stats::whole;
 use torquewise_motion::{Motion, Pattern, Recording};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::patterns::Patterns;
@@ -88,9 +89,7 @@ pub fn diagnose(
 ) -> Result<Diagnosis, IdentifyError> {
     let scores = score(model, recording)?;
     let mut look = Look::new(model, &scores);
-    recording
-        .read(&mut |trajectory, block| look.add(trajectory, block, patterns))
-        .map_err(IdentifyError::Read)?;
+    recording.read(&mut |trajectory, block| look.add(trajectory, block, patterns))?;
     look.finish(scores)
 }
 
@@ -172,10 +171,7 @@ impl<'m> Look<'m> {
     fn add_residual(&mut self, joint: usize, residual: f64) {
         let histogram = &mut self.histograms[joint];
         let place = ((residual - histogram.start) / histogram.width).clamp(0.0, BINS as f64 - 1.0);
-        // Clamped to the bins.
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-        let bin = place as usize;
-        histogram.counts[bin] += 1;
+        histogram.counts[whole(place)] += 1;
 
         let recent = &mut self.recent[joint];
         recent.push_front(residual);
@@ -193,8 +189,7 @@ impl<'m> Look<'m> {
         };
         let signal = |place: usize| columns(1 + place * n, n);
         let travels = model.travels();
-        let memory = (!travels.is_empty())
-            .then(|| Memory::new(travels.clone(), columns(1 + 6 * n, travels.len() * n)));
+        let states = columns(1 + 6 * n, travels.len() * n);
         let motion = Motion::new(torquewise_motion::Signals {
             joints: model.joints.clone(),
             t: self.sampled.iter().map(|(values, _)| values[0]).collect(),
@@ -203,7 +198,7 @@ impl<'m> Look<'m> {
             ddq: signal(2),
             tau: Some(signal(3)),
         })?
-        .with_memory(memory);
+        .with_memory(Some(Memory::new(travels, states)));
         let normalised = |products: Vec<f64>| -> Vec<f64> {
             let own = products[0].max(f64::MIN_POSITIVE);
             products.into_iter().map(|product| product / own).collect()
@@ -240,35 +235,24 @@ fn turning(model: &Model) -> Vec<Option<Turning>> {
 
 /// RMS of each term of each joint, friction too, over the rows of a motion.
 fn importance(model: &Model, motion: &Motion) -> Result<Vec<Vec<Importance>>, IdentifyError> {
-    let n = model.n_joints();
-    let states: Vec<[Vec<f64>; 3]> = (0..motion.n_rows())
-        .map(|row| {
-            [motion.q(), motion.dq(), motion.ddq()]
-                .map(|x| (0..n).map(|joint| x[(row, joint)]).collect())
-        })
-        .collect();
-    let rms = |weight: f64, value: &dyn Fn(&[Vec<f64>; 3]) -> f64| {
-        let squares: f64 = states.iter().map(|state| value(state).powi(2)).sum();
-        weight.abs() * (squares / states.len().max(1) as f64).sqrt()
-    };
-    let of_equation = |equation: Sum| -> Vec<Importance> {
-        let term = |(weight, term): &(f64, Term)| Importance {
-            name: term.name(),
-            rms: rms(*weight, &|[q, dq, ddq]| term.value(q, dq, ddq)),
-        };
-        equation.iter().map(term).collect()
+    let states: Vec<[Vec<f64>; 3]> =
+        (0..motion.n_rows()).map(|row| state_of(motion, row)).collect();
+    let rms =
+        |weight: f64, squares: f64| weight.abs() * (squares / states.len().max(1) as f64).sqrt();
+    let of_equation = |(weight, term): (f64, Term)| {
+        let squares = states.iter().map(|[q, dq, ddq]| term.value(q, dq, ddq).powi(2)).sum();
+        Importance { name: term.name(), rms: rms(weight, squares) }
     };
     let laws = Torque::new(model).laws(motion)?;
     let of_friction = |w: Weighted<FrictionTerm>| {
         let place = model.friction.iter().position(|own| own.term == w.term);
         let squares = place.map_or(0.0, |place| laws.col(place).squared_norm_l2());
-        let rms = w.coefficient.abs() * (squares / states.len().max(1) as f64).sqrt();
-        Importance { name: w.term.name(), rms }
+        Importance { name: w.term.name(), rms: rms(w.coefficient, squares) }
     };
     let all = (model.equations().into_iter().zip(weighted_friction(model)))
         .map(|(equation, friction)| {
-            let mut terms = of_equation(equation);
-            terms.extend(friction.into_iter().map(of_friction));
+            let friction = friction.into_iter().map(of_friction);
+            let mut terms: Vec<_> = equation.into_iter().map(of_equation).chain(friction).collect();
             terms.sort_by(|a, b| b.rms.total_cmp(&a.rms));
             terms
         })

@@ -72,12 +72,10 @@ pub fn disagreements(
     model.check_joints(recording.joints())?;
     let mut logs = Logs { torque: Torque::new(model), slow: slow(model), each: Vec::new() };
     let mut path = logs.torque.path();
-    recording
-        .read(&mut |trajectory, block| {
-            let Some(place) = logs.place(log_of(trajectory)) else { return Ok(()) };
-            logs.add(place, &path.follow(trajectory, block))
-        })
-        .map_err(IdentifyError::Read)?;
+    recording.read(&mut |trajectory, block| {
+        let Some(place) = logs.place(log_of(trajectory)) else { return Ok(()) };
+        logs.add(place, &path.follow(trajectory, block))
+    })?;
     Ok(logs.compared(&model.joints))
 }
 
@@ -180,7 +178,7 @@ struct Slope {
 fn slope(of: &Stretches, slow: f64) -> Option<Slope> {
     let total = of.total();
     let is_at_rest = total.gram[(3, 3)] <= total.rows * slow * slow;
-    if is_at_rest || of.count() < LEAST_BATCHES || total.rows < 4.0 * COLUMNS as f64 {
+    if is_at_rest || of.all().count() < LEAST_BATCHES || total.rows < 4.0 * COLUMNS as f64 {
         return None;
     }
     let solved = of.solved()?;
@@ -244,7 +242,7 @@ mod tests {
             // The ridge of 1e-10 and normal equations.
             assert!((slope.value - exact[(0, 0)]).abs() < 1e-7, "{slope:?} {exact:?}");
             assert!((slope.value - 0.07).abs() < 5.0 * slope.error + 1e-7, "{slope:?}");
-            assert!(batches.count() <= MOST_BATCHES);
+            assert!(batches.all().count() <= MOST_BATCHES);
         }
     }
 

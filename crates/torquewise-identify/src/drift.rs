@@ -45,15 +45,15 @@ const LEAST_FREE: f64 = 1e-6;
 /// [`IdentifyError`] if torque is missing or the motion is of another arm.
 pub fn drifts(model: &Model, sample: &Motion) -> Result<Vec<FrictionDrift>, IdentifyError> {
     let t = sample.t();
-    let logs: Vec<Range<usize>> =
-        logs(t).into_iter().filter(|log| t[log.end - 1] - t[log.start] >= LONG).collect();
+    let length = |log: &Range<usize>| t[log.end - 1] - t[log.start];
+    let logs: Vec<Range<usize>> = logs(t).into_iter().filter(|log| length(log) >= LONG).collect();
     let rows: Vec<(usize, f64)> = (logs.iter())
         .flat_map(|log| {
-            let (first, length) = (t[log.start], t[log.end - 1] - t[log.start]);
+            let (first, length) = (t[log.start], length(log));
             log.clone().map(move |row| (row, (t[row] - first) / length - 0.5))
         })
         .collect();
-    let longest = logs.iter().map(|log| t[log.end - 1] - t[log.start]).fold(0.0, f64::max);
+    let longest = logs.iter().map(length).fold(0.0, f64::max);
     if rows.len() < 2 * STRETCHES {
         return Ok(Vec::new());
     }

@@ -21,7 +21,7 @@ pub(crate) const SHARE_AT_REST: f64 = 0.1;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum DriveTerm {
     /// Friction of a shaft (17).
-    Friction(#[serde(with = "whole")] FrictionTerm),
+    Friction(#[serde(with = "WholeFriction")] FrictionTerm),
     /// Inertia of a rotor on a shaft that turns with Σ shaft\[j\]·q̇ⱼ: T = ½ (Σ shaft\[j\]·q̇ⱼ)².
     Rotor(Vec<f64>),
     /// A term of V or M that no chain of rigid bodies has, such as a spring's.
@@ -29,7 +29,6 @@ pub(crate) enum DriveTerm {
 }
 
 impl DriveTerm {
-    /// Laws of friction.
     pub(crate) fn friction(terms: Vec<FrictionTerm>) -> impl Iterator<Item = Self> {
         terms.into_iter().map(Self::Friction)
     }
@@ -75,7 +74,6 @@ impl DriveTerm {
         functions.into_iter().map(spring).collect()
     }
 
-    /// The law, if it is friction.
     pub(crate) fn law(&self) -> Option<&FrictionTerm> {
         match self {
             Self::Friction(term) => Some(term),
@@ -91,11 +89,6 @@ impl DriveTerm {
     /// Whether it is friction that depends on the load of a gear.
     pub(crate) fn is_load_dependent(&self) -> bool {
         self.law().is_some_and(|term| term.load)
-    }
-
-    /// Whether it is friction that remembers the path.
-    pub(crate) fn remembers(&self) -> bool {
-        matches!(self, Self::Friction(term) if term.element().is_some())
     }
 
     /// What it loads the joints with, per unit of its coefficient, states×n.
@@ -119,7 +112,6 @@ impl DriveTerm {
         }
     }
 
-    /// Number of joints n.
     pub(crate) fn n_joints(&self) -> usize {
         match self {
             Self::Friction(term) => term.shaft.len(),
@@ -139,8 +131,6 @@ pub(crate) struct Gravity {
 }
 
 impl Gravity {
-    /// That of a chain.
-    ///
     /// - `drive`: what stands beside its links, in the order of their coefficients
     pub(crate) fn of(chain: &Chain, drive: &[DriveTerm]) -> Self {
         let springs = drive.iter().zip(&chain.drive).filter_map(|(drive, coefficient)| {
@@ -178,8 +168,7 @@ pub(crate) fn columns(
 ) -> Vec<Mat<f64>> {
     let mut states = States::of(motion);
     if let (true, Some(gravity)) = (drive.iter().any(DriveTerm::is_load_dependent), gravity) {
-        let gravity = gravity.over(motion, &states);
-        states = states.under(gravity);
+        states.gravity = Some(gravity.over(motion, &states));
     }
     let mut columns = vec![Mat::zeros(motion.n_rows(), drive.len()); motion.n_joints()];
     for (k, drive) in drive.iter().enumerate() {
@@ -191,22 +180,15 @@ pub(crate) fn columns(
     columns
 }
 
-/// Laws of friction with all their fields: a model file leaves out the usual direction, which a
+/// A law of friction with all its fields: a model file leaves out the usual direction, which a
 /// format without names cannot.
-mod whole {
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-    use torquewise_model::FrictionTerm;
-
-    pub(super) fn serialize<S: Serializer>(term: &FrictionTerm, to: S) -> Result<S::Ok, S::Error> {
-        (&term.shaft, term.law, term.direction, term.load).serialize(to)
-    }
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
-        from: D,
-    ) -> Result<FrictionTerm, D::Error> {
-        let (shaft, law, direction, load) = Deserialize::deserialize(from)?;
-        Ok(FrictionTerm { shaft, law, direction, load })
-    }
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "FrictionTerm")]
+struct WholeFriction {
+    shaft: Vec<f64>,
+    law: FrictionLaw,
+    direction: Direction,
+    load: bool,
 }
 
 #[cfg(test)]

@@ -14,10 +14,9 @@ mod refine;
 mod windows;
 mod rollouts;
 
-pub use linearisation::Linearisation;
-pub(crate) use linearisation::Structure;
+pub(crate) use linearisation::{Linearisation, Structure};
 pub(crate) use nominal::{Sizes, prior};
-pub use pass::add_up;
+pub(crate) use pass::add_up;
 pub(crate) use refine::{Passes, refine};
 pub(crate) use rollouts::refined_by_rollouts;
 pub(crate) use solve::Solved;

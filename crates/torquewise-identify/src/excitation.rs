@@ -83,8 +83,12 @@ pub fn findings(survey: &Survey) -> Vec<Finding> {
     let gentle = gentle.map(|(joints, peak)| Finding::Acceleration { joints, peak });
     found.extend(slow.into_iter().chain(gentle));
     found.extend(together(survey, &joints));
-    found.extend(commanded(survey, &joints).unwrap_or_default());
-    found.extend(joints.iter().filter_map(|joint| of_torque(survey, *joint)));
+    let moving: Vec<usize> = joints.into_iter().filter(|joint| moves(survey, *joint)).collect();
+    found.extend(commanded(survey, &moving).unwrap_or_default());
+    found.extend(moving.iter().filter_map(|&joint| {
+        let residual = unexplained_part(motion, joint).filter(|left| *left > MOST_RESIDUAL)?;
+        Some(Finding::Unrelated { joint: survey.joints[joint].clone(), residual })
+    }));
     found
 }
 
@@ -123,28 +127,20 @@ fn of_joint(survey: &Survey, joint: usize, peak: f64) -> Vec<Finding> {
         found.push(Finding::Range { joint: name(), range: high - low });
     }
     let speeds = survey.sample.dq().col(joint);
-    let count = |wanted: &dyn Fn(f64) -> bool| speeds.iter().filter(|dq| wanted(**dq)).count();
-    let (forward, backward) =
-        (count(&|dq| dq > MOVING * peak) as f64, count(&|dq| dq < -MOVING * peak) as f64);
+    let count = |way: f64| speeds.iter().filter(|dq| way * **dq > MOVING * peak).count() as f64;
+    let (forward, backward) = (count(1.0), count(-1.0));
     if forward.min(backward) < LEAST_SHARE * (forward + backward) {
         found.push(Finding::OneWay { joint: name(), forward: forward > backward });
     }
     found
 }
 
-/// What the torque of a moving joint shows.
-fn of_torque(survey: &Survey, joint: usize) -> Option<Finding> {
-    if !moves(survey, joint) || survey.torque_std[joint] <= 0.0 {
-        return None;
-    }
-    let left = unexplained_part(&survey.sample, joint)?;
-    let joint = survey.joints[joint].clone();
-    (left > MOST_RESIDUAL).then_some(Finding::Unrelated { joint, residual: left })
-}
-
-/// Whether a joint moves at all; an arm that does so gently must not escape what is looked for.
+/// Whether a joint moves at all, under a torque that changes; an arm that does so gently must not
+/// escape what is looked for.
 fn moves(survey: &Survey, joint: usize) -> bool {
-    survey.dq_peak[joint] > LEAST_SPEED && survey.ddq_peak[joint] > LEAST_ACCELERATION
+    survey.dq_peak[joint] > LEAST_SPEED
+        && survey.ddq_peak[joint] > LEAST_ACCELERATION
+        && survey.torque_std[joint] > 0.0
 }
 
 /// Speed and acceleration of a joint that [`PEAK`] of the rows do not exceed.
@@ -182,9 +178,6 @@ fn commanded(survey: &Survey, joints: &[usize]) -> Option<Vec<Finding>> {
     }
     let factor = gram.llt(Side::Lower).ok()?;
     let of_joint = |&joint: &usize| {
-        if !moves(survey, joint) || survey.torque_std[joint] <= 0.0 {
-            return None;
-        }
         let target = tau.col(joint);
         let fitted = &columns * factor.solve(columns.transpose() * target);
         let squares: f64 = target.iter().zip(fitted.iter()).map(|(a, b)| (a - b).powi(2)).sum();

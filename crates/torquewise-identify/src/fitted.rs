@@ -19,6 +19,7 @@ use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_model::{
     Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Torque, Training, Weighted,
 };
+use torquewise_regression::normal_equations::ascending;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::fit::StepReport;
@@ -41,7 +42,6 @@ pub(crate) struct Fitted {
     pub(crate) sizes: Sizes,
     /// RMS of the residual of each joint \[N·m\], n.
     pub(crate) residual_rms: Vec<f64>,
-    /// What the search chose.
     pub(crate) choices: Vec<Choice>,
     /// How often it found the geometry.
     pub(crate) found: Option<GeometryFound>,
@@ -61,7 +61,7 @@ impl Fitted {
         let Self { solved, sizes, residual_rms, choices, found, warning } = self;
         let mut training = survey.training(residual_rms);
         let narrowed = solved.at.narrowed();
-        (training.held_out_rms, training.held_out_by_region_rms) =
+        [training.held_out_rms, training.held_out_by_region_rms] =
             held_out_rms((&narrowed, solved.prior_rows, &sizes), &survey)?;
         let mut warnings = Warning::of_survey(&survey);
         training.geometry_found = found.map(|found| GeometryFound {
@@ -110,9 +110,7 @@ fn untold(mut told: Vec<usize>, names: &[String], warnings: &[Warning]) -> Vec<u
             told.extend(ends.into_iter().flat_map(|(first, last)| first + 1..=last));
         }
     }
-    told.sort_unstable();
-    told.dedup();
-    told
+    ascending(told)
 }
 
 /// How many times as large as the residual is what is left of rows that were held out, the larger
@@ -133,8 +131,7 @@ fn parameters(
     error: &dyn Fn(usize) -> f64,
 ) -> (RigidChain, Vec<Weighted<FrictionTerm>>, Vec<usize>) {
     let bodies = PER_BODY * at.n_joints();
-    let links = at.linear[..bodies].chunks_exact(PER_BODY);
-    let links = links.map(|p| std::array::from_fn(|k| p[k])).collect();
+    let links = at.linear[..bodies].as_chunks::<PER_BODY>().0.to_vec();
     let (mut drives, mut friction) = (Vec::new(), Vec::new());
     let (mut drive_at, mut friction_at) = (Vec::new(), Vec::new());
     for (k, term) in at.structure.drive.iter().enumerate() {
@@ -142,12 +139,8 @@ fn parameters(
         match term {
             DriveTerm::Friction(term) => {
                 friction_at.push(index);
-                friction.push(Weighted {
-                    term: term.clone(),
-                    coefficient,
-                    std_error: error(index),
-                    inclusion: None,
-                });
+                let std_error = error(index);
+                friction.push(Weighted { std_error, ..Weighted::new(term.clone(), coefficient) });
             }
             DriveTerm::Rotor(shaft) => {
                 drive_at.push(index);
@@ -208,7 +201,7 @@ fn unexplained(
 fn held_out_rms(
     (at, prior_rows, sizes): (&Linearisation, f64, &Sizes),
     survey: &Survey,
-) -> Result<(Vec<f64>, Vec<f64>), IdentifyError> {
+) -> Result<[Vec<f64>; 2], IdentifyError> {
     let few = thinned(&survey.sample, HELD_OUT_ROWS);
     let share = few.n_rows() as f64 / survey.rows.max(1) as f64;
     let held_to = HeldTo::of(at, sizes, share * prior_rows);
@@ -218,8 +211,7 @@ fn held_out_rms(
         let unseen = Unseen::of_columns(columns.clone(), few.n_rows(), &target, &blocks)?;
         Some(unseen.physical_errors(&held_to)?.rms_by_joint())
     };
-    let [by_time, by_region] = both_ways(&few, &survey.sample);
-    Ok((rms(by_time).unwrap_or_default(), rms(by_region).unwrap_or_default()))
+    Ok(both_ways(&few, &survey.sample).map(|blocks| rms(blocks).unwrap_or_default()))
 }
 
 /// The energy terms of a chain that its torque needs, with their standard errors; and how many there

@@ -9,7 +9,6 @@ const VERSION: u32 = 1;
 /// Magic, version and checksum of what follows.
 const HEADER_BYTES: usize = 16;
 
-/// The bytes of a file.
 pub(crate) fn framed(magic: [u8; 8], holds: &impl Serialize) -> Result<Vec<u8>, IdentifyError> {
     let body = postcard::to_stdvec(holds).map_err(|error| damaged(&error.to_string()))?;
     let checksum = crc32fast::hash(&body).to_le_bytes();
@@ -25,13 +24,10 @@ pub(crate) fn unframed<T: DeserializeOwned>(
     if !magic.starts_with(begin) || begin.is_empty() {
         return Err(IdentifyError::Moments("it does not begin as one does".into()));
     }
-    let Some((header, body)) = bytes.split_at_checked(HEADER_BYTES) else {
+    let Some((header, body)) = bytes.split_first_chunk::<HEADER_BYTES>() else {
         return Err(damaged("it ends within its header"));
     };
-    let number = |from: usize| {
-        let digits = header[from..from + 4].iter().rev();
-        digits.fold(0_u32, |number, &byte| number << 8 | u32::from(byte))
-    };
+    let number = |from: usize| u32::from_le_bytes(std::array::from_fn(|k| header[from + k]));
     let version = number(8);
     if version != VERSION {
         let message = format!("it is of version {version}, this program reads {VERSION}");

@@ -2,7 +2,6 @@
 
 use crate::chain_spec::{ChainSpec, error, record_worth, trial};
 use crate::drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, columns};
-use crate::estimate::Linearisation;
 use crate::plan::{ChainOptions, FrictionKind};
 use crate::reconstruction::{Progress, Watch};
 use crate::unseen::geometric_mean;
@@ -13,6 +12,7 @@ use rayon::prelude::*;
 use std::ops::ControlFlow;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
+use torquewise_regression::normal_equations::ascending;
 use torquewise_rigid::search::{FINAL_ROWS, SearchStage, all_parameters};
 use torquewise_rigid::{Chain, ChainError, ChainRows, JointKinds, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
@@ -120,7 +120,7 @@ pub(crate) fn learn(
         }
         FrictionKind::Auto => {
             let laws = learner.friction(&searched);
-            offered = laws.iter().flat_map(Offer::terms).collect();
+            offered = laws.iter().flat_map(Offer::terms).cloned().collect();
             offers.extend(laws);
             spec.drive = known(&kinds);
         }
@@ -169,10 +169,7 @@ fn balanced(motion: &Motion, names: &[String]) -> Result<Vec<usize>, IdentifyErr
             joints: joints.join(", "),
         })
     };
-    let mut places = names.iter().map(place).collect::<Result<Vec<usize>, _>>()?;
-    places.sort_unstable();
-    places.dedup();
-    Ok(places)
+    Ok(ascending(names.iter().map(place).collect::<Result<Vec<usize>, _>>()?))
 }
 
 /// A chain by its error on held-out rows, with what was fitted.
@@ -187,7 +184,6 @@ struct ChainLearner<'a> {
     laws: FrictionLibrary,
     /// The arm as it was learned at another bandwidth: what its joints are stays.
     before: Option<Learned>,
-    /// How often the geometry was found.
     found: Option<GeometryFound>,
     watch: Watch<'a>,
 }
@@ -206,7 +202,10 @@ impl<'a> ChainLearner<'a> {
         let rows = ChainRows::new([motion.q(), motion.dq(), motion.ddq(), tau], &drive)?;
         let is_measured: Vec<bool> =
             (0..motion.n_joints()).map(|joint| rows.deviation_of(joint) > 0.0).collect();
-        let is_certain = |row, joint| !spec.has_friction() || self.moves(&motion, row, joint);
+        // Where a joint moves, its friction has one direction.
+        let moves =
+            |row, joint: usize| motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.width[joint];
+        let is_certain = |row, joint| !spec.has_friction() || moves(row, joint);
         let share = |row, joint: usize| match (is_measured[joint], is_certain(row, joint)) {
             (true, true) => 1.0,
             (true, false) => WEIGHT_AT_REST,
@@ -220,11 +219,6 @@ impl<'a> ChainLearner<'a> {
         let linear = self.laws.linear();
         let of_joints = spec.drive.iter().filter_map(DriveTerm::law);
         of_joints.filter(|term| term.joint().is_some()).all(|term| linear.contains(term))
-    }
-
-    /// Whether a joint moves in a row, so that its friction has one direction.
-    fn moves(&self, motion: &Motion, row: usize, joint: usize) -> bool {
-        motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.width[joint]
     }
 
     /// Searches the geometry. Its axes stand at right angles, as those of nearly all arms do, unless
@@ -334,13 +328,6 @@ impl<'a> ChainLearner<'a> {
         }
         spec.search = search;
         Ok(exact)
-    }
-
-    /// A chain with more beside its links, whose coefficients are none so far, at its own geometry.
-    fn library(&self, chain: &Chain, drive: Vec<DriveTerm>) -> Linearisation {
-        let none = vec![0.0; drive.len()];
-        let rest = self.laws.width.iter().map(|width| AT_REST * width).collect();
-        Linearisation::of(chain, (drive, &none), rest)
     }
 }
 

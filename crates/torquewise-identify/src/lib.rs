@@ -7,7 +7,7 @@
 //! [solved](solve) for the model that fitting all logs together gives, bit for bit.
 
 mod rough;
-pub mod clipped;
+mod clipped;
 pub mod excitation;
 mod clustered;
 mod torque_kind;
@@ -22,7 +22,7 @@ mod states;
 mod drive_terms;
 mod basis;
 pub mod warning;
-pub mod estimate;
+mod estimate;
 mod chain_spec;
 mod learn;
 mod prune;

@@ -1,6 +1,6 @@
 //! Held-out error of the terms of a library.
 
-use crate::states::States;
+use crate::states::{States, state_of};
 use crate::unseen::{HeldOut, Unseen, both_ways};
 use faer::Mat;
 use torquewise_model::{Form, Model, Term, Weighted};
@@ -43,18 +43,10 @@ pub(crate) fn held_out_rms(model: &Model, sample: &Motion) -> Result<[Vec<f64>; 
 /// (m·joints)×p, joint by joint.
 fn columns(model: &Model, motion: &Motion) -> Vec<(std::ops::Range<usize>, Mat<f64>)> {
     let (m, n, states) = (motion.n_rows(), model.n_joints(), States::of(motion));
-    let rows: Vec<[Vec<f64>; 3]> = (0..m)
-        .map(|row| {
-            [motion.q(), motion.dq(), motion.ddq()].map(|x| x.row(row).iter().copied().collect())
-        })
-        .collect();
+    let rows: Vec<[Vec<f64>; 3]> = (0..m).map(|row| state_of(motion, row)).collect();
     let friction = |joint: usize| {
         let own = model.friction.iter().map(move |own| (&own.term, own.term.shaft[joint]));
         own.map(|(law, turn)| (0..m).map(|row| turn * states.friction(row, law)).collect())
-    };
-    let joined = |joint: usize, columns: Vec<Vec<f64>>| {
-        let own = Mat::from_fn(m, columns.len(), |row, k| columns[k][row]);
-        (joint..joint + 1, own)
     };
     match &model.form {
         Form::Torque(joints) => joints
@@ -64,7 +56,9 @@ fn columns(model: &Model, motion: &Motion) -> Vec<(std::ops::Range<usize>, Mat<f
                 let value = |own: &Weighted<Term>| -> Vec<f64> {
                     rows.iter().map(|[q, dq, ddq]| own.term.value(q, dq, ddq)).collect()
                 };
-                joined(joint, terms.iter().map(value).chain(friction(joint)).collect())
+                let columns: Vec<Vec<f64>> =
+                    terms.iter().map(value).chain(friction(joint)).collect();
+                (joint..joint + 1, Mat::from_fn(m, columns.len(), |row, k| columns[k][row]))
             })
             .collect(),
         Form::Energy(terms) => {

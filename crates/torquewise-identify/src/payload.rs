@@ -48,7 +48,6 @@ pub struct Payload {
     /// Whether the verdict of the fit of the model is that it should not be used.
     #[serde(skip)]
     of_useless: bool,
-    /// The link, from 0.
     #[serde(skip)]
     on: usize,
     #[serde(skip)]
@@ -166,16 +165,16 @@ impl Payload {
             covariance += chain.covariance_of(&followed) * faer::Scale(disagreement.powi(2));
         }
         let inertial: [f64; PER_BODY] = std::array::from_fn(|k| solution[k]);
-        let [mass, center, inertia] = central(&inertial, &covariance, frame);
+        let central = central(&inertial, &covariance, frame);
         let rms = |squares: &[f64]| -> Vec<f64> {
             squares.iter().map(|sum| (sum / pass.rows.max(1) as f64).sqrt()).collect()
         };
         let name = |link: usize| robot.map_or(&model.joints[link], |robot| &robot.links[link]);
         Ok(Self {
             link: robot.map(|_| name(link).clone()),
-            mass: mass[0],
-            center: std::array::from_fn(|k| center[k]),
-            inertia: std::array::from_fn(|k| inertia[k]),
+            mass: central[0],
+            center: std::array::from_fn(|k| central[1 + k]),
+            inertia: std::array::from_fn(|k| central[4 + k]),
             rows: pass.rows,
             disagreement,
             elsewhere: Pass::better(passes, link).map(|link| name(link).clone()),
@@ -231,8 +230,7 @@ impl Payload {
     /// [`IdentifyError::Model`] if the model is no rigid chain.
     pub fn added_to(&self, model: &Model) -> Result<Model, IdentifyError> {
         let mut model = model.clone();
-        chain_of(&model)?;
-        let Some(chain) = &mut model.chain else { return Ok(model) };
+        let chain = model.chain.as_mut().ok_or(ModelError::NoChain)?;
         let first = PER_BODY * self.on;
         if let Some(link) = chain.links.get_mut(self.on) {
             link.iter_mut().zip(self.inertial).for_each(|(own, load)| *own += load);
@@ -271,7 +269,7 @@ fn central(
     inertial: &[f64; PER_BODY],
     covariance: &Mat<f64>,
     frame: Option<Placement>,
-) -> [Vec<Estimated>; 3] {
+) -> [Estimated; PER_BODY] {
     let values = |p: &[f64]| -> [f64; PER_BODY] {
         let p = frame.as_ref().map_or_else(|| p.to_vec(), |frame| seen_from(p, frame).to_vec());
         let [m, hx, hy, hz] = [p[0], p[1], p[2], p[3]];
@@ -300,6 +298,6 @@ fn central(
     });
     let spread = &slopes * covariance * slopes.transpose();
     let all = values(inertial);
-    let one = |k: usize| Estimated { value: all[k], std_error: spread[(k, k)].max(0.0).sqrt() };
-    [vec![one(0)], (1..4).map(one).collect(), (4..PER_BODY).map(one).collect()]
+    let error = |k: usize| spread[(k, k)].max(0.0).sqrt();
+    std::array::from_fn(|k| Estimated { value: all[k], std_error: error(k) })
 }

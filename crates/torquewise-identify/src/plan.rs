@@ -135,20 +135,3 @@ impl From<ChainOptions> for Plan {
         Self { method: Method::Chain(options), ..Self::default() }
     }
 }
-
-impl Plan {
-    /// One-shot SINDy, the baseline.
-    pub fn sindy() -> Self {
-        LibraryOptions::sindy().into()
-    }
-
-    /// Stepwise reconstruction with the product library.
-    pub fn product() -> Self {
-        LibraryOptions::product().into()
-    }
-
-    /// A learned chain of rigid bodies.
-    pub fn chain() -> Self {
-        ChainOptions::default().into()
-    }
-}

@@ -16,7 +16,6 @@ const GLANCE: f64 = 0.05;
 /// Keeps the terms without which the torque of some joint would be off by more than a tenth of the
 /// residual.
 ///
-/// - `terms`: energy terms with their coefficients
 /// - `residual_rms`: what the chain leaves of the torque of each joint \[N·m\], n
 pub(crate) fn prune(
     terms: Vec<(EnergyTerm, f64)>,
@@ -45,8 +44,7 @@ pub(crate) fn prune(
         }
         (left_out, kept[place]) = (more, false);
     }
-    let mut kept = kept.into_iter();
-    terms.into_iter().filter(|_| kept.next().unwrap_or(true)).collect()
+    terms.into_iter().zip(kept).filter(|(_, is_kept)| *is_kept).map(|(term, _)| term).collect()
 }
 
 /// Drops the terms that no state can make matter.

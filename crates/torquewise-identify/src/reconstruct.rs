@@ -168,7 +168,7 @@ const LEAST_ROWS: usize = 50;
 
 /// The survey of enough rows with torque.
 pub(crate) fn surveyed(summary: &Summary) -> Result<Survey, IdentifyError> {
-    let survey = summary.survey()?;
+    let survey = summary.survey.finish()?;
     survey.sample.require_tau()?;
     if survey.rows >= LEAST_ROWS {
         return Ok(survey);

@@ -120,10 +120,9 @@ impl Reconstruction {
                 |own: &Warning| matches!(own, Warning::Excitation(Finding::Together { .. }));
             let is_told =
                 !self.warnings.iter().any(is_tied) || wrong.len() == self.survey.joints.len();
-            let wrong = if is_told { wrong } else { Vec::new() };
-            let joints: Vec<String> =
-                wrong.iter().map(|&joint| self.survey.joints[joint].clone()).collect();
-            if !joints.is_empty() {
+            if is_told && !wrong.is_empty() {
+                let name = |joint: usize| self.survey.joints[joint].clone();
+                let joints = wrong.into_iter().map(name).collect();
                 self.accuse(Finding::WrongSign { joints });
             }
         }

@@ -45,20 +45,14 @@ impl Regions {
 
     /// The region of a row of a motion of the same arm.
     pub(crate) fn of_row(&self, motion: &Motion, row: usize) -> usize {
-        self.nearest(|joint| motion.q()[(row, joint)])
-    }
-
-    /// The region of a configuration q \[rad\], joint by joint.
-    pub(crate) fn nearest(&self, q: impl Fn(usize) -> f64) -> usize {
         let apart = |centre: &Vec<f64>| -> f64 {
             let own = self.scales.iter().enumerate().zip(centre);
-            own.map(|((joint, scale), x)| (scale * q(joint) - x).powi(2)).sum()
+            own.map(|((joint, scale), x)| (scale * motion.q()[(row, joint)] - x).powi(2)).sum()
         };
         let nearest = self.centres.iter().map(apart).enumerate();
         nearest.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(region, _)| region)
     }
 
-    /// Whether its parts fit n joints.
     pub(crate) fn is_sound(&self, n: usize) -> bool {
         let finite = |x: &[f64]| x.len() == n && x.iter().all(|x| x.is_finite());
         finite(&self.scales) && self.centres.iter().all(|centre| finite(centre))

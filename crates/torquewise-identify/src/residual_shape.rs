@@ -34,7 +34,6 @@ pub struct Shape {
 /// Speeds, of the largest: up to the first a joint rests, up to the second it is slow, from the
 /// third on it is fast.
 const SPEEDS: [f64; 3] = [0.02, 0.15, 0.7];
-/// Number of bins of the range of an angle.
 const POSES: usize = 6;
 /// Of the squared residual this part must lie there, and so many times as much as of the rows.
 const MOST: f64 = 0.6;
@@ -50,9 +49,8 @@ pub(crate) fn shapes(
 ) -> Result<Vec<Shape>, IdentifyError> {
     let left = sample.require_tau()? - Torque::new(model).over(sample)?;
     let of_joint = |&joint: &usize| {
-        let [q, dq] =
-            [sample.q(), sample.dq()].map(|x| x.col(joint).iter().copied().collect::<Vec<f64>>());
-        let left: Vec<f64> = left.col(joint).iter().copied().collect();
+        let [q, dq, left] = [sample.q(), sample.dq(), left.as_ref()]
+            .map(|x| x.col(joint).iter().copied().collect::<Vec<f64>>());
         let (place, shares) = densest(&q, &dq, &left)?;
         Some(Shape { joint: model.joints[joint].clone(), place, shares })
     };

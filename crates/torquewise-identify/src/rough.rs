@@ -49,11 +49,10 @@ pub(crate) fn doubtful(motion: &Motion) -> Vec<usize> {
         Some(left < least && power > 0.0)
     };
     let changes = |joint: usize| {
-        let tau = motion.tau()?;
-        Some(tau.col(joint).iter().any(|own| (own - tau[(0, joint)]).abs() > 0.0))
+        let is_other = |tau: ColRef<'_, f64>| tau.iter().any(|own| (own - tau[0]).abs() > 0.0);
+        motion.tau().is_some_and(|tau| is_other(tau.col(joint)))
     };
-    let is_told =
-        |joint: usize| !changes(joint).unwrap_or(false) || is_seen(joint).unwrap_or(false);
+    let is_told = |joint: usize| !changes(joint) || is_seen(joint).unwrap_or(false);
     (0..n).filter(|&joint| !is_told(joint)).collect()
 }
 

@@ -33,7 +33,6 @@ pub(crate) struct Searched<'a> {
     survey: &'a Survey,
     options: &'a ChainOptions,
     pub(crate) learned: Learned,
-    /// Where it is linearised.
     pub(crate) at: Linearisation,
 }
 
@@ -96,7 +95,7 @@ impl<'a> Searched<'a> {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Request {
     joints: Vec<String>,
-    passes: Passes,
+    pub(crate) passes: Passes,
     pub(crate) sizes: Sizes,
     choices: Vec<Choice>,
     found: Option<GeometryFound>,
@@ -149,11 +148,6 @@ impl Request {
             return Ok(request);
         }
         Err(IdentifyError::Moments("its parts do not fit each other".into()))
-    }
-
-    /// Where the rows of the next pass are linearised.
-    pub fn linearisation(&self) -> &Linearisation {
-        &self.passes.at
     }
 
     /// Takes the step that a pass asks for, and asks for another; breaks where it is next to nothing.

@@ -215,8 +215,6 @@ fn sweep(
 }
 
 /// The model at other parameters, of which those of friction begin at `first`.
-///
-/// - `wanted`: the terms of its equations
 fn model_at(
     model: &Model,
     chain: &RigidChain,

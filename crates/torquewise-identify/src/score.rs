@@ -55,26 +55,24 @@ pub fn score_along(
     let mut sums = vec![[0.0_f64; 4]; n];
     let mut rows = 0_usize;
     let mut path = torque.path();
-    recording
-        .read(&mut |trajectory, block| {
-            see(block);
-            let tau_hat = torque.over(&path.follow(trajectory, block))?;
-            let tau = block.require_tau()?;
-            for (joint, [first, sum, squares, errors]) in sums.iter_mut().enumerate() {
-                for row in 0..block.n_rows() {
-                    if rows == 0 && row == 0 {
-                        *first = tau[(row, joint)];
-                    }
-                    let centred = tau[(row, joint)] - *first;
-                    *sum += centred;
-                    *squares += centred * centred;
-                    *errors += (tau[(row, joint)] - tau_hat[(row, joint)]).powi(2);
+    recording.read(&mut |trajectory, block| {
+        see(block);
+        let tau_hat = torque.over(&path.follow(trajectory, block))?;
+        let tau = block.require_tau()?;
+        for (joint, [first, sum, squares, errors]) in sums.iter_mut().enumerate() {
+            for row in 0..block.n_rows() {
+                if rows == 0 && row == 0 {
+                    *first = tau[(row, joint)];
                 }
+                let centred = tau[(row, joint)] - *first;
+                *sum += centred;
+                *squares += centred * centred;
+                *errors += (tau[(row, joint)] - tau_hat[(row, joint)]).powi(2);
             }
-            rows += block.n_rows();
-            Ok(())
-        })
-        .map_err(IdentifyError::Read)?;
+        }
+        rows += block.n_rows();
+        Ok(())
+    })?;
     let m = rows.max(1) as f64;
     let joint = |(name, [_, sum, squares, errors]): (&String, &[f64; 4])| {
         let variance = (squares / m - (sum / m).powi(2)).max(0.0);

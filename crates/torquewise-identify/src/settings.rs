@@ -72,9 +72,8 @@ impl SumSettings {
     /// Fails unless summaries of both add up.
     pub(crate) fn check(&self, other: &Self) -> Result<(), IdentifyError> {
         let quoted = |what: &dyn std::fmt::Debug| format!("{what:?}");
-        let regression = |it: &Self| match &it.library {
-            Some(library) => quoted(&library.regression),
-            None => "Chain".to_owned(),
+        let regression = |it: &Self| {
+            it.library.as_ref().map_or_else(|| "Chain".to_owned(), |own| quoted(&own.regression))
         };
         let library = |it: &Self| quoted(&it.library.as_ref().map(|library| library.kind));
         let kinds =

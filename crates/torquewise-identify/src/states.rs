@@ -8,6 +8,11 @@ use torquewise_model::{EnergyTerm, FrictionTerm, Place, Trig};
 use torquewise_motion::Motion;
 use torquewise_motion::motion::Memory;
 
+/// q \[rad\], q̇ \[rad/s\] and q̈ \[rad/s²\] of a row, n each.
+pub(crate) fn state_of(motion: &Motion, row: usize) -> [Vec<f64>; 3] {
+    [motion.q(), motion.dq(), motion.ddq()].map(|x| x.row(row).iter().copied().collect())
+}
+
 /// States of an arm, each sine and cosine of them once.
 pub(crate) struct States {
     /// `[joint]` → cos q, sin q, cos 2q, sin 2q of each state.
@@ -20,12 +25,11 @@ pub(crate) struct States {
     ddq: Vec<Vec<f64>>,
     /// What friction remembers at each state.
     memory: Option<Memory>,
-    /// G(q) of each state, states×n, where it is known.
-    gravity: Option<Mat<f64>>,
+    /// G(q) of each state \[N·m\], states×n, where it is known.
+    pub(crate) gravity: Option<Mat<f64>>,
 }
 
 impl States {
-    /// The states of a motion.
     pub(crate) fn of(motion: &Motion) -> Self {
         let rows: Vec<[usize; 3]> = (0..motion.n_rows()).map(|row| [row; 3]).collect();
         Self::new(motion, &rows)
@@ -70,14 +74,6 @@ impl States {
         }
     }
 
-    /// The same where gravity loads the joints.
-    ///
-    /// - `gravity`: G(q) \[N·m\], states×n
-    pub(crate) fn under(self, gravity: Mat<f64>) -> Self {
-        Self { gravity: Some(gravity), ..self }
-    }
-
-    /// Number of states.
     pub(crate) fn len(&self) -> usize {
         self.dq.first().map_or(0, Vec::len)
     }
@@ -86,22 +82,17 @@ impl States {
         self.dq.len()
     }
 
-    /// Largest speed and acceleration of any joint.
     pub(crate) fn peaks(&self) -> [f64; 2] {
         let peak = |x: &[Vec<f64>]| x.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
         [peak(&self.dq), peak(&self.ddq)]
-    }
-
-    /// Joint speeds \[rad/s\] of a state, n.
-    pub(crate) fn speeds(&self, state: usize) -> Vec<f64> {
-        self.dq.iter().map(|dq| dq[state]).collect()
     }
 
     /// What a law of friction comes to at a state, per unit of its coefficient.
     pub(crate) fn friction(&self, state: usize, law: &FrictionTerm) -> f64 {
         let remembered = |(joint, travel)| self.memory.as_ref()?.state(state, joint, travel);
         let known = law.element().and_then(remembered);
-        let value = known.unwrap_or_else(|| law.value(&self.speeds(state)));
+        let speeds = || self.dq.iter().map(|dq| dq[state]).collect::<Vec<f64>>();
+        let value = known.unwrap_or_else(|| law.value(&speeds()));
         match &self.gravity {
             Some(gravity) if law.load => {
                 value * law.pressed(&gravity.row(state).iter().copied().collect::<Vec<f64>>())
@@ -162,10 +153,7 @@ impl States {
         for (place, factor) in factors.iter().enumerate() {
             let rest = product(Some(place));
             for (joint, &k) in factor.multiples.iter().enumerate().filter(|(_, k)| **k != 0) {
-                let mut slope = rest.clone();
-                for s in &mut slope {
-                    *s *= f64::from(k);
-                }
+                let slope: Vec<f64> = rest.iter().map(|s| s * f64::from(k)).collect();
                 match slopes.iter_mut().find(|(known, _)| *known == joint) {
                     Some((_, known)) => known.iter_mut().zip(slope).for_each(|(a, b)| *a += b),
                     None => slopes.push((joint, slope)),
@@ -177,15 +165,14 @@ impl States {
 
     /// Values of a factor and of its slope.
     fn part(&self, factor: &Factor) -> [Vec<f64>; 2] {
-        if factor.function == Trig::Position {
-            return self.powers(factor);
+        match factor.function {
+            Trig::Position => self.powers(factor),
+            Trig::Sin => self.turn(&factor.multiples).into(),
+            Trig::Cos => {
+                let (sin, cos) = self.turn(&factor.multiples);
+                [cos, sin.into_iter().map(|s| -s).collect()]
+            }
         }
-        let (sin, cos) = self.turn(&factor.multiples);
-        if factor.function == Trig::Sin {
-            return [sin, cos];
-        }
-        let slope = sin.into_iter().map(|s| -s).collect();
-        [cos, slope]
     }
 
     /// Powers of a sum of positions, and their slopes.

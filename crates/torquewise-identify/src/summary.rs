@@ -7,8 +7,7 @@ use crate::reconstruction::{Progress, Watch};
 use crate::rounds::Request;
 use crate::settings::SumSettings;
 use serde::{Deserialize, Serialize};
-use torquewise_model::model::Choice;
-use torquewise_model::model::TrainingFilter;
+use torquewise_model::model::{Choice, TrainingFilter};
 use torquewise_motion::Recording;
 use torquewise_regression::normal_sums::{FOLDS, NormalSums};
 use torquewise_regression::row_sums::RowSums;
@@ -16,7 +15,7 @@ use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::library::{Basis, LibrarySums, PatternAccumulator, SummedLibrary};
 use torquewise_stepwise::noise::NoiseSum;
 use torquewise_stepwise::patterns::find_patterns;
-use torquewise_stepwise::survey::{Survey, SurveySum};
+use torquewise_stepwise::survey::SurveySum;
 
 /// First bytes of the file of a summary.
 const MAGIC: [u8; 8] = *b"twmoment";
@@ -37,7 +36,6 @@ pub struct Summary {
     /// What was chosen before rows were summed; not in a file, which holds no friction.
     #[serde(skip)]
     pub(crate) choices: Vec<Choice>,
-    /// Sums of the rows that a chain asked for.
     pub(crate) pass: Option<Pass>,
 }
 
@@ -49,12 +47,11 @@ pub(crate) struct Pass {
 }
 
 impl Pass {
-    /// Sums up the rows of a recording as a request asks for.
     pub(crate) fn over(
         recording: &(impl Recording + ?Sized),
         request: Request,
     ) -> Result<Self, IdentifyError> {
-        let sums = add_up(recording, request.linearisation())?;
+        let sums = add_up(recording, &request.passes.at)?;
         Ok(Self { request, sums })
     }
 }
@@ -88,9 +85,7 @@ pub fn summarise(
     for log in 0..recording.n_logs() {
         Progress::Survey.tell(watch)?;
         let mut look = SurveySum::new(recording.joints());
-        recording
-            .read_log(log, &mut |trajectory, block| Ok(look.add(trajectory, block)?))
-            .map_err(IdentifyError::Read)?;
+        recording.read_log(log, &mut |trajectory, block| Ok(look.add(trajectory, block)?))?;
         if look.rows() == 0 {
             continue;
         }
@@ -104,9 +99,7 @@ pub fn summarise(
             let patterns = find_patterns(&survey, &all.settings.patterns)?;
             Progress::Sums.tell(watch)?;
             let mut sorter = PatternAccumulator::new(basis, &patterns, &all.settings.parts());
-            recording
-                .read_log(log, &mut |_, block| sorter.add(block))
-                .map_err(IdentifyError::Read)?;
+            recording.read_log(log, &mut |_, block| sorter.add(block))?;
             let (sums, still) = sorter.finish()?;
             all.still.merge(&still);
             all.sums.iter_mut().zip(&sums).try_for_each(|(all, own)| all.merge(own))?;
@@ -207,11 +200,6 @@ impl Summary {
         self.still.sort();
     }
 
-    /// Summary of its logs: ranges, noise, sample.
-    pub(crate) fn survey(&self) -> Result<Survey, IdentifyError> {
-        self.survey.finish()
-    }
-
     /// What its logs were summed up to for a library.
     pub(crate) fn library_sums(self) -> Result<LibrarySums, IdentifyError> {
         let SumSettings { library, patterns, .. } = self.settings;
@@ -243,7 +231,7 @@ impl Summary {
             && still.is_sound(n)
             && sums.len() == settings.parts().len();
         let is_sound = |pass: &Pass| {
-            let at = pass.request.linearisation();
+            let at = &pass.request.passes.at;
             at.is_sound(n) && pass.sums.is_sound(at.n_parameters(), n, FOLDS)
         };
         if !fits || !pass.as_ref().is_none_or(is_sound) {

@@ -1,6 +1,5 @@
 //! Travel of each joint since its last reversal.
 
-/// Travel since the last reversal of one joint.
 #[derive(Clone, Debug)]
 pub(crate) struct Turning {
     /// Way \[rad\] after which friction counts as turned.
@@ -18,7 +17,6 @@ pub(crate) struct Turning {
 const REVERSAL: f64 = 0.1;
 
 impl Turning {
-    /// - `travel`: way \[rad\] after which friction counts as turned, above 0
     pub(crate) fn new(travel: f64) -> Self {
         Self { travel, way: 0.0, start: f64::NAN, farthest: f64::NAN, is_turned: false }
     }

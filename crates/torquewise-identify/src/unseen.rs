@@ -68,7 +68,6 @@ impl Errors {
     }
 }
 
-/// The geometric mean of positive numbers.
 pub(crate) fn geometric_mean(x: &[f64]) -> f64 {
     let logs: f64 = x.iter().map(|x| x.max(f64::MIN_POSITIVE).ln()).sum();
     (logs / x.len().max(1) as f64).exp()
@@ -293,7 +292,6 @@ impl<'a> Unseen<'a> {
     }
 }
 
-/// Some rows and columns of a matrix.
 fn picked(of: &Mat<f64>, rows: &[usize], columns: &[usize]) -> Mat<f64> {
     let mut out = Mat::zeros(rows.len(), columns.len());
     for (k, &column) in columns.iter().enumerate() {

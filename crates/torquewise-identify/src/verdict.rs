@@ -6,6 +6,7 @@ use crate::unseen::geometric_mean;
 use crate::warning::{Warning, never_move};
 use torquewise_model::model::GeometryFound;
 use torquewise_model::{Model, Training};
+use torquewise_stepwise::held_out::mean;
 
 pub use torquewise_model::verdict::{Grade, Verdict};
 
@@ -49,11 +50,9 @@ pub fn judge_by(model: &Model, errors: &[f64], held: Option<&[f64]>) -> Verdict 
     if named.is_empty() {
         doubts.push("no torque of the test changes".to_owned());
     }
-    let held = held.map(|held| held.iter().sum::<f64>() / held.len().max(1) as f64);
-    doubts.extend(
-        held.filter(|held| *held < HELD)
-            .map(|held| format!("its 95 % intervals hold {held:.0} % of the test torque")),
-    );
+    let held = held.map(mean).filter(|held| *held < HELD);
+    doubts
+        .extend(held.map(|held| format!("its 95 % intervals hold {held:.0} % of the test torque")));
     let verdict = graded(Vec::new(), doubts, &[("test", named)]);
     match &model.training.verdict {
         Some(own) => own.clone().with(verdict),
@@ -178,12 +177,8 @@ fn doubts(found: &Reconstruction) -> Vec<String> {
         let asked = GeometryFound::CERTAIN;
         format!("its geometry was found by only {times} of {starts} starts, fewer than {asked}")
     });
-    let refit = found.warnings.iter().find_map(|warning| match warning {
-        Warning::Refit { .. } => {
-            Some("the fit leaves more than the search for the arm did".to_owned())
-        }
-        _ => None,
-    });
+    let is_refit = found.warnings.iter().any(|own| matches!(own, Warning::Refit { .. }));
+    let refit = is_refit.then(|| "the fit leaves more than the search for the arm did".to_owned());
     at_rest.chain(geometry).chain(refit).collect()
 }
 

@@ -189,7 +189,6 @@ impl Warning {
     }
 }
 
-/// That joints never move.
 pub(crate) fn never_move(joints: &[String]) -> String {
     format!("{} never move{}", list(joints), if joints.len() == 1 { "s" } else { "" })
 }

@@ -10,7 +10,7 @@ use torquewise_regression::SparseError;
 #[non_exhaustive]
 pub enum IdentifyError {
     #[error(transparent)]
-    Read(ReadError),
+    Read(#[from] ReadError),
     #[error(transparent)]
     #[diagnostic(transparent)]
     Motion(#[from] MotionError),

@@ -15,6 +15,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use torquewise_identify::bandwidth::{Tuned, tune};
 use torquewise_identify::disagreement::disagreements;
 use torquewise_identify::excitation::Finding;
+use torquewise_identify::plan::ChainOptions;
 use torquewise_identify::reconstruct::reconstruct_from;
 use torquewise_identify::verdict::{Grade, Verdict, judge};
 use torquewise_identify::{
@@ -245,7 +246,7 @@ fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<Fit
     };
     let by_chain = match &plan.method {
         Method::Chain(_) => plan.clone(),
-        Method::Library(_) => Plan { seed: plan.seed, ..Plan::chain() },
+        Method::Library(_) => Plan { seed: plan.seed, ..ChainOptions::default().into() },
     };
     let ((log, found), seconds, step_seconds) = timed(observer, |progress| {
         let Tuned { recording, request, choices } = tune(raw.as_ref(), &by_chain, progress)?;

@@ -9,7 +9,6 @@ use torquewise_rigid::feasible::Quadratic;
 /// Price of a step, relative to the diagonal of the normal equations.
 const ROUNDING: f64 = 1e-11;
 
-/// The normal equations in the units of the parameters.
 pub(super) struct Equations {
     pub(super) hessian: Mat<f64>,
     pub(super) right: Vec<f64>,

@@ -32,7 +32,7 @@ pub(crate) struct Structure {
 /// Where the torque of an arm is linearised, and how its rows are weighted: all that a pass over
 /// logs needs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Linearisation {
+pub(crate) struct Linearisation {
     pub(crate) structure: Structure,
     /// Where the axes lie, θ₀, and what moves by them.
     pub(crate) geometry: Geometry,
@@ -85,22 +85,15 @@ impl Linearisation {
     }
 
     /// Number of parameters p: linear ones, then those of the geometry, free or not.
-    pub fn n_parameters(&self) -> usize {
+    pub(crate) fn n_parameters(&self) -> usize {
         self.linear.len() + self.geometry.parameters().len()
     }
 
-    /// Indices of the parameters that may move.
     pub(crate) fn active(&self) -> Vec<usize> {
         let linear = self.linear.len();
         (0..linear).chain(self.structure.free.iter().map(|&k| linear + k)).collect()
     }
 
-    /// Indices of the linear parameters, all of which may move.
-    pub(crate) fn linear_indices(&self) -> Vec<usize> {
-        (0..self.linear.len()).collect()
-    }
-
-    /// Indices of the linear parameters that were chosen.
     pub(crate) fn chosen_indices(&self) -> Vec<usize> {
         let offered = self.structure.drive.len() - self.structure.chosen;
         (0..self.linear.len() - offered).collect()
@@ -108,17 +101,12 @@ impl Linearisation {
 
     /// The same without what was not chosen.
     pub(crate) fn narrowed(&self) -> Self {
-        let mut structure = self.structure.clone();
-        structure.drive.truncate(structure.chosen);
-        let (linear, offered) = (self.chosen_indices().len(), self.linear.len());
-        let scales = self.scales.iter().enumerate();
-        let scales = scales.filter(|(k, _)| !(linear..offered).contains(k)).map(|(_, x)| *x);
-        Self {
-            structure,
-            linear: self.linear[..linear].to_vec(),
-            scales: scales.collect(),
-            ..self.clone()
-        }
+        let chosen = self.chosen_indices().len();
+        let mut narrowed = self.clone();
+        narrowed.structure.drive.truncate(self.structure.chosen);
+        narrowed.linear.truncate(chosen);
+        narrowed.scales.drain(chosen..self.linear.len());
+        narrowed
     }
 
     /// The same with what was offered beside what was chosen.
@@ -143,13 +131,6 @@ impl Linearisation {
         Self { structure: Structure { free, ..self.structure }, ..self }
     }
 
-    /// The same with rows taken as they are.
-    pub(crate) fn without_noise_correction(&self) -> Self {
-        let noise = NoiseFloor::none(self.n_joints());
-        Self { noise, raw_noise: false, ..self.clone() }
-    }
-
-    /// Whether its parts fit n joints.
     pub(crate) fn is_sound(&self, n: usize) -> bool {
         let bodies = torquewise_rigid::recursion::PER_BODY * n;
         let geometry = self.geometry.parameters();
@@ -174,16 +155,15 @@ impl Linearisation {
 
     /// Travels \[rad\] of the elements by which friction remembers the path.
     pub(crate) fn travels(&self) -> Vec<f64> {
-        let remembers = self.structure.drive.iter().any(DriveTerm::remembers);
+        let mut laws = self.structure.drive.iter().filter_map(DriveTerm::law);
+        let remembers = laws.any(|term| term.element().is_some());
         if remembers { TRAVELS.to_vec() } else { Vec::new() }
     }
 
-    /// Number of joints n.
-    pub fn n_joints(&self) -> usize {
+    pub(crate) fn n_joints(&self) -> usize {
         self.weights.len()
     }
 
-    /// All parameters, p.
     pub(crate) fn parameters(&self) -> Vec<f64> {
         self.linear.iter().chain(self.geometry.parameters()).copied().collect()
     }
@@ -216,7 +196,6 @@ impl Linearisation {
         Ok(Self { scales: sizes.iter().map(scale).collect(), ..at })
     }
 
-    /// The chain that is linearised.
     pub(crate) fn chain(&self) -> Chain {
         let bodies = torquewise_rigid::recursion::PER_BODY * self.n_joints();
         let (inertial, drive) = self.linear.split_at(bodies);

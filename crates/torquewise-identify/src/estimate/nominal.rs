@@ -10,7 +10,7 @@ use torquewise_motion::path::TRAVELS;
 use torquewise_rigid::JointKinds;
 use torquewise_rigid::feasible::{Positive, Prior};
 use torquewise_rigid::geometry::GRAVITY;
-use torquewise_rigid::inertia::plain_link;
+use torquewise_rigid::inertia::{Inertial, plain_link};
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::survey::Survey;
 
@@ -51,7 +51,6 @@ pub(crate) struct Sizes {
 }
 
 impl Sizes {
-    /// Those of an arm whose logs were summed up.
     pub(crate) fn of(survey: &Survey) -> Self {
         Self { torque: survey.torque_std.clone(), speed: survey.dq_peak.clone() }
     }
@@ -77,14 +76,12 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> (Prior, Vec<f64>) {
     // Plain links between the axes.
     let placements = at.geometry.placements();
     let end = |k: usize| placements.get(k + 1).map_or_else(Vector3::zeros, |next| next.origin);
-    let links = (0..placements.len()).flat_map(|k| plain_link(mass, &end(k), SPREAD * length));
-    let bodies: Vec<f64> = links.collect();
-    let mut start = bodies.clone();
-    start.extend(at.parameters().into_iter().skip(bodies.len()));
-    let of_bodies = bodies.chunks_exact(PER_BODY).map(|p| std::array::from_fn(|k| p[k])).collect();
-    let mut prior = Prior { bodies: of_bodies, ..Prior::default() };
-    let drive = &at.structure.drive;
-    let first = bodies.len();
+    let links = (0..placements.len()).map(|k| plain_link(mass, &end(k), SPREAD * length));
+    let bodies: Vec<Inertial> = links.collect();
+    let (drive, first) = (&at.structure.drive, PER_BODY * bodies.len());
+    let mut start = at.parameters();
+    start[..first].copy_from_slice(bodies.as_flattened());
+    let mut prior = Prior { bodies, ..Prior::default() };
     let rotor_of = |shaft: &[f64]| {
         // A slide feels its motor as a mass.
         let slides = shaft.iter().enumerate().any(|(joint, s)| *s != 0.0 && kinds.slides(joint));
@@ -134,21 +131,18 @@ fn passive(
     first: usize,
     (sizes, kinds): (&Sizes, &JointKinds),
 ) -> Vec<Positive> {
-    let laws: Vec<(usize, &FrictionTerm)> = (drive.iter().enumerate())
-        .filter_map(|(k, term)| Some((first + k, term.law()?)))
-        .filter(|(_, term)| term.law != FrictionLaw::Offset)
-        .collect();
-    let mut shafts: Vec<(&[f64], bool)> = Vec::new();
-    for (_, term) in &laws {
-        if !shafts.contains(&(&term.shaft[..], term.load)) {
-            shafts.push((&term.shaft, term.load));
+    let laws = drive.iter().enumerate().filter_map(|(k, term)| Some((first + k, term.law()?)));
+    let mut shafts: Vec<Vec<(usize, &FrictionTerm)>> = Vec::new();
+    for (k, term) in laws.filter(|(_, term)| term.law != FrictionLaw::Offset) {
+        let is_of = |any: &FrictionTerm| (&any.shaft, any.load) == (&term.shaft, term.load);
+        match shafts.iter_mut().find(|own| is_of(own[0].1)) {
+            Some(own) => own.push((k, term)),
+            None => shafts.push(vec![(k, term)]),
         }
     }
     let mut all = Vec::new();
-    for (shaft, load) in shafts {
-        let own: Vec<&(usize, &FrictionTerm)> =
-            laws.iter().filter(|(_, term)| term.shaft == shaft && term.load == load).collect();
-        let Some((_, any)) = own.first() else { continue };
+    for own in shafts {
+        let (_, any) = own[0];
         let (peak, usual) = (speed_of(any, (sizes, kinds)), usual_friction(any, sizes));
         let dead = own.iter().fold(0.0_f64, |most, (_, term)| match term.law {
             FrictionLaw::Coulomb { width } => most.max(width),

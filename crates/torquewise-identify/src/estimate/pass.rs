@@ -6,7 +6,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use torquewise_motion::path::Path;
-use torquewise_motion::{Motion, ReadError, Recording};
+use torquewise_motion::{Motion, Recording};
 use torquewise_regression::normal_sums::{Alike, BlockSums, FOLDS, NormalSums};
 use torquewise_stepwise::error::IdentifyError;
 
@@ -22,10 +22,7 @@ struct Block {
 
 /// Adds up the normal equations of a recording at a linearisation (E11), with the bias that noise
 /// in its rows leaves in them (E7).
-///
-/// # Errors
-/// [`IdentifyError`]: the reader's message, missing torque, another arm, or sums out of range.
-pub fn add_up(
+pub(crate) fn add_up(
     recording: &(impl Recording + ?Sized),
     at: &Linearisation,
 ) -> Result<NormalSums, IdentifyError> {
@@ -47,30 +44,18 @@ pub fn add_up(
             }
             Ok(())
         };
-        read(recording, log, at, &mut take).map_err(IdentifyError::Read)?;
+        let mut with_noise =
+            |trajectory, motion: &Motion, noise: &Motion| take(trajectory, motion, Some(noise));
+        let is_read =
+            at.raw_noise && recording.read_log_with_noise(log, at.seed, &mut with_noise)?;
+        if !is_read {
+            recording.read_log(log, &mut |trajectory, motion| take(trajectory, motion, None))?;
+        }
         flush(&mut waiting, &mut sums, at)?;
     }
     let mut all = empty();
     sums.iter().try_for_each(|lane| all.merge(lane))?;
     Ok(all)
-}
-
-/// Who is shown rows, and the noise in them if it is asked for and known.
-type Take<'t> = &'t mut dyn FnMut(usize, &Motion, Option<&Motion>) -> Result<(), ReadError>;
-
-/// Reads a log, beside its noise where that is corrected for.
-fn read(
-    recording: &(impl Recording + ?Sized),
-    log: usize,
-    at: &Linearisation,
-    take: Take<'_>,
-) -> Result<(), ReadError> {
-    let mut with_noise =
-        |trajectory, motion: &Motion, noise: &Motion| take(trajectory, motion, Some(noise));
-    if at.raw_noise && recording.read_log_with_noise(log, at.seed, &mut with_noise)? {
-        return Ok(());
-    }
-    recording.read_log(log, &mut |trajectory, motion| take(trajectory, motion, None))
 }
 
 impl Block {
@@ -100,7 +85,6 @@ fn flush(
     Ok(())
 }
 
-/// The sums of one block.
 fn summed(block: &Block, at: &Linearisation) -> Result<BlockSums, IdentifyError> {
     let motion = &block.motion;
     let (rows, weights) = at.rows(motion, motion)?;

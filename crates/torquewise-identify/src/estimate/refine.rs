@@ -12,6 +12,7 @@ use std::ops::ControlFlow;
 use torquewise_motion::Recording;
 use torquewise_regression::normal_sums::NormalSums;
 use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::noise::NoiseFloor;
 
 /// Passes over a sample, for each set of weights, at most.
 const SAMPLE_PASSES: usize = 20;
@@ -43,16 +44,13 @@ pub(crate) struct Passes {
     reach: f64,
     /// Whether the next pass is the last: the geometry stays.
     is_last: bool,
-    /// Passes made.
     pub(crate) made: usize,
-    /// Passes at most.
     most: usize,
     /// Whether parameters of the geometry that the sample held may be released.
     pub(crate) may_release: bool,
 }
 
 impl Passes {
-    /// Passes over all rows, `most` at most.
     pub(crate) fn over_all(at: Linearisation, most: usize) -> Self {
         let (prior_rows, best, reach) = (None, None, REACH[0]);
         Self { at, prior_rows, best, reach, is_last: false, made: 0, most, may_release: true }
@@ -60,8 +58,9 @@ impl Passes {
 
     /// The same from the start with rows taken as they are, `most` passes at most.
     pub(crate) fn without_noise_correction(self, most: usize) -> Self {
-        let (at, may_release) = (self.at.without_noise_correction(), self.may_release);
-        Self { may_release, ..Self::over_all(at, most) }
+        let noise = NoiseFloor::none(self.at.n_joints());
+        let at = Linearisation { noise, raw_noise: false, ..self.at };
+        Self { may_release: self.may_release, ..Self::over_all(at, most) }
     }
 
     /// What follows from the sums of the pass that was asked for: another pass, or a break where nothing
@@ -128,11 +127,8 @@ pub(crate) fn refine(
     sizes: &Sizes,
     watch: Watch<'_>,
 ) -> Result<Linearisation, IdentifyError> {
-    let linear = start.linear_indices();
     let sums = add_up(recording, start)?;
-    let step = Step::new(&sums, start, sizes);
-    let parameters = step.step(&linear, 0.0)?;
-    let mut at = start.at(&parameters);
+    let mut at = start.at(&Step::new(&sums, start, sizes).linear()?);
     for weighing in 0..WEIGHINGS[1] {
         let before = geometric_mean(&at.weights);
         at.weights = weights(&add_up(recording, &at)?.weighted_rms(), sizes);

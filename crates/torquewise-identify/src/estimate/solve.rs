@@ -1,5 +1,6 @@
 //! Parameters and covariance of converged sums (E11) (E14).
 
+use super::equations::Equations;
 use super::linearisation::Linearisation;
 use super::step::Step;
 use faer::{ColRef, Mat};
@@ -53,18 +54,22 @@ impl Step<'_> {
         Ok(if is_better { more } else { active })
     }
 
-    /// What is left of each held-out fold; nothing if folds are few.
+    /// RMS of what is left of each held-out fold in units of the noise; nothing if folds are few.
     fn errors(&self, active: &[usize]) -> Result<Vec<f64>, IdentifyError> {
         let folds = self.sums.folds();
         if folds.len() < LEAST_FOLDS {
             return Ok(Vec::new());
         }
         let of_fold = |&fold: &usize| {
-            let (held, rest, share) = self.without(fold);
-            let start: Vec<f64> = active.iter().map(|&k| self.start[k]).collect();
+            let (held, share) = (self.sums.gram_of(fold), 1.0 - self.share_of(fold));
+            let (gram, bias) = (&self.gram - &held, faer::Scale(share) * &self.bias);
+            let rest = Equations::new(&gram, &bias, self.at);
             let rest = rest.of(active, self.at, (share * self.prior_rows, 0.0));
+            let start: Vec<f64> = active.iter().map(|&k| self.start[k]).collect();
             let found = minimise(rest.quadratic(), &self.prior, self.strength(), &start)?;
-            Ok(self.error(&held, fold, &self.whole(active, &found)))
+            let equations = self.sums.rows_of(fold) as f64 * self.at.n_joints() as f64;
+            let left = self.squares(&held, &self.whole(active, &found));
+            Ok((left / equations.max(1.0)).sqrt())
         };
         folds.par_iter().map(of_fold).collect()
     }

@@ -4,6 +4,7 @@ use super::equations::{Equations, cost_of_pull};
 use super::linearisation::Linearisation;
 use super::nominal::{Sizes, prior};
 use faer::{ColRef, Mat};
+use torquewise_motion::stats::median;
 use torquewise_regression::normal_sums::NormalSums;
 use torquewise_rigid::feasible::{Prior, minimise};
 use torquewise_stepwise::error::IdentifyError;
@@ -34,7 +35,6 @@ pub(super) struct Step<'a> {
     pub(super) prior: Prior,
     /// Parameters that the prior allows.
     pub(super) start: Vec<f64>,
-    /// Parameters of the linearisation.
     pub(super) before: Vec<f64>,
     /// Without the prior of the geometry.
     pub(super) all: Equations,
@@ -55,7 +55,6 @@ impl<'a> Step<'a> {
         Self { sums, at, gram, bias, prior, start, before, all, repeats, prior_rows }
     }
 
-    /// Strength of the prior.
     pub(super) fn strength(&self) -> f64 {
         STRENGTH * self.prior_rows
     }
@@ -69,7 +68,7 @@ impl<'a> Step<'a> {
 
     /// The best parameters that the geometry of the linearisation allows.
     pub(super) fn linear(&self) -> Result<Vec<f64>, IdentifyError> {
-        let linear = self.at.linear_indices();
+        let linear: Vec<usize> = (0..self.at.linear.len()).collect();
         let equations = self.all.of(&linear, self.at, (self.prior_rows, 0.0));
         Ok(self.whole(&linear, &self.minimum(&equations, &linear)?))
     }
@@ -138,22 +137,6 @@ impl<'a> Step<'a> {
         self.sums.rows_of(fold) as f64 / self.sums.rows() as f64
     }
 
-    /// The Gram matrix of a fold, the equations of the others, and their part of all rows.
-    pub(super) fn without(&self, fold: usize) -> (Mat<f64>, Equations, f64) {
-        let sums = self.sums;
-        let held = sums.gram_of(fold);
-        let share = 1.0 - self.share_of(fold);
-        let (gram, bias) = (&self.gram - &held, faer::Scale(share) * &self.bias);
-        let rest = Equations::new(&gram, &bias, self.at);
-        (held, rest, share)
-    }
-
-    /// RMS of the residual of a fold in units of the noise.
-    pub(super) fn error(&self, held: &Mat<f64>, fold: usize, x: &[f64]) -> f64 {
-        let equations = self.sums.rows_of(fold) as f64 * self.at.n_joints() as f64;
-        (self.squares(held, x) / equations.max(1.0)).sqrt()
-    }
-
     /// Part of the cost that may be left: the parameters are then within a small part of their
     /// standard errors.
     pub(super) fn tolerance(&self, active: &[usize]) -> f64 {
@@ -183,8 +166,7 @@ fn repeats(sums: &NormalSums, gram: &Mat<f64>) -> f64 {
         .filter(|&k| gram[(k, k)] > 0.0)
         .map(|k| scores[(k, k)] / (gram[(k, k)] * noise))
         .collect();
-    ratios.sort_by(f64::total_cmp);
-    ratios.get(ratios.len() / 2).copied().unwrap_or(1.0).max(1.0)
+    median(&mut ratios).max(1.0)
 }
 
 /// One over the residual of each joint \[1/(N·m)\], n. A torque that never changes is none that was

@@ -24,7 +24,7 @@ pub(super) fn drifts_of(
     recording: &(impl Recording + ?Sized),
     at: &Linearisation,
 ) -> Result<Vec<Drift>, IdentifyError> {
-    drifts(&movable(at, recording.joints()), &[], recording, &HORIZONS).map_err(IdentifyError::Read)
+    Ok(drifts(&movable(at, recording.joints()), &[], recording, &HORIZONS)?)
 }
 
 /// Adds up the normal equations of where windows end, an instant for each horizon; a window whose
@@ -49,8 +49,7 @@ pub(super) fn add_up_windows(
             sums.add(&block)?;
         }
         Ok(())
-    })
-    .map_err(IdentifyError::Read)?;
+    })?;
     Ok(sums)
 }
 
@@ -75,9 +74,8 @@ struct Moves {
 impl Arm<'_> {
     fn block(&self, window: &Window<'_>) -> Result<Option<BlockSums>, ModelError> {
         let (n, p) = (self.at.n_joints(), self.rotors.len());
-        let still = || Mat::zeros(n, p);
-        let (position, speed, reached) = (still(), still(), Vec::new());
-        let mut moves = Moves { before: 0.0, t: 0.0, position, speed, reached };
+        let (position, speed) = (Mat::zeros(n, p), Mat::zeros(n, p));
+        let mut moves = Moves { before: 0.0, t: 0.0, position, speed, reached: Vec::new() };
         let mut failed = Ok(());
         let ends = window.simulated(&self.torque, &HORIZONS, &mut |arm, seconds| {
             moves.t += seconds;
@@ -164,9 +162,9 @@ mod tests {
         let log = simulate(&Arm::builtin("puma560-3").unwrap(), &plan).unwrap().motion;
         let options = ChainOptions { friction: FrictionKind::Linear, ..ChainOptions::default() };
         let sums = summary::summarise(&log, &Plan::from(options.clone()), "", UNWATCHED).unwrap();
-        let survey = sums.survey().unwrap();
+        let survey = sums.survey.finish().unwrap();
         let searched = Searched::of(&survey, &options, (false, 0), None, UNWATCHED).unwrap();
-        let mut at = searched.refined(UNWATCHED).unwrap().linearisation().clone();
+        let mut at = searched.refined(UNWATCHED).unwrap().passes.at;
         let rotor = 30;
         at.linear[rotor] += 0.05;
         let weights = vec![vec![1.0; 3]; 2];

@@ -259,13 +259,11 @@ pub(super) fn is_told_from_gravity(term: &FrictionTerm, searched: &JointKinds) -
 }
 
 /// A specification with friction that can be told from gravity alone.
-pub(super) fn upright(spec: ChainSpec, searched: &JointKinds) -> ChainSpec {
-    let is_told =
-        |term: &DriveTerm| term.law().is_none_or(|term| is_told_from_gravity(term, searched));
-    ChainSpec { drive: spec.drive.iter().filter(|term| is_told(term)).cloned().collect(), ..spec }
+pub(super) fn upright(mut spec: ChainSpec, searched: &JointKinds) -> ChainSpec {
+    spec.drive.retain(|term| term.law().is_none_or(|law| is_told_from_gravity(law, searched)));
+    spec
 }
 
-/// The kinds of joints that slide.
 fn sliding() -> impl Iterator<Item = JointKind> {
     JointKind::ALL.into_iter().filter(|kind| kind.slides())
 }

@@ -3,13 +3,15 @@
 use super::kinds::is_told_from_gravity;
 use super::{ChainLearner, LAST_ROWS};
 use crate::chain_spec::ChainSpec;
-use crate::drive_terms::DriveTerm;
+use crate::drive_terms::{AT_REST, DriveTerm, Gravity};
+use crate::estimate::Linearisation;
 use crate::unseen::{Unseen, regions};
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
+use torquewise_regression::normal_equations::ascending;
 use torquewise_rigid::{Chain, JointKinds};
 use torquewise_stepwise::Progress;
 use torquewise_stepwise::error::IdentifyError;
@@ -59,15 +61,9 @@ impl Offer {
         Some((place, Choice { what, chosen, rule, from: listed(trials) }))
     }
 
-    /// All that is offered, each once.
-    pub(super) fn terms(&self) -> Vec<DriveTerm> {
-        let mut all: Vec<DriveTerm> = Vec::new();
-        for term in self.ways.iter().flat_map(|(_, terms)| terms) {
-            if !all.contains(term) {
-                all.push(term.clone());
-            }
-        }
-        all
+    /// The terms of all ways.
+    pub(super) fn terms(&self) -> impl Iterator<Item = &DriveTerm> {
+        self.ways.iter().flat_map(|(_, terms)| terms)
     }
 }
 
@@ -200,7 +196,7 @@ impl ChainLearner<'_> {
         offers: &[Offer],
         choices: &mut Vec<Choice>,
     ) -> Result<(), IdentifyError> {
-        spec.bear(chain);
+        spec.gravity = Some(Gravity::of(chain, &spec.drive));
         for (offer, (way, choice)) in offers.iter().zip(self.best(spec, chain, offers)?) {
             let terms = offer.ways[way].1.iter().filter(|term| !spec.drive.contains(term));
             let terms: Vec<DriveTerm> = terms.cloned().collect();
@@ -220,7 +216,9 @@ impl ChainLearner<'_> {
     ) -> Result<Vec<(usize, Option<Choice>)>, IdentifyError> {
         let (library, places) = placed(offers, &spec.drive);
         let motion = thinned(self.motion, LAST_ROWS);
-        let (tau, at) = (motion.require_tau()?.to_owned(), self.library(chain, library));
+        let (tau, none) = (motion.require_tau()?.to_owned(), vec![0.0; library.len()]);
+        let rest = self.laws.width.iter().map(|width| AT_REST * width).collect();
+        let at = Linearisation::of(chain, (library, &none), rest);
         let blocks = regions(&motion, self.motion.n_rows().div_ceil(motion.n_rows().max(1)));
         let target = [(&tau, &tau)];
         let Some(unseen) = Unseen::new(&at, &motion, &target, &blocks, 0.0)? else {
@@ -239,10 +237,8 @@ impl ChainLearner<'_> {
                     let others =
                         (0..offers.len()).map(|other| if other == k { way } else { chosen[other] });
                     let own = others.zip(&places).flat_map(|(way, places)| &places[way]);
-                    let mut active: Vec<usize> =
-                        (0..known).chain(own.map(|place| bodies + place)).collect();
-                    active.sort_unstable();
-                    active.dedup();
+                    let own = own.map(|place| bodies + place);
+                    let active = ascending((0..known).chain(own).collect());
                     let errors = unseen.errors(&active).pop()??.by_block();
                     let (label, complexity) = (offer.ways[way].0.clone(), active.len());
                     Some(CvScore { label, complexity, errors })

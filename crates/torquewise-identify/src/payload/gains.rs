@@ -26,7 +26,6 @@ pub struct DriveGains {
     pub apparent_mass: f64,
     /// Rows that they were found on.
     pub rows: usize,
-    /// Names of the joints, n.
     #[serde(skip)]
     joints: Vec<String>,
     /// Whether the axes of the model were given.

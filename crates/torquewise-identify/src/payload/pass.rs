@@ -1,8 +1,9 @@
 //! What a pass over a log says of a load on each link.
 
-use super::rows::{Columns, Weights, state_of, visit};
+use super::rows::{Columns, Weights, visit};
 use super::{STRENGTH, TOLD};
 use crate::clustered::{Stretches, scatter, score};
+use crate::states::state_of;
 use faer::{ColRef, Mat};
 use nalgebra::Vector3;
 use torquewise_model::{Model, RigidChain};

@@ -1,6 +1,7 @@
 //! Rows for a payload: what each counts, the columns of the last body, what the model leaves.
 
 use crate::drive_terms::{AT_REST, SHARE_AT_REST};
+use crate::states::state_of;
 use faer::{ColRef, Mat};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{Model, RigidChain, Torque};
@@ -79,19 +80,14 @@ pub(super) fn visit(
 ) -> Result<(), IdentifyError> {
     let torque = Torque::new(model);
     let mut path = torque.path();
-    recording
-        .read(&mut |trajectory, block| {
-            let followed = path.follow(trajectory, block);
-            let laws = torque.laws(&followed)?;
-            let left = block.require_tau()? - torque.over(&followed)?;
-            see(block, &left, &laws)?;
-            Ok(())
-        })
-        .map_err(IdentifyError::Read)
-}
-
-pub(super) fn state_of(block: &torquewise_motion::Motion, row: usize) -> [Vec<f64>; 3] {
-    [block.q(), block.dq(), block.ddq()].map(|x| x.row(row).iter().copied().collect())
+    recording.read(&mut |trajectory, block| {
+        let followed = path.follow(trajectory, block);
+        let laws = torque.laws(&followed)?;
+        let left = block.require_tau()? - torque.over(&followed)?;
+        see(block, &left, &laws)?;
+        Ok(())
+    })?;
+    Ok(())
 }
 
 /// What one pass over the rows adds up to, once the load is known.

@@ -4,6 +4,7 @@ use crate::shared::shared;
 use crate::support::{fit, motion, noisy, outside, percent, reference_arm, threads_leave_no_trace};
 use crate::truth;
 use std::collections::BTreeMap;
+use torquewise_identify::plan::LibraryOptions;
 use torquewise_identify::{Plan, score};
 use torquewise_logs::Logs;
 use torquewise_model::{Form, check};
@@ -63,14 +64,14 @@ fn the_product_library_is_exact_without_noise_close_with_it_and_not_filled_by_a_
     for (case, most) in [(1, 0.01), (2, 0.5), (3, 7.0)] {
         let log = moves(&arm, 600.0, case, 1);
 
-        let found = fit(&log, &Plan::product());
+        let found = fit(&log, &Plan::from(LibraryOptions::product()));
 
         assert_eq!(found.steps.iter().map(|s| s.candidates).collect::<Vec<_>>(), [25, 774, 387]);
         assert!(percent(&found.model, &test).iter().all(|&percent| percent < most), "case {case}");
     }
     let log = moves(&arm, 120.0, 3, 1);
 
-    let found = fit(&log, &Plan::product());
+    let found = fit(&log, &Plan::from(LibraryOptions::product()));
 
     // The truth has 74 terms; some fifteen strokes cannot tell 774 candidates apart.
     assert!(found.model.form.n_coefficients() < 120, "{}", found.model.form.n_coefficients());
@@ -133,7 +134,7 @@ fn the_same_seed_gives_the_same_model_at_any_number_of_threads() {
     let arm = Arm::builtin("planar-2").unwrap();
     let log = moves(&arm, 200.0, 3, 2);
 
-    assert!(threads_leave_no_trace(&log, &Plan::product()));
+    assert!(threads_leave_no_trace(&log, &Plan::from(LibraryOptions::product())));
 }
 
 #[test]

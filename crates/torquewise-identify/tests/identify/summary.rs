@@ -2,6 +2,7 @@
 
 use crate::support::{State, executed, fit, motion, noisy, outside, percent};
 use std::f64::consts::TAU;
+use torquewise_identify::plan::{ChainOptions, LibraryOptions};
 use torquewise_identify::reconstruct::Solution;
 use torquewise_identify::{IdentifyError, Plan, Summary, UNWATCHED, solve, summarise};
 use torquewise_model::to_json;
@@ -41,7 +42,11 @@ fn model(summary: Summary, plan: &Plan) -> String {
 #[test]
 fn any_order_and_any_grouping_solves_to_the_model_of_a_fit() {
     let logs = logs();
-    for plan in [Plan::default(), Plan::product(), Plan::sindy()] {
+    for plan in [
+        Plan::default(),
+        Plan::from(LibraryOptions::product()),
+        Plan::from(LibraryOptions::sindy()),
+    ] {
         let parts = parts(&logs, &plan);
         let fitted = to_json(&fit(&logs[..], &plan).model).unwrap();
 
@@ -68,8 +73,8 @@ fn parts_of_other_settings_do_not_add_up() {
         assert!(matches!(error, IdentifyError::Apart { what, .. } if what == word), "{error}");
     };
 
-    refused("", &Plan::product(), "library");
-    refused("", &Plan::sindy(), "method");
+    refused("", &Plan::from(LibraryOptions::product()), "library");
+    refused("", &Plan::from(LibraryOptions::sindy()), "method");
     refused("low-pass", &Plan::default(), "signals");
     let clusters = torquewise_identify::PatternPlan { clusters: Some(2), ..Default::default() };
     refused("", &Plan { patterns: clusters, ..Plan::default() }, "patterns");
@@ -146,7 +151,7 @@ fn the_slowest_motion_of_a_short_log_is_not_standstill() {
 
 #[test]
 fn moments_for_a_chain_hold_no_sums_of_a_library() {
-    let summary = parts(&logs()[..1], &Plan::chain()).remove(0);
+    let summary = parts(&logs()[..1], &Plan::from(ChainOptions::default())).remove(0);
 
     let error = solve(summary, &Plan::default(), UNWATCHED).unwrap_err();
 

@@ -2,7 +2,7 @@
 use crate::support::{chain, deviation, fit, motion, normals, percent, with_torque};
 use faer::Mat;
 use torquewise_identify::excitation::Finding;
-use torquewise_identify::plan::FrictionKind;
+use torquewise_identify::plan::{ChainOptions, FrictionKind};
 use torquewise_identify::verdict::{Grade, judge};
 use torquewise_identify::{Plan, UNWATCHED, Warning, survey, weightless};
 use torquewise_motion::Motion;
@@ -164,7 +164,7 @@ fn torques_that_are_swapped_or_without_gravity_are_named() {
     }
     // Axes of the last are parallel, as those of an arm that gravity does not pull may be.
     let arms = [
-        ("generic-6", Plan::chain(), true),
+        ("generic-6", Plan::from(ChainOptions::default()), true),
         ("puma560-3", Plan::default(), true),
         ("generic-4", Plan::default(), true),
         ("planar-2", Plan::default(), false),
@@ -194,7 +194,8 @@ fn currents_of_different_motors_are_named_with_what_each_is_worth() {
         let currents = |_: &[f64], tau: &mut [f64]| {
             tau.iter_mut().zip(gains).for_each(|(tau, gain)| *tau /= gain);
         };
-        let found = said(&Arm::builtin(name).unwrap(), &Plan::chain(), currents);
+        let found =
+            said(&Arm::builtin(name).unwrap(), &Plan::from(ChainOptions::default()), currents);
 
         let [Finding::Gains { gains: found, .. }] = &found[..] else { panic!("{found:?}") };
         let mean = gains.iter().map(|gain| gain.ln()).sum::<f64>() / gains.len() as f64;
