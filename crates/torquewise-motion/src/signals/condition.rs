@@ -44,7 +44,7 @@ pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned> {
     let motion = smooth.rows(kept, plan.keep_every).ok_or(MotionError::NothingLeft { rows })?;
     // The lag is against the derivative of position, wherever velocity is taken from.
     let dq = smooth.motion.dq().to_owned();
-    let (dq_lag, dq_gain) = lags_and_gains(&dq, &filtered, &plan)?;
+    let (dq_lag, dq_gain) = lags_and_gains(&dq, &filtered, &plan);
     let report = ConditionReport {
         rows_in: raw.t.len(),
         rows_out: motion.n_rows(),
@@ -90,11 +90,13 @@ fn signal_reports(raw: &Raw, even: &Even, filtered: &Raw, dq: &Mat<f64>) -> Vec<
     reports
 }
 
-type LagsAndGains = (Vec<Option<Shift>>, Vec<Option<f64>>);
-
 /// Lag of each joint's measured velocity, on rows thinned out as far as the filter allows, and
 /// Σ measured · derived / Σ derived² of their means over a little time, away from the ends.
-fn lags_and_gains(dq: &Mat<f64>, filtered: &Raw, plan: &SignalPlan) -> Result<LagsAndGains> {
+fn lags_and_gains(
+    dq: &Mat<f64>,
+    filtered: &Raw,
+    plan: &SignalPlan,
+) -> (Vec<Option<Shift>>, Vec<Option<f64>>) {
     let every = keep_every(plan.cutoff, plan.rate);
     let rate = plan.rate / every as f64;
     let kept = plan.trim..dq.nrows().saturating_sub(plan.trim);
@@ -108,15 +110,14 @@ fn lags_and_gains(dq: &Mat<f64>, filtered: &Raw, plan: &SignalPlan) -> Result<La
     for (joint, measured) in filtered.of(Signal::Dq).iter().enumerate() {
         let derived = dq.col_as_slice(joint).get(kept.clone()).unwrap_or_default();
         let measured = measured.get(kept.clone()).unwrap_or_default();
-        let found = lag(&thin(derived), &thin(measured), rate, -LONGEST_LAG..=LONGEST_LAG);
-        lags.push(found.map_err(|e| e.of(Signal::Dq.name(), &filtered.joints[joint]))?);
+        lags.push(lag(&thin(derived), &thin(measured), rate, LONGEST_LAG));
         let (derived, measured) = (means(derived), means(measured));
         let square: f64 = derived.iter().map(|x| x * x).sum();
         let product: f64 = derived.iter().zip(&measured).map(|(d, m)| d * m).sum();
         let moves = square > STILL * STILL * derived.len() as f64;
         gains.push(moves.then(|| product / square).filter(|gain| gain.is_finite()));
     }
-    Ok((lags, gains))
+    (lags, gains)
 }
 
 #[cfg(test)]
