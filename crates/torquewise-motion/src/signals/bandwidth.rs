@@ -8,7 +8,7 @@ use crate::signals::cutoff::{HIGHEST, LOWEST};
 use crate::signals::delay::shift_at;
 use crate::signals::plan::{Conditioning, Cutoff, OVERSAMPLING, SignalPlan};
 use crate::signals::raw::{Raw, Signal};
-use crate::signals::smooth::{Smooth, filter, smooth};
+use crate::signals::smooth::{filter, smooth};
 use crate::stats::whole;
 use crate::{Motion, Signals};
 use faer::Mat;
@@ -33,7 +33,7 @@ const DELAY_STEP: f64 = 0.005;
 /// seen at the same instants, beside the torque as it was measured but for spikes.
 #[derive(Clone, Debug)]
 pub struct Bandwidths {
-    joints: Vec<String>,
+    /// One or more.
     pieces: Vec<Piece>,
 }
 
@@ -84,17 +84,15 @@ impl Bandwidths {
                 Err(error) if error.is_too_short() => continue,
                 Err(error) => return Err(error),
             };
-            plan.check(&even.columns)?;
             let m = even.columns.t.len();
             let ends = whole((ENDS.0 * m as f64).min(ENDS.1 * plan.rate));
             let rows = (ends..m.saturating_sub(ends)).step_by(every).collect();
             cleaned.push(Piece { plan, even, rows });
         }
-        let joints = pieces.first().map_or_else(Vec::new, |raw| raw.joints.clone());
         if cleaned.iter().all(|piece| piece.rows.is_empty()) {
             return Err(MotionError::TooFewRows { rows: total, needed: 4 });
         }
-        Ok(Self { joints, pieces: cleaned })
+        Ok(Self { pieces: cleaned })
     }
 
     /// Cut-offs worth trying: from 0.5 Hz, or where enough rows are left, to what the rate allows,
@@ -131,7 +129,11 @@ impl Bandwidths {
                 Err(error) if error.is_too_short() => return Ok(None),
                 Err(error) => return Err(error),
             };
-            seen.push(smooth(&columns, &piece.even, &plan)?);
+            // Few rows are compared of those that friction is followed along.
+            let whole = smooth(&columns, &piece.even, &plan)?.motion;
+            let followed =
+                Path::new(whole.n_joints(), &TRAVELS).follow(0, &whole).select(&piece.rows);
+            seen.push(followed);
             filtered.push(columns);
         }
         let raw: Vec<&Raw> = self.pieces.iter().map(|piece| &piece.even.columns).collect();
@@ -141,10 +143,15 @@ impl Bandwidths {
             DelayedTorque { delay, filtered, raw }
         };
         let torques: Vec<DelayedTorque> = delays.iter().map(delayed).collect();
-        let states = self.states(&seen);
-        let parts = seen.iter().zip(&self.pieces);
-        let parts: Vec<Motion> = parts.map(|(own, piece)| own.motion.select(&piece.rows)).collect();
-        let signals = Motion::joined(&self.joints, &parts)?.into_signals();
+        let joints = &self.pieces[0].plan.joints;
+        let signals = Motion::joined(joints, &seen)?.into_signals();
+        let remembered = seen.iter().filter_map(|part| Some((part, part.memory()?)));
+        let mut states = Mat::zeros(self.n_rows(), joints.len() * TRAVELS.len());
+        let rows =
+            remembered.flat_map(|(part, memory)| (0..part.n_rows()).map(|row| memory.row(row)));
+        for (out, own) in rows.enumerate() {
+            own.enumerate().for_each(|(k, state)| states[(out, k)] = state);
+        }
         let tau = torques.first().map(|torque| torque.filtered.clone());
         let motion = Motion::new(Signals { t: self.stamps(), tau, ..signals })?;
         let motion = motion.with_memory(Some(Memory::new(TRAVELS.to_vec(), states)));
@@ -157,39 +164,16 @@ impl Bandwidths {
 
     /// Torque at the rows that are compared, advanced by a delay, m×n.
     fn advanced(&self, columns: &[&Raw], delay: f64) -> Mat<f64> {
-        let mut out = Mat::zeros(self.n_rows(), self.joints.len());
-        for joint in 0..self.joints.len() {
+        let mut out = Mat::zeros(self.n_rows(), self.pieces[0].plan.joints.len());
+        for joint in 0..out.ncols() {
             let of = |(columns, piece): (&&Raw, &Piece)| {
-                let tau = columns.of(Signal::Tau).get(joint);
-                let rows = piece.rows.iter().copied();
-                tau.map_or_else(Vec::new, |tau| shift_at(tau, piece.plan.rate, delay, rows))
+                let tau = &columns.of(Signal::Tau)[joint];
+                shift_at(tau, piece.plan.rate, delay, piece.rows.iter().copied())
             };
             let values = columns.iter().zip(&self.pieces).flat_map(of);
             out.col_as_slice_mut(joint).iter_mut().zip(values).for_each(|(x, value)| *x = value);
         }
         out
-    }
-
-    /// What friction remembers of the path at the rows that are compared, which are few of those it
-    /// is followed along.
-    fn states(&self, seen: &[Smooth]) -> Mat<f64> {
-        let n = self.joints.len();
-        let mut states = Mat::zeros(self.n_rows(), n * TRAVELS.len());
-        let mut out = 0;
-        for (smooth, piece) in seen.iter().zip(&self.pieces) {
-            let mut path = Path::new(n, &TRAVELS);
-            let mut wanted = piece.rows.iter().peekable();
-            let q = smooth.motion.q();
-            for row in 0..q.nrows() {
-                path.step(&q.row(row).iter().copied().collect::<Vec<f64>>());
-                if wanted.next_if_eq(&&row).is_some() {
-                    let own = path.states().iter().enumerate();
-                    own.for_each(|(k, state)| states[(out, k)] = *state);
-                    out += 1;
-                }
-            }
-        }
-        states
     }
 
     fn stamps(&self) -> Vec<f64> {

@@ -60,7 +60,9 @@ impl Conditioner {
     /// those of shapes and values from the first of the block.
     pub fn push(&mut self, block: Raw) -> Result<Vec<Motion>> {
         block.check()?;
-        self.plan.check(&block)?;
+        if block.joints != self.plan.joints {
+            return Err(MotionError::Block);
+        }
         let Some(&first) = block.t.first() else { return Ok(Vec::new()) };
         if self.waiting.t.last().is_some_and(|last| first <= *last) {
             return Err(MotionError::TimeOrder { row: self.rows_before + self.waiting.t.len() });

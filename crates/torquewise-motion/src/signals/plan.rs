@@ -134,10 +134,6 @@ impl SignalPlan {
         let delay = self.settings.delay.abs();
         if delay > 0.0 { rows((delay * self.rate).ceil()) + TAPS } else { 0 }
     }
-
-    pub(crate) fn check(&self, columns: &Raw) -> Result<()> {
-        if columns.joints == self.joints { Ok(()) } else { Err(MotionError::Block) }
-    }
 }
 
 /// Of so many rows one is enough once signals are filtered.
