@@ -34,13 +34,8 @@ pub(crate) fn best_shift(error: impl Fn(f64) -> f64, longest: f64, resolution: f
         let error = error(seconds);
         if error.is_finite() { error } else { f64::INFINITY }
     };
-    let mut best = (0, f64::INFINITY);
-    for k in 0..=steps {
-        let found = finite_error(begin + k as f64 * step);
-        if found < best.1 {
-            best = (k, found);
-        }
-    }
+    let all = (0..=steps).map(|k| (k, finite_error(begin + k as f64 * step)));
+    let best = all.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::INFINITY));
     let seconds = begin + best.0 as f64 * step;
     if best.0 == 0 || best.0 == steps {
         return Shift { seconds, error: best.1, at_end: true };
