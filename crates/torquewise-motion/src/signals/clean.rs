@@ -62,6 +62,14 @@ pub(crate) struct Even {
     pub(crate) outliers: Vec<Outliers>,
 }
 
+/// A whole trajectory checked and cleaned, and by what.
+pub(crate) fn cleaned(columns: &Raw) -> Result<(Base, Even)> {
+    columns.check()?;
+    let base = Base::of(columns)?;
+    let even = clean(columns, &base, (columns.t[0], 0))?;
+    Ok((base, even))
+}
+
 /// Takes out spikes and resamples if the log is uneven.
 ///
 /// - `origin`: time \[s\] and raw row of the first row of `columns`: the first stamp of the

@@ -8,8 +8,7 @@ use crate::signals::noise::{quantisation, standstill, white_noise};
 use crate::signals::plan::{Conditioning, Cutoff, SignalPlan, keep_every, rows};
 use crate::signals::raw::{Raw, Signal};
 use crate::signals::report::{ConditionReport, CutoffFrom, SignalReport};
-use crate::signals::resample::timing;
-use crate::signals::smooth::{filter, smooth};
+use crate::signals::smooth::{filter, kept, smooth};
 use faer::Mat;
 
 /// Longest lag of the measured velocity that is looked for \[s\].
@@ -37,24 +36,24 @@ pub struct Conditioned {
 /// [`MotionError`] that says which signal of which joint, and what to do.
 pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned> {
     let (plan, even) = SignalPlan::with_even(raw, settings)?;
-    let filtered = filter(&even, &plan)?;
-    let smooth = smooth(&filtered, &even, &plan)?;
+    let filtered = filter(&even.columns, plan.cutoff, plan.rate)?;
+    let smooth = smooth(&filtered, &even.columns, plan.rate, plan.settings.delay)?;
     let rows = even.columns.t.len();
-    let kept = plan.trim..rows.saturating_sub(plan.trim);
-    let motion = smooth.rows(kept, plan.keep_every).ok_or(MotionError::NothingLeft { rows })?;
+    let indices = plan.trim..rows.saturating_sub(plan.trim);
+    let motion = kept(&smooth, even.first, indices, plan.keep_every);
+    let motion = motion.ok_or(MotionError::NothingLeft { rows })?;
     // The lag is against the derivative of position, wherever velocity is taken from.
-    let dq = smooth.motion.dq().to_owned();
+    let dq = smooth.dq().to_owned();
     let (dq_lag, dq_gain) = lags_and_gains(&dq, &filtered, &plan);
     let report = ConditionReport {
         rows_in: raw.t.len(),
         rows_out: motion.n_rows(),
-        timing: timing(&raw.t)?,
-        resampled: !plan.base.timing.is_even(),
+        timing: plan.base.timing,
         rate_out: plan.rate / plan.keep_every as f64,
         cutoff: plan.cutoff,
         cutoff_from: match plan.settings.cutoff {
             Cutoff::Auto => CutoffFrom::Motion,
-            Cutoff::Hz(_) | Cutoff::Off => CutoffFrom::Setting,
+            Cutoff::Hz(_) => CutoffFrom::Setting,
         },
         signals: signal_reports(raw, &even, &filtered, &dq),
         outliers: even.outliers,
@@ -100,7 +99,7 @@ fn lags_and_gains(
     let every = keep_every(plan.cutoff, plan.rate);
     let rate = plan.rate / every as f64;
     let kept = plan.trim..dq.nrows().saturating_sub(plan.trim);
-    let together = plan.cutoff.map_or(1, |cutoff| rows(SLOWLY * plan.rate / cutoff).max(1));
+    let together = rows(SLOWLY * plan.rate / plan.cutoff).max(1);
     let means = |x: &[f64]| -> Vec<f64> {
         x.chunks(together).map(|x| x.iter().sum::<f64>() / x.len() as f64).collect()
     };
