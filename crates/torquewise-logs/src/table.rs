@@ -85,7 +85,6 @@ impl TableWriter {
 
 /// A log file that is written block by block; it appears when it is whole.
 pub struct LogWriter {
-    file: PathBuf,
     signals: &'static [Signal],
     table: TableWriter,
 }
@@ -104,9 +103,12 @@ impl LogWriter {
         let names: Vec<&str> = signals.iter().map(|signal| signal.name()).collect();
         let columns = Column::of_joints(&names, joints.len());
         let is_named = joints != joints::numbered(joints.len());
-        let kept = is_named.then(|| joints::join(joints)).transpose()?;
+        if is_named {
+            joints::check(joints)?;
+        }
+        let kept = is_named.then(|| joints.join(","));
         let table = TableWriter::start(file, &columns, kept.as_deref())?;
-        Ok(Self { file: file.into(), signals, table })
+        Ok(Self { signals, table })
     }
 
     /// Writes the rows of a block after those before.
@@ -115,7 +117,7 @@ impl LogWriter {
     /// [`LogError::NoTorqueToWrite`] if the log is to hold torques and the motion has none, or what
     /// [`TableWriter::append`] returns.
     pub fn append(&mut self, motion: &Motion) -> Result<()> {
-        let no_torque = || LogError::NoTorqueToWrite { file: self.file.clone() };
+        let no_torque = || LogError::NoTorqueToWrite { file: self.table.file.clone() };
         let mut columns = vec![motion.t().to_vec()];
         for signal in self.signals {
             let values: MatRef<'_, f64> = match signal {
