@@ -2,7 +2,6 @@
 
 use crate::Motion;
 use crate::error::{MotionError, Result};
-use crate::signals::clean::Even;
 use crate::signals::delay::{Shift, lag};
 use crate::signals::noise::{quantisation, standstill, white_noise};
 use crate::signals::plan::{Conditioning, Cutoff, SignalPlan, keep_every, rows};
@@ -55,7 +54,7 @@ pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned> {
             Cutoff::Auto => CutoffFrom::Motion,
             Cutoff::Hz(_) => CutoffFrom::Setting,
         },
-        signals: signal_reports(raw, &even, &filtered, &dq),
+        signals: signal_reports(raw, &even.columns, &dq),
         outliers: even.outliers,
         dq_lag,
         dq_gain,
@@ -66,24 +65,15 @@ pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned> {
     Ok(Conditioned { motion, report })
 }
 
-fn signal_reports(raw: &Raw, even: &Even, filtered: &Raw, dq: &Mat<f64>) -> Vec<SignalReport> {
+fn signal_reports(raw: &Raw, even: &Raw, dq: &Mat<f64>) -> Vec<SignalReport> {
     let still: Vec<Vec<bool>> = (0..dq.ncols()).map(|j| standstill(dq.col_as_slice(j))).collect();
-    let variance = |x: &[f64]| {
-        let mean = x.iter().sum::<f64>() / x.len() as f64;
-        x.iter().map(|x| (x - mean).powi(2)).sum::<f64>()
-    };
     let mut reports = Vec::new();
-    let present = raw.present().zip(even.columns.present()).zip(filtered.present());
-    for (((signal, raw_columns), (_, before)), (_, after)) in present {
+    for ((signal, raw_columns), (_, even_columns)) in raw.present().zip(even.present()) {
         for (joint, name) in raw.joints.iter().enumerate() {
-            // Variance of the difference as a share of that before; zero for what does not move.
-            let off = before[joint].iter().zip(&after[joint]).map(|(b, a)| b - a);
-            let (off, whole) = (off.collect::<Vec<f64>>(), variance(&before[joint]));
-            let noise = white_noise(&before[joint], &still[joint]);
+            let noise = white_noise(&even_columns[joint], &still[joint]);
             let quantisation = quantisation(&raw_columns[joint]);
-            let removed = if whole > 0.0 { (variance(&off) / whole).min(1.0) } else { 0.0 };
             let (signal, joint) = (signal.name(), name.clone());
-            reports.push(SignalReport { signal, joint, noise, quantisation, removed });
+            reports.push(SignalReport { signal, joint, noise, quantisation });
         }
     }
     reports

@@ -25,8 +25,6 @@ pub struct SignalReport {
     pub noise: f64,
     /// The step its raw values are quantised to.
     pub quantisation: Option<Quantisation>,
-    /// Variance that the filter took away, as a share of that of the signal.
-    pub removed: f64,
 }
 
 impl SignalReport {
