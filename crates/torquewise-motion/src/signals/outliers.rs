@@ -44,7 +44,6 @@ pub(crate) fn spike_scale(x: &[f64]) -> f64 {
 /// Source: R. Pearson et al., EURASIP J. Adv. Signal Process. 2016:87, with a line for the median.
 pub(crate) fn replace_outliers(t: &[f64], x: &mut [f64], scale: f64) -> Vec<usize> {
     let mut is_spike = vec![false; x.len()];
-    let mut spikes = Vec::new();
     // What stands beside a spike is judged once that is gone.
     for _ in 0..ROUNDS {
         let found = find(x, scale);
@@ -62,11 +61,8 @@ pub(crate) fn replace_outliers(t: &[f64], x: &mut [f64], scale: f64) -> Vec<usiz
             let weights = lagrange(&stamps, t[row]);
             x[row] = near.iter().zip(weights).map(|(&row, weight)| x[row] * weight).sum();
         }
-        spikes.extend(found);
     }
-    spikes.sort_unstable();
-    spikes.dedup();
-    spikes
+    (0..x.len()).filter(|row| is_spike[*row]).collect()
 }
 
 fn find(x: &[f64], scale: f64) -> Vec<usize> {
