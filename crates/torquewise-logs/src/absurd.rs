@@ -2,6 +2,7 @@
 
 use torquewise_motion::LARGEST;
 use torquewise_motion::signals::Signal;
+use torquewise_motion::stats::median;
 
 /// Rows in a row that may be absurd; more are taken for what happened.
 pub(crate) const LONGEST: usize = 3;
@@ -32,8 +33,7 @@ pub(crate) fn absurd(x: &[f64], signal: Signal) -> Vec<usize> {
     }
     let kept = x.len() - 1 - few.max(x.len() / part);
     let mut sorted = x.to_vec();
-    let (_, median, _) = sorted.select_nth_unstable_by(x.len() / 2, f64::total_cmp);
-    let median = *median;
+    let median = median(&mut sorted);
     for x in &mut sorted {
         *x = (*x - median).abs();
     }
@@ -66,8 +66,7 @@ pub(crate) fn impossible(x: &[f64], signal: Signal) -> Vec<usize> {
     if ends(f64::max).zip(ends(f64::min)).is_none_or(|(high, low)| high - low < most) {
         return Vec::new();
     }
-    let mut sorted = x.to_vec();
-    let median = *sorted.select_nth_unstable_by(x.len() / 2, f64::total_cmp).1;
+    let median = median(&mut x.to_vec());
     let is_beyond = |row: &usize| (most..DAMAGED).contains(&(x[*row] - median).abs());
     let beyond: Vec<usize> = (0..x.len()).filter(is_beyond).collect();
     if beyond.len() as f64 > OTHER_UNIT * x.len() as f64 {

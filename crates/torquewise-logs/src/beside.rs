@@ -72,11 +72,10 @@ impl Rows for SideBySide {
     }
 
     fn choose(&mut self, columns: &[usize]) -> Result<()> {
-        let of = |column: usize| self.parts.partition_point(|part| part.first <= column) - 1;
         self.chosen.clear();
         let mut own: Vec<Vec<usize>> = vec![Vec::new(); self.parts.len()];
         for column in columns {
-            let k = of(*column);
+            let k = self.parts.partition_point(|part| part.first <= *column) - 1;
             self.chosen.push((k, own[k].len()));
             own[k].push(column - self.parts[k].first);
         }

@@ -108,19 +108,14 @@ fn without_held(block: &Raw, most: usize, state: &mut Held) -> Raw {
 /// Stamps on the line of least squares through those around them, between gaps.
 fn mended(t: &[f64]) -> Vec<f64> {
     let usual = median(&mut t.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>());
-    let mut out = t.to_vec();
-    let mut begin = 0;
-    for end in 1..=t.len() {
-        if end < t.len() && t[end] - t[end - 1] <= GAP * usual {
-            continue;
-        }
-        if end - begin >= LEAST_ROWS {
-            for row in begin..end {
-                let first = row.saturating_sub(WINDOW).max(begin);
-                out[row] = on_line(&t[first..(row + WINDOW + 1).min(end)], row - first);
-            }
-        }
-        begin = end;
+    let mut out = Vec::with_capacity(t.len());
+    for run in t.chunk_by(|before, after| after - before <= GAP * usual) {
+        let mended = |row: usize| {
+            let first = row.saturating_sub(WINDOW);
+            on_line(&run[first..(row + WINDOW + 1).min(run.len())], row - first)
+        };
+        let is_long = run.len() >= LEAST_ROWS;
+        out.extend((0..run.len()).map(|row| if is_long { mended(row) } else { run[row] }));
     }
     if out.windows(2).all(|pair| pair[0] < pair[1]) { out } else { t.to_vec() }
 }

@@ -73,8 +73,7 @@ impl ConditionedLogs {
                 }
             }
         }
-        let cutoff = report.cutoff.map_or(Cutoff::Off, Cutoff::Hz);
-        let settings = Conditioning { cutoff, ..*settings };
+        let settings = Conditioning { cutoff: Cutoff::Hz(report.cutoff), ..*settings };
         Ok(Self::of(logs, pieces.clock, settings, report))
     }
 
@@ -150,11 +149,11 @@ impl RawLogs {
         let pieces = Pieces::read(&logs)?;
         let conditioned = ConditionedLogs::chosen(logs, settings, &pieces)?;
         let (trajectory, first) = pieces.longest()?;
-        let bandwidths = Bandwidths::new(&pieces.all, &conditioned.settings);
-        let bandwidths = bandwidths.map_err(|e| signals(&conditioned.logs, trajectory, e))?;
+        let bandwidths = Bandwidths::new(&pieces.all)
+            .map_err(|source| signals(&conditioned.logs, trajectory, source))?;
         let cutoffs = match settings.cutoff {
             Cutoff::Hz(cutoff) => vec![cutoff],
-            Cutoff::Auto | Cutoff::Off => bandwidths.cutoffs(),
+            Cutoff::Auto => bandwidths.cutoffs(),
         };
         let delays = if find_delay { bandwidths.delays() } else { vec![settings.delay] };
         let first = (trajectory, first.clone());
@@ -162,14 +161,12 @@ impl RawLogs {
     }
 
     /// A sample of the motion at the bandwidth of the logs, with the torque as it was measured but
-    /// for spikes; `None` where they are not filtered or too short.
+    /// for spikes; `None` where they are too short.
     ///
     /// # Errors
     /// [`ReadError`](torquewise_motion::ReadError) if the logs cannot be conditioned.
     pub fn beside_raw_torque(&self) -> ReadResult<Option<Motion>> {
-        let Some(cutoff) = self.conditioned.report.cutoff else { return Ok(None) };
-        let delay = self.conditioned.settings.delay;
-        let band = self.band(cutoff, &[delay])?;
+        let band = self.band(self.first_cutoff(), &[self.conditioned.settings.delay])?;
         let Some(Band { motion, mut torques }) = band else { return Ok(None) };
         let tau = torques.pop().map(|torque| torque.raw);
         Ok(Some(Motion::new(Signals { tau, ..motion.into_signals() })?))
@@ -180,7 +177,7 @@ impl RawRecording for RawLogs {
     type Filtered = ConditionedLogs;
 
     fn first_cutoff(&self) -> f64 {
-        self.conditioned.report.cutoff.unwrap_or_default()
+        self.conditioned.report.cutoff
     }
 
     fn cutoffs(&self) -> Vec<f64> {
@@ -224,7 +221,7 @@ impl Recording for ConditionedLogs {
 
     fn read(&self, visit: Visit<'_>) -> ReadResult {
         if !self.visit(None, None, &mut |trajectory, motion, _| visit(trajectory, motion))? {
-            let cutoff = self.report.cutoff.unwrap_or_default();
+            let cutoff = self.report.cutoff;
             let problem = format!("no trajectory is long enough to be filtered at {cutoff:.2} Hz");
             let help = "raise the cut-off, or record longer motions";
             return Err(LogError::Unusable { problem, help }.into());

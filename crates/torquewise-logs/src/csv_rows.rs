@@ -2,7 +2,7 @@
 
 use crate::error::{LogError, Result, RowPlace, shown};
 use crate::joints::{self, CSV_COMMENT};
-use crate::lines::{Advance, Lines, MAX_LINE, split};
+use crate::lines::{Lines, MAX_LINE, split};
 use crate::rows::Rows;
 use std::io::BufRead;
 use std::ops::Range;
@@ -43,12 +43,13 @@ impl<R: BufRead> CsvRows<R> {
     /// Advances to the next line with fields and splits it; `false` at the end.
     fn next_line(&mut self) -> Result<bool> {
         loop {
-            match self.lines.advance().map_err(LogError::read(&self.file))? {
-                Advance::End => return Ok(false),
-                Advance::TooLong => return Err(self.too_long("line", MAX_LINE)),
-                Advance::Line => {}
+            if !self.lines.advance().map_err(LogError::read(&self.file))? {
+                return Ok(false);
             }
             let line = &self.lines.line[..];
+            if line.len() > MAX_LINE {
+                return Err(self.too_long("line", MAX_LINE));
+            }
             if line.first() == Some(&b'#') {
                 // The names of joints stand before the header: `# joints: shoulder,elbow`.
                 let names = line.strip_prefix(CSV_COMMENT.as_bytes());

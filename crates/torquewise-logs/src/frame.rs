@@ -34,15 +34,14 @@ pub(crate) struct FrameRows {
     frame: Arc<dyn Frame>,
     chosen: Vec<usize>,
     block: Vec<Vec<f64>>,
-    /// First row of the block, and rows handed out.
-    first: usize,
+    /// Rows handed out.
     row: usize,
 }
 
 impl FrameRows {
     pub(crate) fn new(label: &Path, frame: Arc<dyn Frame>) -> Self {
         let (chosen, block) = (Vec::new(), Vec::new());
-        Self { label: label.into(), frame, chosen, block, first: 0, row: 0 }
+        Self { label: label.into(), frame, chosen, block, row: 0 }
     }
 }
 
@@ -61,13 +60,13 @@ impl Rows for FrameRows {
         if self.row >= self.frame.n_rows() {
             return Ok(false);
         }
-        if self.row == 0 || self.row == self.first + BLOCK_ROWS {
-            self.first = self.row;
-            let rows = (self.frame.n_rows() - self.first).min(BLOCK_ROWS);
+        let within = self.row % BLOCK_ROWS;
+        if within == 0 {
+            let rows = (self.frame.n_rows() - self.row).min(BLOCK_ROWS);
             for (column, values) in self.chosen.iter().zip(&mut self.block) {
                 values.resize(rows, 0.0);
-                self.frame.read(*column, self.first, values).map_err(|reason| {
-                    let (file, row) = (self.label.clone(), self.first as u64 + 1);
+                self.frame.read(*column, self.row, values).map_err(|reason| {
+                    let (file, row) = (self.label.clone(), self.row as u64 + 1);
                     let column = self.frame.names()[*column].clone();
                     let problem = format!(", column {column} cannot be read: {reason}");
                     let place = RowPlace { file, row, line: None };
@@ -76,7 +75,7 @@ impl Rows for FrameRows {
             }
         }
         for (value, values) in row.iter_mut().zip(&self.block) {
-            *value = values[self.row - self.first];
+            *value = values[within];
         }
         self.row += 1;
         Ok(true)

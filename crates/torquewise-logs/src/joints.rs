@@ -19,11 +19,6 @@ pub(crate) fn parse(text: &str) -> Vec<String> {
     text.split(',').map(|name| name.trim().to_owned()).collect()
 }
 
-pub(crate) fn join(names: &[String]) -> Result<String> {
-    check(names)?;
-    Ok(names.join(","))
-}
-
 pub(crate) fn checked(file: &Path, names: Vec<String>, n: usize) -> Result<Vec<String>> {
     if names.len() != n {
         let (file, found) = (file.into(), names.len());

@@ -162,18 +162,13 @@ impl Logs {
     /// # Errors
     /// [`LogError`] if a file cannot be read or a row is wrong.
     pub fn read_all(&self) -> Result<Vec<Motion>> {
-        let mut trajectories: Vec<Vec<Motion>> = Vec::new();
-        self.each(None, true, Blocks::block, &mut |trajectory, block| {
-            trajectories.resize_with(trajectory + 1, Vec::new);
-            trajectories[trajectory].push(block);
-            Ok::<(), LogError>(())
-        })?;
-        let whole = |blocks: &Vec<Motion>| {
-            let file = self.paths.first().cloned().unwrap_or_default();
-            let refused = |source| LogError::Motion { file, row: 1, source };
-            Motion::joined(&self.joints, blocks).map_err(refused)
-        };
-        trajectories.iter().map(whole).collect()
+        self.trajectories().map_err(|error| match error.downcast() {
+            Ok(own) => *own,
+            Err(other) => {
+                let file = self.paths.first().cloned().unwrap_or_default();
+                LogError::Read { file, source: std::io::Error::other(other) }
+            }
+        })
     }
 
     /// About how many rows the files have, if that can be told without reading them.

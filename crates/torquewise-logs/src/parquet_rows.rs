@@ -97,10 +97,11 @@ impl ParquetRows {
             let group = self.reader.get_row_group(self.groups).map_err(&refused)?;
             let column = |&column: &usize| {
                 let reader = group.get_column_reader(column).map_err(&refused)?;
-                NumberColumn::new(&self.schema().column(column), reader)
-                    .ok_or_else(|| LogError::Damaged { file: self.file.clone() })
+                let column = self.schema().column(column);
+                let is_signed = is_signed(&column).unwrap_or(true);
+                Ok(NumberColumn { reader, is_signed, present: column.max_def_level() })
             };
-            self.group = self.chosen.iter().map(column).collect::<Result<_, _>>()?;
+            self.group = self.chosen.iter().map(column).collect::<Result<_>>()?;
             self.groups += 1;
         }
     }
@@ -217,11 +218,6 @@ struct NumberColumn {
 }
 
 impl NumberColumn {
-    /// `reader` as a column of numbers; `None` if it is none, see [`foreign_type`].
-    fn new(column: &ColumnDescriptor, reader: ColumnReader) -> Option<Self> {
-        Some(Self { reader, is_signed: is_signed(column)?, present: column.max_def_level() })
-    }
-
     fn read(&mut self, rows: usize) -> parquet::errors::Result<Vec<Option<f64>>> {
         let (is_signed, present) = (self.is_signed, self.present);
         match &mut self.reader {

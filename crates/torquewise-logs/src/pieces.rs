@@ -74,11 +74,7 @@ fn recorded(logs: &Logs) -> Result<Vec<(usize, Raw)>> {
         let rows: usize = kept.iter().map(|(_, piece)| piece.t.len()).sum();
         if rows > MOST_ROWS && kept.len() > 1 {
             every *= 2;
-            let mut place = 0;
-            kept.retain(|_| {
-                place += 1;
-                place % 2 == 1
-            });
+            kept = std::mem::take(&mut kept).into_iter().step_by(2).collect();
         }
     };
     logs.read_raw(None, &mut |trajectory, block| -> Result<()> {

@@ -6,7 +6,6 @@ use crate::joints;
 #[cfg(feature = "formats")]
 use crate::parquet_sink::ParquetSink;
 use crate::sink::{Column, CsvSink, Sink, Values};
-use faer::MatRef;
 use std::path::{Path, PathBuf};
 use torquewise_motion::Motion;
 use torquewise_motion::signals::Signal;
@@ -85,8 +84,7 @@ impl TableWriter {
 
 /// A log file that is written block by block; it appears when it is whole.
 pub struct LogWriter {
-    file: PathBuf,
-    signals: &'static [Signal],
+    with_tau: bool,
     table: TableWriter,
 }
 
@@ -104,9 +102,12 @@ impl LogWriter {
         let names: Vec<&str> = signals.iter().map(|signal| signal.name()).collect();
         let columns = Column::of_joints(&names, joints.len());
         let is_named = joints != joints::numbered(joints.len());
-        let kept = is_named.then(|| joints::join(joints)).transpose()?;
+        if is_named {
+            joints::check(joints)?;
+        }
+        let kept = is_named.then(|| joints.join(","));
         let table = TableWriter::start(file, &columns, kept.as_deref())?;
-        Ok(Self { file: file.into(), signals, table })
+        Ok(Self { with_tau, table })
     }
 
     /// Writes the rows of a block after those before.
@@ -115,16 +116,14 @@ impl LogWriter {
     /// [`LogError::NoTorqueToWrite`] if the log is to hold torques and the motion has none, or what
     /// [`TableWriter::append`] returns.
     pub fn append(&mut self, motion: &Motion) -> Result<()> {
-        let no_torque = || LogError::NoTorqueToWrite { file: self.file.clone() };
+        let mut signals = vec![motion.q(), motion.dq(), motion.ddq()];
+        if self.with_tau {
+            let no_torque = || LogError::NoTorqueToWrite { file: self.table.file.clone() };
+            signals.push(motion.tau().ok_or_else(no_torque)?);
+        }
         let mut columns = vec![motion.t().to_vec()];
-        for signal in self.signals {
-            let values: MatRef<'_, f64> = match signal {
-                Signal::Q => motion.q(),
-                Signal::Dq => motion.dq(),
-                Signal::Ddq => motion.ddq(),
-                Signal::Tau => motion.tau().ok_or_else(no_torque)?,
-            };
-            columns.extend(values.col_iter().map(|column| column.iter().copied().collect()));
+        for column in signals.iter().flat_map(|signal| signal.col_iter()) {
+            columns.push(column.iter().copied().collect());
         }
         let values: Vec<_> = columns.iter().map(|column| Values::Numbers(column)).collect();
         self.table.append(&values)

@@ -17,13 +17,9 @@ pub(crate) struct Trajectory<'a> {
     settings: &'a Conditioning,
     noise: Option<&'a RawNoise>,
     clock: ClockLane,
-    stretch: Stretch,
-}
-
-enum Stretch {
-    /// Too few rows to plan by so far.
-    Waiting(Raw),
-    Running(Box<Conditioner>, Option<Box<NoiseLane>>),
+    /// Too few rows to plan by so far; none once there are filters.
+    waiting: Raw,
+    filters: Option<(Conditioner, Option<NoiseLane>)>,
 }
 
 impl<'a> Trajectory<'a> {
@@ -33,81 +29,66 @@ impl<'a> Trajectory<'a> {
         noise: Option<&'a RawNoise>,
         clock: ClockRepair,
     ) -> Self {
-        let (clock, stretch) = (ClockLane::new(clock), Stretch::Waiting(Raw::default()));
-        Self { settings, noise, clock, stretch }
+        let clock = ClockLane::new(clock);
+        Self { settings, noise, clock, waiting: Raw::default(), filters: None }
     }
 
     pub(crate) fn push(&mut self, block: Raw) -> Result<Done, MotionError> {
-        self.clock.push(block).map_or_else(|| Ok(Done::default()), |block| self.filter(block))
+        let Some(block) = self.clock.push(block) else { return Ok(Done::default()) };
+        self.waiting.append(block);
+        if self.filters.is_none() && self.waiting.t.len() < FIRST_ROWS {
+            return Ok(Done::default());
+        }
+        self.filter()
     }
 
     /// Hands out the rest; a trajectory that is too short to be filtered is left out.
     pub(crate) fn finish(mut self) -> Result<(Done, Repairs), MotionError> {
-        let last = self.clock.finish();
-        let mut done = last.map_or_else(|| Ok(Done::default()), |rest| self.filter(rest))?;
-        let mut repairs = self.clock.repairs.clone();
-        let waiting = match &mut self.stretch {
-            Stretch::Waiting(waiting) => std::mem::take(waiting),
-            Stretch::Running(..) => Raw::default(),
+        self.waiting.append(self.clock.finish().unwrap_or_default());
+        let rows = self.waiting.t.len();
+        let is_short = self.filters.is_none() && rows < FIRST_ROWS;
+        let ended = self.filter().and_then(|done| self.rest(done));
+        let mut repairs = self.clock.repairs;
+        match ended {
+            Ok(done) if !is_short || !done.motions.is_empty() => {
+                let own = self.filters.map(|(conditioner, _)| conditioner.repairs);
+                repairs.add(&own.unwrap_or_default());
+                Ok((done, repairs))
+            }
+            Err(error) if !is_short || !error.is_too_short() => Err(error),
+            _ => {
+                repairs.too_short += rows as u64;
+                Ok((Done::default(), repairs))
+            }
+        }
+    }
+
+    /// Filters the rows that wait; plans by them where they are the first.
+    fn filter(&mut self) -> Result<Done, MotionError> {
+        let raw = std::mem::take(&mut self.waiting);
+        if raw.t.is_empty() {
+            return Ok(Done::default());
+        }
+        let (conditioner, noise) = match &mut self.filters {
+            Some(filters) => filters,
+            None => {
+                let plan = SignalPlan::new(&raw, self.settings)?;
+                let noise = self.noise.map(|noise| noise.lane(plan.clone()));
+                self.filters.insert((Conditioner::new(plan), noise))
+            }
         };
-        let rows = waiting.t.len();
-        let begun = if rows > 0 { self.begin(waiting) } else { Ok(Done::default()) };
-        match begun.and_then(|begun| Ok((begun, self.rest()?))) {
-            Ok((begun, (rest, own)))
-                if rows == 0 || begun.motions.len() + rest.motions.len() > 0 =>
-            {
-                for part in [begun, rest] {
-                    done.motions.extend(part.motions);
-                    done.noise.extend(part.noise);
-                }
-                repairs.add(&own);
-            }
-            Err(error) if rows == 0 || !error.is_too_short() => return Err(error),
-            _ => repairs.too_short += rows as u64,
-        }
-        Ok((done, repairs))
+        let noise = noise.as_mut().map_or_else(|| Ok(Vec::new()), |lane| lane.push(&raw))?;
+        Ok(Done { motions: conditioner.push(raw)?, noise })
     }
 
-    fn filter(&mut self, block: Raw) -> Result<Done, MotionError> {
-        match &mut self.stretch {
-            Stretch::Waiting(waiting) => {
-                waiting.append(block);
-                if waiting.t.len() < FIRST_ROWS {
-                    return Ok(Done::default());
-                }
-                let raw = std::mem::take(waiting);
-                self.begin(raw)
+    /// What is done, and what the filters still hold.
+    fn rest(&mut self, mut done: Done) -> Result<Done, MotionError> {
+        if let Some((conditioner, noise)) = &mut self.filters {
+            done.motions.extend(conditioner.finish()?);
+            if let Some(lane) = noise {
+                done.noise.extend(lane.conditioner.finish()?);
             }
-            Stretch::Running(conditioner, noise) => pushed(conditioner, noise, block),
         }
-    }
-
-    /// Plans by the first rows, and filters them.
-    fn begin(&mut self, raw: Raw) -> Result<Done, MotionError> {
-        let plan = SignalPlan::new(&raw, self.settings)?;
-        let mut noise = self.noise.map(|noise| Box::new(noise.lane(plan.clone())));
-        let mut conditioner = Box::new(Conditioner::new(plan));
-        let done = pushed(&mut conditioner, &mut noise, raw)?;
-        self.stretch = Stretch::Running(conditioner, noise);
         Ok(done)
     }
-
-    /// What the filters still hold, and what they repaired in all.
-    fn rest(self) -> Result<(Done, Repairs), MotionError> {
-        let Stretch::Running(mut conditioner, noise) = self.stretch else {
-            return Ok(Default::default());
-        };
-        let motions = conditioner.finish()?;
-        let noise = noise.map_or_else(|| Ok(Vec::new()), |mut lane| lane.conditioner.finish())?;
-        Ok((Done { motions, noise }, conditioner.repairs))
-    }
-}
-
-fn pushed(
-    conditioner: &mut Conditioner,
-    noise: &mut Option<Box<NoiseLane>>,
-    raw: Raw,
-) -> Result<Done, MotionError> {
-    let noise = noise.as_mut().map_or_else(|| Ok(Vec::new()), |lane| lane.push(&raw))?;
-    Ok(Done { motions: conditioner.push(raw)?, noise })
 }

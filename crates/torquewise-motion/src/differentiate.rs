@@ -2,31 +2,12 @@
 
 use crate::error::{MotionError, Result};
 use faer::{ColRef, Mat, MatRef};
-use std::ops::Range;
 
 /// Rows on each side of a row that the polynomial around it is fitted to by [`derivative`].
 pub const HALF_WINDOW: usize = 10;
 
-/// The polynomial fitted around each row, and the rows it is fitted to.
-///
-/// The window of row i is i − `half_window` … i + `half_window`. Near an end it keeps its number of
-/// rows and moves inwards, so that the ends are fitted as well as the middle and never padded.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LocalPolynomial {
-    pub(crate) half_window: usize,
-    pub(crate) degree: usize,
-}
-
-impl LocalPolynomial {
-    /// Degree 4 on 21 rows: at 100 Hz, q̈ of a 1 Hz sine is right to 1 %.
-    const USUAL: Self = Self { half_window: HALF_WINDOW, degree: 4 };
-
-    fn window(self, row: usize, n_rows: usize) -> Range<usize> {
-        let width = (2 * self.half_window + 1).min(n_rows);
-        let start = row.saturating_sub(self.half_window).min(n_rows - width);
-        start..start + width
-    }
-}
+/// On 21 rows: at 100 Hz, q̈ of a 1 Hz sine is right to 1 %.
+const DEGREE: usize = 4;
 
 /// Derivative of each column of `x` with respect to `t`: the one of the polynomial of degree four and
 /// of least squares around each row. On even time stamps this is the Savitzky–Golay filter.
@@ -46,21 +27,26 @@ impl LocalPolynomial {
 /// [`MotionError::Shape`], [`MotionError::NotFinite`], [`MotionError::TimeOrder`],
 /// [`MotionError::TooFewRows`].
 pub fn derivative(t: &[f64], x: MatRef<'_, f64>, order: usize) -> Result<Mat<f64>> {
-    derivative_by(LocalPolynomial::USUAL, t, x, order)
+    derivative_by((HALF_WINDOW, DEGREE), t, x, order)
 }
 
-/// The same by another polynomial.
+/// The same by another polynomial: rows to each side that it is fitted to, and its degree.
+///
+/// Near an end the window of a row keeps its number of rows and moves inwards, so that the ends are
+/// fitted as well as the middle and never padded.
 pub(crate) fn derivative_by(
-    polynomial: LocalPolynomial,
+    (half_window, degree): (usize, usize),
     t: &[f64],
     x: MatRef<'_, f64>,
     order: usize,
 ) -> Result<Mat<f64>> {
-    check(t, x, polynomial.degree)?;
-    let mut stencil = Stencil { degree: polynomial.degree, order, ..Stencil::default() };
+    check(t, x, degree)?;
+    let mut stencil = Stencil { degree, order, ..Stencil::default() };
     let mut derived = Mat::zeros(x.nrows(), x.ncols());
+    let width = (2 * half_window + 1).min(t.len());
     for row in 0..t.len() {
-        let window = polynomial.window(row, t.len());
+        let start = row.saturating_sub(half_window).min(t.len() - width);
+        let window = start..start + width;
         stencil.fit(&t[window.clone()], t[row]);
         for column in 0..x.ncols() {
             // Weights of a derivative sum to zero: relative to the middle, rounding is smaller.

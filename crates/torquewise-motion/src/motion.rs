@@ -41,13 +41,12 @@ impl Memory {
 
     /// Whether it holds an element of each of these travels.
     pub fn holds(&self, travels: &[f64]) -> bool {
-        travels.iter().all(|travel| self.element(*travel).is_some())
+        travels.iter().all(|travel| place(&self.travels, 0, *travel).is_some())
     }
 
     /// State of the element of a joint with a travel \[rad\], if there is one.
     pub fn state(&self, row: usize, joint: usize, travel: f64) -> Option<f64> {
-        let element = self.element(travel)?;
-        let place = joint * self.travels.len() + element;
+        let place = place(&self.travels, joint, travel)?;
         (place < self.states.ncols()).then(|| self.states[(row, place)])
     }
 
@@ -62,10 +61,12 @@ impl Memory {
             Mat::from_fn(rows.len(), self.states.ncols(), |r, k| self.states[(rows[r], k)]);
         Self { travels: self.travels.clone(), states }
     }
+}
 
-    fn element(&self, travel: f64) -> Option<usize> {
-        self.travels.iter().position(|own| own.to_bits() == travel.to_bits())
-    }
+/// Where the element of a joint with a travel stands among those of all joints, if there is one.
+pub(crate) fn place(travels: &[f64], joint: usize, travel: f64) -> Option<usize> {
+    let element = travels.iter().position(|own| own.to_bits() == travel.to_bits())?;
+    Some(joint * travels.len() + element)
 }
 
 /// What an arm did: q, q̇, q̈ and, if measured, τ of n joints at m instants.

@@ -1,6 +1,6 @@
 //! States of Dahl elements along a path of positions (E13).
 
-use crate::motion::{Memory, Motion};
+use crate::motion::{Memory, Motion, place};
 use faer::Mat;
 use std::borrow::Cow;
 
@@ -79,8 +79,7 @@ impl Path {
 
     /// State of the element of a joint with a travel \[rad\], if there is one.
     pub fn state(&self, joint: usize, travel: f64) -> Option<f64> {
-        let element = self.travels.iter().position(|own| own.to_bits() == travel.to_bits())?;
-        self.states.get(joint * self.travels.len() + element).copied()
+        self.states.get(place(&self.travels, joint, travel)?).copied()
     }
 
     /// The next block of a recording with its memory, if it has none yet; another trajectory begins

@@ -120,49 +120,21 @@ impl Recording for Motion {
     }
 }
 
-impl<R: Recording> Recording for [R] {
+impl Recording for [Motion] {
     fn joints(&self) -> &[String] {
-        self.first().map_or(&[], Recording::joints)
-    }
-
-    fn is_filtered(&self) -> bool {
-        self.iter().any(Recording::is_filtered)
+        self.first().map_or(&[], Motion::joints)
     }
 
     fn read(&self, visit: Visit<'_>) -> ReadResult {
-        let mut first = 0;
-        for recording in self {
-            let mut last = first;
-            recording.read(&mut |trajectory, block| {
-                last = first + trajectory;
-                visit(last, block)
-            })?;
-            first = last + 1;
-        }
-        Ok(())
+        let mut all = self.iter().enumerate();
+        all.try_for_each(|(trajectory, own)| own.read(&mut |_, block| visit(trajectory, block)))
     }
 
     fn n_logs(&self) -> usize {
-        self.iter().map(Recording::n_logs).sum()
+        self.len()
     }
 
     fn read_log(&self, log: usize, visit: Visit<'_>) -> ReadResult {
-        place_of(self, log).map_or(Ok(()), |(recording, own)| recording.read_log(own, visit))
+        self.get(log).map_or(Ok(()), |own| own.read(visit))
     }
-
-    fn read_log_with_noise(&self, log: usize, seed: u64, visit: VisitPair<'_>) -> ReadResult<bool> {
-        place_of(self, log)
-            .map_or(Ok(false), |(recording, own)| recording.read_log_with_noise(own, seed, visit))
-    }
-}
-
-/// The recording that a log of all is in, and its number there.
-fn place_of<R: Recording>(all: &[R], mut log: usize) -> Option<(&R, usize)> {
-    for recording in all {
-        if log < recording.n_logs() {
-            return Some((recording, log));
-        }
-        log -= recording.n_logs();
-    }
-    None
 }

@@ -61,7 +61,7 @@ impl Prepared {
     /// The filter that a model fitted on them keeps.
     pub fn filter(&self) -> Option<TrainingFilter> {
         let logs = self.conditioned()?;
-        Some(TrainingFilter { cutoff_hz: logs.report.cutoff?, delay: logs.settings.delay })
+        Some(TrainingFilter { cutoff_hz: logs.report.cutoff, delay: logs.settings.delay })
     }
 
     /// A sample of the motion with the torque as it was measured, and the white noise in the torque

@@ -15,18 +15,13 @@ pub(super) const MAX_COLUMNS: usize = 10_000;
 
 pub(super) const LONGEST_NAME: usize = 4_096;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Order {
-    ByRow,
-    ByColumn,
-}
-
 #[derive(Clone, Debug)]
 pub(super) struct Array {
     pub(super) name: String,
     pub(super) rows: usize,
     pub(super) columns: usize,
-    pub(super) order: Order,
+    /// Whether its columns are stored one after the other, rather than its rows.
+    pub(super) is_by_column: bool,
     pub(super) body: Body,
 }
 
@@ -103,7 +98,7 @@ impl Array {
 
     /// Whether the series of one instant stand side by side, rather than the instants of a series.
     pub(super) fn is_by_instant(&self) -> bool {
-        (self.rows >= self.columns) == (self.order == Order::ByRow)
+        (self.rows >= self.columns) != self.is_by_column
     }
 
     pub(super) fn n_bytes(&self, element: Element) -> Option<u64> {
@@ -125,15 +120,15 @@ impl Array {
 
 #[cfg(test)]
 mod tests {
-    use super::{Array, Body, Order, Packing};
+    use super::{Array, Body, Packing};
 
     #[test]
     fn scalars_images_and_long_names_are_no_signals() {
         let (packing, element) = (Packing::Plain, Err("nothing"));
         let body = Body { start: 0, stored: 0, packing, before: 0, checksum: None, element };
         let array = |name: &str, rows, columns| {
-            let (name, order, body) = (name.into(), Order::ByRow, body.clone());
-            Array { name, rows, columns, order, body }.is_signal()
+            let (name, body) = (name.into(), body.clone());
+            Array { name, rows, columns, is_by_column: false, body }.is_signal()
         };
         assert!(array("q", 2, 1) && array("q", 300, 256));
         assert!(!array("q", 1, 1) && !array("q", 0, 5) && !array("q", 300, 300));

@@ -1,6 +1,6 @@
 //! MATLAB files (.mat, version 5); fields of structures are joined to names by dots.
 
-use crate::arrays::array::{Array, Body, LONGEST_NAME, MAX_COLUMNS, Order, Packing};
+use crate::arrays::array::{Array, Body, LONGEST_NAME, MAX_COLUMNS, Packing};
 use crate::arrays::mat_elements::{COMPRESSED, Elements, MATRIX, Tag, held_by, sizes, wrong};
 use crate::arrays::numbers::Element;
 use crate::error::{LogError, Result};
@@ -158,7 +158,7 @@ impl Walk {
             checksum: None,
             element: Err("an array holds cells, an encoding that is not read"),
         };
-        let mut array = Array { name, rows, columns, order: Order::ByColumn, body };
+        let mut array = Array { name, rows, columns, is_by_column: true, body };
         if !array.is_signal() {
             return Ok(());
         }

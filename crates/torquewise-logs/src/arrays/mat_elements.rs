@@ -76,44 +76,39 @@ impl<'a> Elements<'a> {
     }
 
     pub(super) fn skip(&mut self, tag: Tag) -> io::Result<()> {
-        if tag.small.is_none() {
-            self.pass(tag.length)?;
-            self.pad(tag)?;
-        }
-        Ok(())
+        if tag.small.is_some() { Ok(()) } else { self.within(tag, |_| Ok(())) }
     }
 
     /// Works on the elements within the one whose tag was read last, and passes over the rest.
-    pub(super) fn within<T>(
+    pub(super) fn within(
         &mut self,
         tag: Tag,
-        work: impl FnOnce(&mut Elements<'_>) -> io::Result<T>,
-    ) -> io::Result<T> {
+        work: impl FnOnce(&mut Elements<'_>) -> io::Result<()>,
+    ) -> io::Result<()> {
         if tag.small.is_some() || tag.length > self.left {
             return Err(io::ErrorKind::UnexpectedEof.into());
         }
         let mut inner = Elements { input: &mut *self.input, at: self.at, left: tag.length };
-        let done = work(&mut inner)?;
+        work(&mut inner)?;
         inner.pass(inner.left)?;
         self.passed(tag.length);
-        self.pad(tag)?;
-        Ok(done)
+        self.pad(tag)
     }
 
     /// Works on the bytes of the element whose tag was read last; all of them must be there.
-    pub(super) fn bytes_within<T>(
+    pub(super) fn bytes_within(
         &mut self,
         tag: Tag,
-        work: impl FnOnce(&mut dyn Read) -> io::Result<T>,
-    ) -> io::Result<T> {
+        work: impl FnOnce(&mut dyn Read) -> io::Result<()>,
+    ) -> io::Result<()> {
         let mut body = (&mut *self.input).take(tag.length.min(self.left));
-        let done = work(&mut body)?;
+        work(&mut body)?;
         io::copy(&mut body, &mut io::sink())?;
         if body.limit() > 0 || tag.length > self.left {
             return Err(io::ErrorKind::UnexpectedEof.into());
         }
         self.passed(tag.length);
-        Ok(done)
+        Ok(())
     }
 
     /// Elements begin at multiples of eight bytes; the last may lack its padding.

@@ -1,6 +1,6 @@
 //! The arrays of a NumPy archive (.npz of .npy, versions 1 to 3), read as they are inflated.
 
-use crate::arrays::array::{Array, Body, LONGEST_NAME, Order, Packing};
+use crate::arrays::array::{Array, Body, LONGEST_NAME, Packing};
 use crate::arrays::numbers::{Element, Kind};
 use crate::error::{LogError, Result, guarded, shown};
 use crate::format::Format;
@@ -69,8 +69,7 @@ fn array<R: Read>(file: &Path, mut entry: ZipFile<'_, R>) -> Result<Option<Array
     let (start, stored) = (entry.data_start(), entry.compressed_size());
     let (before, checksum) = (header.length as u64, Some(entry.crc32()));
     let body = Body { start, stored, packing, before, checksum, element: Ok(element) };
-    let order = if header.is_fortran { Order::ByColumn } else { Order::ByRow };
-    let mut array = Array { name, rows, columns, order, body };
+    let mut array = Array { name, rows, columns, is_by_column: header.is_fortran, body };
     let plain = entry.size().min(stored.saturating_mul(growth));
     let n_bytes = array.n_bytes(element).and_then(|bytes| bytes.checked_add(array.body.before));
     if n_bytes.is_none_or(|bytes| bytes > plain) {

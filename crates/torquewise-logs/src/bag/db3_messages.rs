@@ -68,7 +68,6 @@ pub(super) struct Db3Messages {
     query: &'static str,
     page: VecDeque<Message>,
     last: (i64, i64),
-    ended: bool,
 }
 
 impl Db3Messages {
@@ -82,7 +81,6 @@ impl Db3Messages {
             query: if is_indexed { BY_TIME } else { AS_RECORDED },
             page: VecDeque::new(),
             last: (i64::MIN, i64::MIN),
-            ended: false,
         })
     }
 
@@ -103,14 +101,13 @@ impl Db3Messages {
             self.last = (received, id);
             self.page.push_back(Message { received, bytes });
         }
-        self.ended = self.page.is_empty();
         Ok(())
     }
 }
 
 impl Messages for Db3Messages {
     fn next(&mut self) -> Result<Option<Message>> {
-        if self.page.is_empty() && !self.ended {
+        if self.page.is_empty() {
             self.next_page()?;
         }
         Ok(self.page.pop_front())

@@ -12,6 +12,10 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{BufReader, Cursor, Read};
 use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A message, and the channel that it came by.
+type Received = (Arc<mcap::Channel<'static>>, Message);
 
 /// Bytes of a chunk before the name of its compression.
 const BEFORE_COMPRESSION: usize = 28;
@@ -20,8 +24,7 @@ const BEFORE_COMPRESSION: usize = 28;
 pub(super) fn topics(file: &LogInput) -> Result<Vec<Topic>> {
     let mut topics: BTreeMap<String, Topic> = BTreeMap::new();
     let mut messages = McapMessages::open(file, None)?;
-    while let Some(message) = messages.next_of_any()? {
-        let channel = &message.channel;
+    while let Some((channel, _)) = messages.next_of_any()? {
         let topic = topics.entry(channel.topic.clone()).or_insert_with(|| Topic {
             name: channel.topic.clone(),
             kind: channel.schema.as_ref().map(|schema| schema.name.clone()).unwrap_or_default(),
@@ -61,7 +64,7 @@ impl McapMessages {
         })
     }
 
-    fn next_of_any(&mut self) -> Result<Option<mcap::Message<'static>>> {
+    fn next_of_any(&mut self) -> Result<Option<Received>> {
         let file = self.file.clone();
         let refused = |source| {
             // What the parser says is drawn for a terminal and speaks of its own code.
@@ -72,7 +75,7 @@ impl McapMessages {
         guarded(&file, || Ok(self.next_message()))?.map_err(refused)
     }
 
-    fn next_message(&mut self) -> McapResult<Option<mcap::Message<'static>>> {
+    fn next_message(&mut self) -> McapResult<Option<Received>> {
         loop {
             while let Some((opcode, data)) = next_record(&mut self.chunk)? {
                 if let Some(message) = read_record(&mut self.channels, opcode, data)? {
@@ -117,7 +120,7 @@ fn read_record(
     channels: &mut ChannelAccumulator<'static>,
     opcode: u8,
     data: &[u8],
-) -> McapResult<Option<mcap::Message<'static>>> {
+) -> McapResult<Option<Received>> {
     if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
         return Ok(None);
     }
@@ -128,13 +131,9 @@ fn read_record(
         Record::Channel(channel) => channels.add_channel(channel)?,
         Record::Message { header, data } => {
             let unknown = McapError::UnknownChannel(header.sequence, header.channel_id);
-            return Ok(Some(mcap::Message {
-                channel: channels.get(header.channel_id).ok_or(unknown)?,
-                sequence: header.sequence,
-                log_time: header.log_time,
-                publish_time: header.publish_time,
-                data: Cow::Owned(data.into_owned()),
-            }));
+            let channel = channels.get(header.channel_id).ok_or(unknown)?;
+            let received = i64::try_from(header.log_time).unwrap_or(i64::MAX);
+            return Ok(Some((channel, Message { received, bytes: data.into_owned() })));
         }
         _ => {}
     }
@@ -194,10 +193,9 @@ fn after_text(data: &[u8]) -> Option<&[u8]> {
 
 impl Messages for McapMessages {
     fn next(&mut self) -> Result<Option<Message>> {
-        while let Some(message) = self.next_of_any()? {
-            if Some(&message.channel.topic) == self.topic.as_ref() {
-                let received = i64::try_from(message.log_time).unwrap_or(i64::MAX);
-                return Ok(Some(Message { received, bytes: message.data.into_owned() }));
+        while let Some((channel, message)) = self.next_of_any()? {
+            if Some(&channel.topic) == self.topic.as_ref() {
+                return Ok(Some(message));
             }
         }
         Ok(None)

@@ -1,6 +1,6 @@
 //! Witnesses of the derivative: exact polynomials, a bound on a sine.
 
-use super::{LocalPolynomial, derivative, derivative_by};
+use super::{derivative, derivative_by};
 use crate::error::MotionError;
 use faer::Mat;
 
@@ -29,19 +29,18 @@ fn power_derivative(degree: usize, order: usize, t: f64) -> f64 {
 #[test]
 fn polynomials_up_to_the_degree_are_exact_on_every_row() {
     for t in [even(60), jittered(60)] {
-        for (half_window, degree) in [(1, 2), (2, 4), (7, 3), (10, 4), (40, 5)] {
-            let polynomial = LocalPolynomial { half_window, degree };
-            for order in 0..=degree.min(3) {
+        for polynomial in [(1, 2), (2, 4), (7, 3), (10, 4), (40, 5)] {
+            for order in 0..=polynomial.1.min(3) {
                 assert_exact_to_the_degree(&t, polynomial, order);
             }
         }
     }
 }
 
-fn assert_exact_to_the_degree(t: &[f64], polynomial: LocalPolynomial, order: usize) {
+fn assert_exact_to_the_degree(t: &[f64], polynomial: (usize, usize), order: usize) {
     let impulses = Mat::identity(t.len(), t.len());
     let weights = derivative_by(polynomial, t, impulses.as_ref(), order).unwrap();
-    for power in 0..=polynomial.degree {
+    for power in 0..=polynomial.1 {
         let x = column(t, |t| t.powi(i32::try_from(power).unwrap()));
         let derived = derivative_by(polynomial, t, x.as_ref(), order).unwrap();
         for (row, at) in t.iter().enumerate() {
@@ -105,7 +104,7 @@ fn a_signal_shorter_than_the_window_is_fitted_as_a_whole() {
 
 #[test]
 fn input_that_cannot_be_differentiated_is_refused() {
-    let polynomial = LocalPolynomial { half_window: 2, degree: 3 };
+    let polynomial = (2, 3);
     let t = even(6);
     let x = column(&t, |t| t);
     let derived = |t: &[f64], x: &Mat<f64>| derivative_by(polynomial, t, x.as_ref(), 1);

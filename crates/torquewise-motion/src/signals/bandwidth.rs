@@ -3,12 +3,12 @@
 use crate::error::{MotionError, Result};
 use crate::motion::Memory;
 use crate::path::{Path, TRAVELS};
-use crate::signals::clean::Even;
+use crate::signals::clean::cleaned;
 use crate::signals::cutoff::{HIGHEST, LOWEST};
 use crate::signals::delay::shift_at;
-use crate::signals::plan::{Conditioning, Cutoff, OVERSAMPLING, SignalPlan};
+use crate::signals::plan::OVERSAMPLING;
 use crate::signals::raw::{Raw, Signal};
-use crate::signals::smooth::{Smooth, filter, smooth};
+use crate::signals::smooth::{filter, smooth};
 use crate::stats::whole;
 use crate::{Motion, Signals};
 use faer::Mat;
@@ -33,7 +33,7 @@ const DELAY_STEP: f64 = 0.005;
 /// seen at the same instants, beside the torque as it was measured but for spikes.
 #[derive(Clone, Debug)]
 pub struct Bandwidths {
-    joints: Vec<String>,
+    /// One or more.
     pieces: Vec<Piece>,
 }
 
@@ -59,49 +59,46 @@ pub struct DelayedTorque {
 
 #[derive(Clone, Debug)]
 struct Piece {
-    plan: SignalPlan,
-    even: Even,
+    /// Samples per second \[Hz\].
+    rate: f64,
+    even: Raw,
     rows: Vec<usize>,
 }
 
 impl Bandwidths {
     /// Cleans the pieces. Those that are too short are left out.
     ///
-    /// - `pieces`: of logs of one arm, with torque; `settings`: how they are conditioned, but for
-    ///   the cut-off
+    /// - `pieces`: of logs of one arm, with torque
     ///
     /// # Errors
     /// Those of [`condition`](crate::signals::condition()); [`MotionError::TooFewRows`] if no piece is long
     /// enough.
-    pub fn new(pieces: &[Raw], settings: &Conditioning) -> Result<Self> {
-        let settings = Conditioning { cutoff: Cutoff::Off, ..*settings };
+    pub fn new(pieces: &[Raw]) -> Result<Self> {
         let total: usize = pieces.iter().map(|piece| piece.t.len()).sum();
         let every = total.div_ceil(ROWS).max(1);
-        let mut cleaned = Vec::new();
+        let mut all: Vec<Piece> = Vec::new();
         for raw in pieces {
-            let (plan, even) = match SignalPlan::with_even(raw, &settings) {
-                Ok(planned) => planned,
+            let (rate, even) = match cleaned(raw) {
+                Ok((base, even)) => (base.timing.rate, even.columns),
                 Err(error) if error.is_too_short() => continue,
                 Err(error) => return Err(error),
             };
-            plan.check(&even.columns)?;
-            let m = even.columns.t.len();
-            let ends = whole((ENDS.0 * m as f64).min(ENDS.1 * plan.rate));
+            let m = even.t.len();
+            let ends = whole((ENDS.0 * m as f64).min(ENDS.1 * rate));
             let rows = (ends..m.saturating_sub(ends)).step_by(every).collect();
-            cleaned.push(Piece { plan, even, rows });
+            all.push(Piece { rate, even, rows });
         }
-        let joints = pieces.first().map_or_else(Vec::new, |raw| raw.joints.clone());
-        if cleaned.iter().all(|piece| piece.rows.is_empty()) {
+        if all.iter().all(|piece| piece.rows.is_empty()) {
             return Err(MotionError::TooFewRows { rows: total, needed: 4 });
         }
-        Ok(Self { joints, pieces: cleaned })
+        Ok(Self { pieces: all })
     }
 
     /// Cut-offs worth trying: from 0.5 Hz, or where enough rows are left, to what the rate allows,
     /// half an octave apart.
     pub fn cutoffs(&self) -> Vec<f64> {
-        let rate = self.pieces.iter().map(|piece| piece.plan.rate).fold(f64::INFINITY, f64::min);
-        let seconds = |piece: &Piece| piece.even.columns.t.len() as f64 / piece.plan.rate;
+        let rate = self.pieces.iter().map(|piece| piece.rate).fold(f64::INFINITY, f64::min);
+        let seconds = |piece: &Piece| piece.even.t.len() as f64 / piece.rate;
         let least = LEAST_LEFT / (OVERSAMPLING * self.pieces.iter().map(seconds).sum::<f64>());
         let all = (0..MOST_CUTOFFS).map(|half| LOWEST * std::f64::consts::SQRT_2.powi(half));
         let mut cutoffs: Vec<f64> = all.take_while(|cutoff| *cutoff <= HIGHEST * rate).collect();
@@ -124,27 +121,33 @@ impl Bandwidths {
     pub fn band(&self, cutoff: f64, delays: &[f64]) -> Result<Option<Band>> {
         let (mut seen, mut filtered) = (Vec::new(), Vec::new());
         for piece in &self.pieces {
-            let mut plan = SignalPlan { cutoff: Some(cutoff), ..piece.plan.clone() };
-            plan.settings.delay = 0.0;
-            let columns = match filter(&piece.even, &plan) {
+            let columns = match filter(&piece.even, cutoff, piece.rate) {
                 Ok(columns) => columns,
                 Err(error) if error.is_too_short() => return Ok(None),
                 Err(error) => return Err(error),
             };
-            seen.push(smooth(&columns, &piece.even, &plan)?);
+            // Few rows are compared of those that friction is followed along.
+            let whole = smooth(&columns, &piece.even, piece.rate, 0.0)?;
+            let mut path = Path::new(whole.n_joints(), &TRAVELS);
+            seen.push(path.follow(0, &whole).select(&piece.rows));
             filtered.push(columns);
         }
-        let raw: Vec<&Raw> = self.pieces.iter().map(|piece| &piece.even.columns).collect();
+        let raw: Vec<&Raw> = self.pieces.iter().map(|piece| &piece.even).collect();
         let filtered: Vec<&Raw> = filtered.iter().collect();
         let delayed = |&delay: &f64| {
             let [filtered, raw] = [&filtered, &raw].map(|columns| self.advanced(columns, delay));
             DelayedTorque { delay, filtered, raw }
         };
         let torques: Vec<DelayedTorque> = delays.iter().map(delayed).collect();
-        let states = self.states(&seen);
-        let parts = seen.iter().zip(&self.pieces);
-        let parts: Vec<Motion> = parts.map(|(own, piece)| own.motion.select(&piece.rows)).collect();
-        let signals = Motion::joined(&self.joints, &parts)?.into_signals();
+        let joints = &self.pieces[0].even.joints;
+        let signals = Motion::joined(joints, &seen)?.into_signals();
+        let remembered = seen.iter().filter_map(|part| Some((part, part.memory()?)));
+        let mut states = Mat::zeros(self.n_rows(), joints.len() * TRAVELS.len());
+        let rows =
+            remembered.flat_map(|(part, memory)| (0..part.n_rows()).map(|row| memory.row(row)));
+        for (out, own) in rows.enumerate() {
+            own.enumerate().for_each(|(k, state)| states[(out, k)] = state);
+        }
         let tau = torques.first().map(|torque| torque.filtered.clone());
         let motion = Motion::new(Signals { t: self.stamps(), tau, ..signals })?;
         let motion = motion.with_memory(Some(Memory::new(TRAVELS.to_vec(), states)));
@@ -157,12 +160,11 @@ impl Bandwidths {
 
     /// Torque at the rows that are compared, advanced by a delay, m×n.
     fn advanced(&self, columns: &[&Raw], delay: f64) -> Mat<f64> {
-        let mut out = Mat::zeros(self.n_rows(), self.joints.len());
-        for joint in 0..self.joints.len() {
+        let mut out = Mat::zeros(self.n_rows(), self.pieces[0].even.joints.len());
+        for joint in 0..out.ncols() {
             let of = |(columns, piece): (&&Raw, &Piece)| {
-                let tau = columns.of(Signal::Tau).get(joint);
-                let rows = piece.rows.iter().copied();
-                tau.map_or_else(Vec::new, |tau| shift_at(tau, piece.plan.rate, delay, rows))
+                let tau = &columns.of(Signal::Tau)[joint];
+                shift_at(tau, piece.rate, delay, piece.rows.iter().copied())
             };
             let values = columns.iter().zip(&self.pieces).flat_map(of);
             out.col_as_slice_mut(joint).iter_mut().zip(values).for_each(|(x, value)| *x = value);
@@ -170,33 +172,11 @@ impl Bandwidths {
         out
     }
 
-    /// What friction remembers of the path at the rows that are compared, which are few of those it
-    /// is followed along.
-    fn states(&self, seen: &[Smooth]) -> Mat<f64> {
-        let n = self.joints.len();
-        let mut states = Mat::zeros(self.n_rows(), n * TRAVELS.len());
-        let mut out = 0;
-        for (smooth, piece) in seen.iter().zip(&self.pieces) {
-            let mut path = Path::new(n, &TRAVELS);
-            let mut wanted = piece.rows.iter().peekable();
-            let q = smooth.motion.q();
-            for row in 0..q.nrows() {
-                path.step(&q.row(row).iter().copied().collect::<Vec<f64>>());
-                if wanted.next_if_eq(&&row).is_some() {
-                    let own = path.states().iter().enumerate();
-                    own.for_each(|(k, state)| states[(out, k)] = *state);
-                    out += 1;
-                }
-            }
-        }
-        states
-    }
-
     fn stamps(&self) -> Vec<f64> {
         let mut begin = 0.0;
         let mut stamps = Vec::with_capacity(self.n_rows());
         for Piece { even, rows, .. } in &self.pieces {
-            let t = &even.columns.t;
+            let t = &even.t;
             stamps.extend(rows.iter().map(|&row| begin + t[row] - t[0]));
             begin += t[t.len() - 1] - t[0] + APART;
         }

@@ -5,7 +5,7 @@ use crate::signals::clean::{Outliers, clean};
 use crate::signals::plan::SignalPlan;
 use crate::signals::raw::Raw;
 use crate::signals::resample::count_gaps;
-use crate::signals::smooth::{filter, smooth};
+use crate::signals::smooth::{filter, kept, smooth};
 use crate::{Motion, Repairs};
 
 /// Rows that are conditioned at once, besides the overlap.
@@ -60,7 +60,9 @@ impl Conditioner {
     /// those of shapes and values from the first of the block.
     pub fn push(&mut self, block: Raw) -> Result<Vec<Motion>> {
         block.check()?;
-        self.plan.check(&block)?;
+        if block.joints != self.plan.joints {
+            return Err(MotionError::Block);
+        }
         let Some(&first) = block.t.first() else { return Ok(Vec::new()) };
         if self.waiting.t.last().is_some_and(|last| first <= *last) {
             return Err(MotionError::TimeOrder { row: self.rows_before + self.waiting.t.len() });
@@ -106,11 +108,12 @@ impl Conditioner {
             self.repairs.add_spikes(signal, new.count() as u64);
         }
         self.counted_to = counted_to;
-        let filtered = filter(&even, &self.plan)?;
-        let smooth = smooth(&filtered, &even, &self.plan)?;
+        let SignalPlan { cutoff, rate, settings, .. } = self.plan;
+        let filtered = filter(&even.columns, cutoff, rate)?;
+        let smooth = smooth(&filtered, &even.columns, rate, settings.delay)?;
         let held_back = if last { self.plan.trim } else { self.overlap };
         let end = (even.first + even.columns.t.len()).saturating_sub(held_back).max(self.next);
-        let motion = smooth.rows(self.next..end, self.plan.keep_every);
+        let motion = kept(&smooth, even.first, self.next..end, self.plan.keep_every);
         self.next = end;
         let needed = end.saturating_sub(self.overlap);
         let forgotten = if self.plan.base.timing.is_even() {

@@ -2,7 +2,7 @@
 
 use crate::error::{MotionError, Result};
 use crate::signals::outliers::{HALF_WINDOW, replace_outliers, spike_scale};
-use crate::signals::raw::Raw;
+use crate::signals::raw::{Raw, Signal};
 use crate::signals::resample::{EVEN, Resampler, Timing, grid, timing};
 use crate::stats::whole;
 
@@ -35,12 +35,10 @@ pub(crate) struct Base {
 impl Base {
     pub(crate) fn of(columns: &Raw) -> Result<Self> {
         let timing = timing(&columns.t)?;
-        let mut scales = [const { Vec::new() }; 4];
-        for (signal, columns) in columns.present() {
+        let scales = Signal::ALL.map(|signal| {
             let least = LEAST_SCALES[signal as usize];
-            scales[signal as usize] =
-                columns.iter().map(|column| spike_scale(column).max(least)).collect();
-        }
+            columns.of(signal).iter().map(|column| spike_scale(column).max(least)).collect()
+        });
         Ok(Self { timing, scales })
     }
 
@@ -60,6 +58,14 @@ pub(crate) struct Even {
     pub(crate) first: usize,
     pub(crate) columns: Raw,
     pub(crate) outliers: Vec<Outliers>,
+}
+
+/// A whole trajectory checked and cleaned, and by what.
+pub(crate) fn cleaned(columns: &Raw) -> Result<(Base, Even)> {
+    columns.check()?;
+    let base = Base::of(columns)?;
+    let even = clean(columns, &base, (columns.t[0], 0))?;
+    Ok((base, even))
 }
 
 /// Takes out spikes and resamples if the log is uneven.

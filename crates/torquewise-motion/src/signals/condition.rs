@@ -2,14 +2,12 @@
 
 use crate::Motion;
 use crate::error::{MotionError, Result};
-use crate::signals::clean::Even;
 use crate::signals::delay::{Shift, lag};
 use crate::signals::noise::{quantisation, standstill, white_noise};
 use crate::signals::plan::{Conditioning, Cutoff, SignalPlan, keep_every, rows};
 use crate::signals::raw::{Raw, Signal};
 use crate::signals::report::{ConditionReport, CutoffFrom, SignalReport};
-use crate::signals::resample::timing;
-use crate::signals::smooth::{filter, smooth};
+use crate::signals::smooth::{filter, kept, smooth};
 use faer::Mat;
 
 /// Longest lag of the measured velocity that is looked for \[s\].
@@ -37,26 +35,26 @@ pub struct Conditioned {
 /// [`MotionError`] that says which signal of which joint, and what to do.
 pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned> {
     let (plan, even) = SignalPlan::with_even(raw, settings)?;
-    let filtered = filter(&even, &plan)?;
-    let smooth = smooth(&filtered, &even, &plan)?;
+    let filtered = filter(&even.columns, plan.cutoff, plan.rate)?;
+    let smooth = smooth(&filtered, &even.columns, plan.rate, plan.settings.delay)?;
     let rows = even.columns.t.len();
-    let kept = plan.trim..rows.saturating_sub(plan.trim);
-    let motion = smooth.rows(kept, plan.keep_every).ok_or(MotionError::NothingLeft { rows })?;
+    let indices = plan.trim..rows.saturating_sub(plan.trim);
+    let motion = kept(&smooth, even.first, indices, plan.keep_every);
+    let motion = motion.ok_or(MotionError::NothingLeft { rows })?;
     // The lag is against the derivative of position, wherever velocity is taken from.
-    let dq = smooth.motion.dq().to_owned();
-    let (dq_lag, dq_gain) = lags_and_gains(&dq, &filtered, &plan)?;
+    let dq = smooth.dq().to_owned();
+    let (dq_lag, dq_gain) = lags_and_gains(&dq, &filtered, &plan);
     let report = ConditionReport {
         rows_in: raw.t.len(),
         rows_out: motion.n_rows(),
-        timing: timing(&raw.t)?,
-        resampled: !plan.base.timing.is_even(),
+        timing: plan.base.timing,
         rate_out: plan.rate / plan.keep_every as f64,
         cutoff: plan.cutoff,
         cutoff_from: match plan.settings.cutoff {
             Cutoff::Auto => CutoffFrom::Motion,
-            Cutoff::Hz(_) | Cutoff::Off => CutoffFrom::Setting,
+            Cutoff::Hz(_) => CutoffFrom::Setting,
         },
-        signals: signal_reports(raw, &even, &filtered, &dq),
+        signals: signal_reports(raw, &even.columns, &dq),
         outliers: even.outliers,
         dq_lag,
         dq_gain,
@@ -67,38 +65,31 @@ pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned> {
     Ok(Conditioned { motion, report })
 }
 
-fn signal_reports(raw: &Raw, even: &Even, filtered: &Raw, dq: &Mat<f64>) -> Vec<SignalReport> {
+fn signal_reports(raw: &Raw, even: &Raw, dq: &Mat<f64>) -> Vec<SignalReport> {
     let still: Vec<Vec<bool>> = (0..dq.ncols()).map(|j| standstill(dq.col_as_slice(j))).collect();
-    let variance = |x: &[f64]| {
-        let mean = x.iter().sum::<f64>() / x.len() as f64;
-        x.iter().map(|x| (x - mean).powi(2)).sum::<f64>()
-    };
     let mut reports = Vec::new();
-    let present = raw.present().zip(even.columns.present()).zip(filtered.present());
-    for (((signal, raw_columns), (_, before)), (_, after)) in present {
+    for ((signal, raw_columns), (_, even_columns)) in raw.present().zip(even.present()) {
         for (joint, name) in raw.joints.iter().enumerate() {
-            // Variance of the difference as a share of that before; zero for what does not move.
-            let off = before[joint].iter().zip(&after[joint]).map(|(b, a)| b - a);
-            let (off, whole) = (off.collect::<Vec<f64>>(), variance(&before[joint]));
-            let noise = white_noise(&before[joint], &still[joint]);
+            let noise = white_noise(&even_columns[joint], &still[joint]);
             let quantisation = quantisation(&raw_columns[joint]);
-            let removed = if whole > 0.0 { (variance(&off) / whole).min(1.0) } else { 0.0 };
             let (signal, joint) = (signal.name(), name.clone());
-            reports.push(SignalReport { signal, joint, noise, quantisation, removed });
+            reports.push(SignalReport { signal, joint, noise, quantisation });
         }
     }
     reports
 }
 
-type LagsAndGains = (Vec<Option<Shift>>, Vec<Option<f64>>);
-
 /// Lag of each joint's measured velocity, on rows thinned out as far as the filter allows, and
 /// Σ measured · derived / Σ derived² of their means over a little time, away from the ends.
-fn lags_and_gains(dq: &Mat<f64>, filtered: &Raw, plan: &SignalPlan) -> Result<LagsAndGains> {
+fn lags_and_gains(
+    dq: &Mat<f64>,
+    filtered: &Raw,
+    plan: &SignalPlan,
+) -> (Vec<Option<Shift>>, Vec<Option<f64>>) {
     let every = keep_every(plan.cutoff, plan.rate);
     let rate = plan.rate / every as f64;
     let kept = plan.trim..dq.nrows().saturating_sub(plan.trim);
-    let together = plan.cutoff.map_or(1, |cutoff| rows(SLOWLY * plan.rate / cutoff).max(1));
+    let together = rows(SLOWLY * plan.rate / plan.cutoff).max(1);
     let means = |x: &[f64]| -> Vec<f64> {
         x.chunks(together).map(|x| x.iter().sum::<f64>() / x.len() as f64).collect()
     };
@@ -108,15 +99,14 @@ fn lags_and_gains(dq: &Mat<f64>, filtered: &Raw, plan: &SignalPlan) -> Result<La
     for (joint, measured) in filtered.of(Signal::Dq).iter().enumerate() {
         let derived = dq.col_as_slice(joint).get(kept.clone()).unwrap_or_default();
         let measured = measured.get(kept.clone()).unwrap_or_default();
-        let found = lag(&thin(derived), &thin(measured), rate, -LONGEST_LAG..=LONGEST_LAG);
-        lags.push(found.map_err(|e| e.of(Signal::Dq.name(), &filtered.joints[joint]))?);
+        lags.push(lag(&thin(derived), &thin(measured), rate, LONGEST_LAG));
         let (derived, measured) = (means(derived), means(measured));
         let square: f64 = derived.iter().map(|x| x * x).sum();
         let product: f64 = derived.iter().zip(&measured).map(|(d, m)| d * m).sum();
         let moves = square > STILL * STILL * derived.len() as f64;
         gains.push(moves.then(|| product / square).filter(|gain| gain.is_finite()));
     }
-    Ok((lags, gains))
+    (lags, gains)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Derivatives q̇, q̈ of evenly sampled, filtered q, without delay.
 
-use crate::differentiate::{LocalPolynomial, derivative_by};
+use crate::differentiate::derivative_by;
 use crate::error::{MotionError, Result};
 use faer::{Mat, MatRef};
 
@@ -25,9 +25,8 @@ pub(crate) fn even_derivative(x: MatRef<'_, f64>, rate: f64, order: usize) -> Re
     }
     // One stencil per place in the window, on exact time steps: the same bits for any part.
     let steps: Vec<f64> = (0..=DEGREE).map(|k| k as f64 - REACH as f64).collect();
-    let polynomial = LocalPolynomial { half_window: REACH, degree: DEGREE };
     let impulses = Mat::identity(DEGREE + 1, DEGREE + 1);
-    let stencils = derivative_by(polynomial, &steps, impulses.as_ref(), order)?;
+    let stencils = derivative_by((REACH, DEGREE), &steps, impulses.as_ref(), order)?;
     let scale = (0..order).fold(1.0, |scale, _| scale * rate);
     Ok(Mat::from_fn(x.nrows(), x.ncols(), |row, column| {
         let begin = row.saturating_sub(REACH).min(x.nrows() - DEGREE - 1);

@@ -3,6 +3,7 @@
 use crate::signals::noise::quantisation;
 use crate::signals::spline::lagrange;
 use crate::stats::median;
+use std::ops::RangeInclusive;
 
 const ROUNDS: usize = 3;
 
@@ -43,7 +44,6 @@ pub(crate) fn spike_scale(x: &[f64]) -> f64 {
 /// Source: R. Pearson et al., EURASIP J. Adv. Signal Process. 2016:87, with a line for the median.
 pub(crate) fn replace_outliers(t: &[f64], x: &mut [f64], scale: f64) -> Vec<usize> {
     let mut is_spike = vec![false; x.len()];
-    let mut spikes = Vec::new();
     // What stands beside a spike is judged once that is gone.
     for _ in 0..ROUNDS {
         let found = find(x, scale);
@@ -61,29 +61,20 @@ pub(crate) fn replace_outliers(t: &[f64], x: &mut [f64], scale: f64) -> Vec<usiz
             let weights = lagrange(&stamps, t[row]);
             x[row] = near.iter().zip(weights).map(|(&row, weight)| x[row] * weight).sum();
         }
-        spikes.extend(found);
     }
-    spikes.sort_unstable();
-    spikes.dedup();
-    spikes
+    (0..x.len()).filter(|row| is_spike[*row]).collect()
 }
 
 fn find(x: &[f64], scale: f64) -> Vec<usize> {
     let mut space = Vec::with_capacity(2 * HALF_WINDOW + 1);
-    let mut spikes = Vec::new();
-    let mut run: Vec<usize> = Vec::new();
-    let mut margin = f64::INFINITY;
-    spikes.extend(at_the_ends(x, scale));
-    for row in 0..x.len() {
-        if let Some(distance) = distance(x, row, scale, &mut space) {
-            run.push(row);
-            margin = margin.min(0.5 * distance);
-        } else {
-            if is_spike(x, &run, margin) {
-                spikes.append(&mut run);
-            }
-            run.clear();
-            margin = f64::INFINITY;
+    let off = |row| Some((row, distance(x, row, scale, &mut space)?));
+    let off: Vec<(usize, f64)> = (0..x.len()).filter_map(off).collect();
+    let mut spikes = at_the_ends(x, scale);
+    for run in off.chunk_by(|a, b| a.0 + 1 == b.0) {
+        let rows = run[0].0..=run[run.len() - 1].0;
+        let least = run.iter().map(|(_, distance)| *distance).fold(f64::INFINITY, f64::min);
+        if is_spike(x, rows.clone(), 0.5 * least) {
+            spikes.extend(rows);
         }
     }
     spikes
@@ -121,13 +112,14 @@ fn at_the_ends(x: &[f64], scale: f64) -> Vec<usize> {
 }
 
 /// Whether the run is short and each of its rows stands off the neighbours on both sides.
-fn is_spike(x: &[f64], run: &[usize], margin: f64) -> bool {
-    let (Some(&first), Some(&last)) = (run.first(), run.last()) else { return false };
-    if run.len() > LONGEST {
+fn is_spike(x: &[f64], run: RangeInclusive<usize>, margin: f64) -> bool {
+    let (first, last) = run.into_inner();
+    let rows = last + 1 - first;
+    if rows > LONGEST {
         return false;
     }
     let (before, after) = (x[first - 1], x[last + 1]);
-    let slope = (after - before) / (run.len() + 1) as f64;
+    let slope = (after - before) / (rows + 1) as f64;
     let off = |from: f64, steps: usize, row: usize| (x[row] - from - slope * steps as f64).abs();
     // A signal that moves on between the two is no step unless it goes all the way.
     let is_step = (first..=last).any(|row| {

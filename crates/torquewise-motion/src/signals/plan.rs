@@ -2,7 +2,7 @@
 
 use crate::error::{MotionError, Result};
 use crate::signals::butterworth::{low_pass, settle_time};
-use crate::signals::clean::{Base, Even, clean};
+use crate::signals::clean::{Base, Even, cleaned};
 use crate::signals::cutoff::above_motion;
 use crate::signals::delay::TAPS;
 use crate::signals::derivative::REACH;
@@ -24,8 +24,6 @@ pub enum Cutoff {
     Auto,
     /// This many \[Hz\]; half the amplitude passes there.
     Hz(f64),
-    /// No filter.
-    Off,
 }
 
 /// How raw signals are conditioned.
@@ -69,7 +67,7 @@ pub struct SignalPlan {
     pub(crate) settings: Conditioning,
     /// Samples per second before decimation \[Hz\].
     pub(crate) rate: f64,
-    pub(crate) cutoff: Option<f64>,
+    pub(crate) cutoff: f64,
     pub(crate) keep_every: usize,
     pub(crate) trim: usize,
 }
@@ -85,19 +83,14 @@ impl SignalPlan {
 
     /// The plan, and the clean signals it was made from.
     pub(crate) fn with_even(columns: &Raw, settings: &Conditioning) -> Result<(Self, Even)> {
-        columns.check()?;
         settings.check()?;
-        let base = Base::of(columns)?;
-        let even = clean(columns, &base, (columns.t[0], 0))?;
+        let (base, even) = cleaned(columns)?;
         let rate = base.timing.rate;
         let cutoff = match settings.cutoff {
-            Cutoff::Auto => Some(above_motion(even.columns.of(Signal::Q), rate)?),
-            Cutoff::Hz(cutoff) => Some(cutoff),
-            Cutoff::Off => None,
+            Cutoff::Auto => above_motion(even.columns.of(Signal::Q), rate)?,
+            Cutoff::Hz(cutoff) => cutoff,
         };
-        if let Some(cutoff) = cutoff {
-            low_pass(cutoff, rate)?;
-        }
+        low_pass(cutoff, rate)?;
         let span = columns.t[columns.t.len() - 1] - columns.t[0];
         let mut plan = Self {
             joints: columns.joints.clone(),
@@ -105,11 +98,11 @@ impl SignalPlan {
             settings: *settings,
             rate,
             cutoff,
-            keep_every: keep_every(cutoff.filter(|_| settings.thins), rate),
+            keep_every: if settings.thins { keep_every(cutoff, rate) } else { 1 },
             trim: 0,
         };
-        let settle = |cutoff| settle_time(cutoff, SETTLED).min(MAX_TRIM * span);
-        let seconds = cutoff.filter(|_| settings.trims).map_or(0.0, settle);
+        let settle = settle_time(cutoff, SETTLED).min(MAX_TRIM * span);
+        let seconds = if settings.trims { settle } else { 0.0 };
         // Rounding of the rate is not to cost a row.
         plan.trim = rows((seconds * rate - 1e-6).ceil()) + plan.shift_reach();
         Ok((plan, even))
@@ -125,8 +118,7 @@ impl SignalPlan {
 
     /// Rows to each side on which a conditioned row depends, to rounding.
     pub(crate) fn reach(&self) -> usize {
-        let settle = |cutoff| settle_time(cutoff, FORGOTTEN) * self.rate;
-        let filter = self.cutoff.map_or(0.0, |cutoff| 1.3 * settle(cutoff).ceil());
+        let filter = 1.3 * (settle_time(self.cutoff, FORGOTTEN) * self.rate).ceil();
         self.base.reach() + rows(filter) + self.shift_reach() + REACH
     }
 
@@ -134,15 +126,11 @@ impl SignalPlan {
         let delay = self.settings.delay.abs();
         if delay > 0.0 { rows((delay * self.rate).ceil()) + TAPS } else { 0 }
     }
-
-    pub(crate) fn check(&self, columns: &Raw) -> Result<()> {
-        if columns.joints == self.joints { Ok(()) } else { Err(MotionError::Block) }
-    }
 }
 
 /// Of so many rows one is enough once signals are filtered.
-pub(crate) fn keep_every(cutoff: Option<f64>, rate: f64) -> usize {
-    cutoff.map_or(1, |cutoff| rows(rate / (OVERSAMPLING * cutoff)).max(1))
+pub(crate) fn keep_every(cutoff: f64, rate: f64) -> usize {
+    rows(rate / (OVERSAMPLING * cutoff)).max(1)
 }
 
 /// A whole number of rows.

@@ -25,8 +25,6 @@ pub struct SignalReport {
     pub noise: f64,
     /// The step its raw values are quantised to.
     pub quantisation: Option<Quantisation>,
-    /// Variance that the filter took away, as a share of that of the signal.
-    pub removed: f64,
 }
 
 impl SignalReport {
@@ -70,12 +68,10 @@ pub struct ConditionReport {
     pub rows_out: usize,
     /// Rate and jitter of the raw stamps.
     pub timing: Timing,
-    /// Whether the log was interpolated onto even stamps.
-    pub resampled: bool,
     /// Samples per second that came out \[Hz\].
     pub rate_out: f64,
     /// Cut-off of the low-pass filter \[Hz\].
-    pub cutoff: Option<f64>,
+    pub cutoff: f64,
     /// Where it comes from.
     pub cutoff_from: CutoffFrom,
     /// Spikes that were replaced, by signal and joint; none without.
@@ -125,7 +121,7 @@ impl fmt::Display for ConditionReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Timing { rate, jitter, longest_step, .. } = self.timing;
         write!(f, "{} rows at {rate:.1} Hz", self.rows_in)?;
-        if self.resampled {
+        if !self.timing.is_even() {
             write!(f, ", made even: jitter {:.2} %", 100.0 * jitter)?;
         }
         if longest_step * rate > 2.5 {
@@ -136,10 +132,7 @@ impl fmt::Display for ConditionReport {
             write!(f, ", as of late receipt from an even device")?;
         }
         write!(f, " -> {} rows at {:.1} Hz", self.rows_out, self.rate_out)?;
-        match self.cutoff {
-            None => write!(f, "\nno low-pass filter")?,
-            Some(cutoff) => write!(f, "\ncut-off {cutoff:.2} Hz, {}", self.cutoff_from)?,
-        }
+        write!(f, "\ncut-off {:.2} Hz, {}", self.cutoff, self.cutoff_from)?;
         if self.trimmed > 0.0 {
             write!(f, "\n{:.2} s dropped at each end", self.trimmed)?;
         }

@@ -156,10 +156,6 @@ impl Resampler {
     ///
     /// - `x`: m values
     pub(crate) fn column(&self, x: &[f64]) -> Result<Vec<f64>> {
-        let last = self.rows.last().map_or(0, |row| row + 1);
-        if x.len() < last {
-            return Err(MotionError::TooFewRows { rows: x.len(), needed: last });
-        }
         let x: Vec<f64> = self.rows.iter().map(|&row| x[row]).collect();
         let mut values = interpolate(&self.t, &x, &self.at)?;
         for (value, local) in values.iter_mut().zip(&self.local) {

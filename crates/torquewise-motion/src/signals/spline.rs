@@ -12,8 +12,8 @@ use crate::error::{MotionError, Result};
 /// Source: C. de Boor, A Practical Guide to Splines, ch. IV. Checked against:
 /// scipy.interpolate.CubicSpline.
 pub(crate) fn interpolate(t: &[f64], x: &[f64], at: &[f64]) -> Result<Vec<f64>> {
-    if t.len() < 4 || x.len() < t.len() {
-        return Err(MotionError::TooFewRows { rows: t.len().min(x.len()), needed: 4 });
+    if t.len() < 4 {
+        return Err(MotionError::TooFewRows { rows: t.len(), needed: 4 });
     }
     check_increasing(t)?;
     MotionError::check_numbers(x)?;

@@ -112,7 +112,7 @@ fn learn(plant: &Plant, settings: &Settings) -> Result<Model> {
         raw.par_iter().map(|raw| Ok(condition(raw, settings)?)).collect()
     };
     let apart = conditioned(&Conditioning::default())?;
-    let widest = apart.iter().filter_map(|log| log.report.cutoff).fold(0.0, f64::max);
+    let widest = apart.iter().map(|log| log.report.cutoff).fold(0.0, f64::max);
     let alike = Conditioning { cutoff: Cutoff::Hz(widest), ..Conditioning::default() };
     let logs: Vec<Motion> = conditioned(&alike)?.into_iter().map(|log| log.motion).collect();
     let options = LibraryOptions { friction: FrictionKind::Stribeck, ..LibraryOptions::default() };

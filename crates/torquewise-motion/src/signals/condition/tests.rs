@@ -1,7 +1,7 @@
 //! A pendulum whose motion and torque are known, measured badly.
 
 use super::*;
-use crate::signals::plan::Cutoff;
+use crate::signals::clean::cleaned;
 use approx::assert_abs_diff_eq;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -88,9 +88,9 @@ fn a_bad_log_becomes_the_motion_it_was() {
     assert_eq!(report.outliers[0].rows, [1500, 2200, 2201, 4000]);
     let lag = report.dq_lag[0].unwrap().seconds;
     assert_abs_diff_eq!(lag, BAD.velocity_lag, epsilon = 1e-3);
-    let cutoff = report.cutoff.unwrap();
+    let cutoff = report.cutoff;
     assert!((1.0..10.0).contains(&cutoff), "{cutoff}");
-    assert!(report.resampled && report.rate_out >= 8.0 * cutoff);
+    assert!(!report.timing.is_even() && report.rate_out >= 8.0 * cutoff);
 }
 
 #[test]
@@ -108,15 +108,15 @@ fn noise_of_each_signal_is_reported() {
 fn a_perfect_log_passes_as_it_is() {
     let perfect = Measured { jitter: 0.0, noise: 0.0, velocity_lag: 0.0, torque_lag: 0.0, ..BAD };
     let raw = measure(&perfect);
-    let settings = Conditioning { cutoff: Cutoff::Off, ..Default::default() };
 
-    let found = condition(&raw, &settings).unwrap();
+    let (base, even) = cleaned(&raw).unwrap();
+    let found = smooth(&even.columns, &even.columns, base.timing.rate, 0.0).unwrap();
 
-    assert_eq!(found.motion.t(), raw.t);
-    assert_eq!(column(found.motion.q()), raw.of(Signal::Q)[0]);
-    assert_eq!(column(found.motion.tau().unwrap()), raw.of(Signal::Tau)[0]);
-    assert!(off(&column(found.motion.ddq()), &raw.t, |t| motion(t)[2]) < 1e-6);
-    assert!(found.report.outliers.is_empty() && !found.report.resampled);
+    assert_eq!(found.t(), raw.t);
+    assert_eq!(column(found.q()), raw.of(Signal::Q)[0]);
+    assert_eq!(column(found.tau().unwrap()), raw.of(Signal::Tau)[0]);
+    assert!(off(&column(found.ddq()), &raw.t, |t| motion(t)[2]) < 1e-6);
+    assert!(even.outliers.is_empty() && base.timing.is_even());
 }
 
 #[test]
@@ -128,7 +128,7 @@ fn rows_are_thinned_and_ends_dropped_unless_all_are_wanted() {
     let all = condition(&raw, &Conditioning { thins: false, trims: false, ..usual }).unwrap();
 
     assert_eq!((all.motion.t(), all.report.trimmed), (&raw.t[..], 0.0));
-    assert_eq!((kept.report.cutoff, kept.report.rate_out), (Some(5.0), 50.0));
+    assert_eq!((kept.report.cutoff, kept.report.rate_out), (5.0, 50.0));
     let t = kept.motion.t();
     assert!((0.1..6.0).contains(&t[0]) && t[t.len() - 1] < 59.9, "{}", t[0]);
     assert_abs_diff_eq!(t[1] - t[0], 0.02, epsilon = 1e-12);
