@@ -16,7 +16,7 @@ pub fn pattern_bands(t: &[f64], patterns: &[Pattern]) -> Vec<Stretches> {
 /// A clock that starts at zero and never goes back.
 pub(crate) struct Clock {
     /// Time of each row \[s\].
-    t: Vec<f64>,
+    pub(crate) t: Vec<f64>,
     /// Whether each row does not follow the one before it.
     breaks: Vec<bool>,
 }
@@ -43,10 +43,6 @@ impl Clock {
             clock.breaks.push(is_break);
         }
         clock
-    }
-
-    pub(crate) fn at(&self, row: usize) -> f64 {
-        self.t[row]
     }
 
     /// Rows of some seconds in the middle, evenly thinned to a number of them, two at least.

@@ -70,15 +70,11 @@ pub enum Tone {
 
 /// Writes items one after the other, and numbers the charts.
 pub(crate) struct Writer<'a> {
-    environment: &'a Environment<'a>,
-    charts: usize,
+    pub(crate) environment: &'a Environment<'a>,
+    pub(crate) charts: usize,
 }
 
-impl<'a> Writer<'a> {
-    pub(crate) fn new(environment: &'a Environment<'a>) -> Self {
-        Self { environment, charts: 0 }
-    }
-
+impl Writer<'_> {
     pub(crate) fn write(&mut self, items: &[Item]) -> Result<String> {
         items.iter().map(|item| self.item(item)).collect()
     }
