@@ -47,7 +47,7 @@ pub(crate) struct RobotArguments {
     /// Take the joint axes from a URDF instead of searching them: joints go by name, in its order
     /// where it has none of the names; those that the log does not have are held at 0
     #[arg(long, value_name = "ROBOT.urdf")]
-    urdf: Option<PathBuf>,
+    pub(crate) urdf: Option<PathBuf>,
     /// Joints of the URDF that are held at 0, where names do not tell
     #[arg(long, value_name = "JOINT", value_delimiter = ',', requires = "urdf")]
     lock: Vec<String>,
@@ -64,10 +64,6 @@ impl RobotArguments {
         let known = known_geometry(&read_text(file)?, joints, &self.lock, self.gravity);
         let what = || format!("cannot match {} to the joints of the log", file.display());
         Ok(Some(known.map_err(|error| CliError::from(error).within(what()))?))
-    }
-
-    pub(crate) fn file(&self) -> &[PathBuf] {
-        self.urdf.as_slice()
     }
 }
 

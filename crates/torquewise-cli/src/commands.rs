@@ -24,7 +24,7 @@ mod completions;
 
 use crate::error::Result;
 use crate::outcome::Outcome;
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 
 /// From the motion log of a robot arm to its equations of motion
@@ -98,9 +98,7 @@ impl Command {
             Self::Control(arguments) => control::run(arguments),
             Self::Reproduce(arguments) => reproduce::run(arguments),
             Self::Serve(arguments) => serve::run(arguments),
-            Self::Completions(arguments) => {
-                completions::run(arguments, &mut CommandLine::command())
-            }
+            Self::Completions(arguments) => completions::run(arguments),
         }
     }
 }

@@ -10,7 +10,6 @@ use torquewise::motion::Pattern;
 
 pub(crate) struct PatternTable {
     writer: Option<TableWriter>,
-    rows: u64,
     counts: [u64; 3],
 }
 
@@ -19,15 +18,15 @@ impl PatternTable {
         let columns =
             [Column::new("row", Values::Counts(&[])), Column::new("pattern", Values::Texts(&[]))];
         let create = |file| -> Result<_> { Ok(TableWriter::create(&staged(file)?, &columns)?) };
-        Ok(Self { writer: file.map(create).transpose()?, rows: 0, counts: [0; 3] })
+        Ok(Self { writer: file.map(create).transpose()?, counts: [0; 3] })
     }
 
     /// Takes the patterns of the next rows, which are counted from 1.
     pub(crate) fn append(&mut self, patterns: &[Pattern]) -> Result<(), LogError> {
+        let before: u64 = self.counts.iter().sum();
         count_patterns(&mut self.counts, patterns);
         let names: Vec<&str> = patterns.iter().map(|pattern| pattern.name()).collect();
-        let numbers: Vec<u64> = (self.rows + 1..=self.rows + names.len() as u64).collect();
-        self.rows += names.len() as u64;
+        let numbers: Vec<u64> = (before + 1..).take(names.len()).collect();
         match &mut self.writer {
             Some(writer) => writer.append(&[Values::Counts(&numbers), Values::Texts(&names)]),
             None => Ok(()),

@@ -41,23 +41,9 @@ pub(crate) struct BaseLink {
     pub(crate) twist: [f64; 2],
     /// Sine and cosine of what is added to q.
     pub(crate) offset: [f64; 2],
-    /// Mass \[kg\] and first moment \[kg·m\]; of a joint that turns, the moment across its axis alone.
-    pub(crate) mass: f64,
-    pub(crate) first: [f64; 3],
-    /// Moments about the origin \[kg·m²\].
-    pub(crate) moments: Moments,
-}
-
-/// A symmetric tensor less its yy.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Moments {
-    /// About x, less that about y.
-    pub(crate) xx: f64,
-    /// About z.
-    pub(crate) zz: f64,
-    pub(crate) xy: f64,
-    pub(crate) xz: f64,
-    pub(crate) yz: f64,
+    /// Mass, first moment and moments about the origin, of which Iyy counts for nothing and Ixx is less
+    /// Iyy; of a joint that turns, the first moment across its axis alone.
+    pub(crate) inertial: Inertial,
 }
 
 /// How the frame of a joint lies in the one before: turns about z, x and z again, and the origin.
@@ -95,20 +81,15 @@ impl BaseChain {
                 links[before].iter_mut().zip(moved).for_each(|(own, moved)| *own += moved);
             }
         }
-        let link = |(k, ((joint, link), turn)): (usize, ((&Joint, &Inertial), &f64))| {
-            let [mass, x, y, z, xx, _, zz, xy, xz, yz] = *link;
-            BaseLink {
-                kind: axes.kinds().of(k),
-                turns: chain.coupling.row(k, n),
-                origin: joint.origin.into(),
-                twist: sine_cosine(joint.twist),
-                offset: sine_cosine(joint.after + turn),
-                mass,
-                first: [x, y, z],
-                moments: Moments { xx, zz, xy, xz, yz },
-            }
+        let link = |(k, joint): (usize, &Joint)| BaseLink {
+            kind: axes.kinds().of(k),
+            turns: chain.coupling.row(k, n),
+            origin: joint.origin.into(),
+            twist: sine_cosine(joint.twist),
+            offset: sine_cosine(joint.after + turns[k]),
+            inertial: links[k],
         };
-        let links = joints.iter().zip(&links).zip(&turns).enumerate().map(link).collect();
+        let links = joints.iter().enumerate().map(link).collect();
         let gravity = axes.gravity();
         let size = gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
         let gravity = gravity.map(|g| if g.abs() < ROUNDING * size { 0.0 } else { g });

@@ -17,8 +17,8 @@ pub(crate) fn lowered(graph: &Graph, roots: &[Id]) -> (Graph, Vec<Id>) {
         let place = match graph.node(id) {
             Node::Constant(bits) => lower.target.constant(f64::from_bits(bits)),
             Node::Input(input) => lower.target.input(input),
-            Node::Sin(multiples) => lower.angle(&multiples).sin,
-            Node::Cos(multiples) => lower.angle(&multiples).cos,
+            Node::Sin(multiples) => lower.angle(&multiples)[0],
+            Node::Cos(multiples) => lower.angle(&multiples)[1],
             Node::Add(a, b) => lower.target.add(at(a), at(b)),
             Node::Sub(a, b) => lower.target.sub(at(a), at(b)),
             Node::Mul(a, b) => lower.target.mul(at(a), at(b)),
@@ -31,27 +31,22 @@ pub(crate) fn lowered(graph: &Graph, roots: &[Id]) -> (Graph, Vec<Id>) {
     (lower.target, roots)
 }
 
-#[derive(Clone, Copy)]
-struct SinCos {
-    sin: Id,
-    cos: Id,
-}
-
 struct Lower {
     target: Graph,
-    angles: HashMap<Vec<i32>, SinCos>,
+    /// Sine and cosine of k·q.
+    angles: HashMap<Vec<i32>, [Id; 2]>,
 }
 
 impl Lower {
     /// sin and cos of k·q; k of the first joint that turns it is positive, as the graph keeps it,
     /// but here any sign will do.
-    fn angle(&mut self, multiples: &[i32]) -> SinCos {
+    fn angle(&mut self, multiples: &[i32]) -> [Id; 2] {
         if let Some(&known) = self.angles.get(multiples) {
             return known;
         }
         let turning: Vec<usize> = (0..multiples.len()).filter(|&j| multiples[j] != 0).collect();
         let made = match turning[..] {
-            [] => SinCos { sin: self.target.constant(0.0), cos: self.target.constant(1.0) },
+            [] => [0.0, 1.0].map(|x| self.target.constant(x)),
             [joint] => self.harmonic(multiples, joint),
             [.., last] => {
                 let (mut head, mut tail) = (multiples.to_vec(), vec![0; multiples.len()]);
@@ -66,7 +61,7 @@ impl Lower {
     }
 
     /// sin and cos of k·q of one joint.
-    fn harmonic(&mut self, multiples: &[i32], joint: usize) -> SinCos {
+    fn harmonic(&mut self, multiples: &[i32], joint: usize) -> [Id; 2] {
         let k = multiples[joint];
         let of = |k: i32| {
             let mut multiples = vec![0; multiples.len()];
@@ -74,21 +69,20 @@ impl Lower {
             multiples
         };
         if k < 0 {
-            let SinCos { sin, cos } = self.angle(&of(-k));
-            return SinCos { sin: self.target.neg(sin), cos };
+            let [sin, cos] = self.angle(&of(-k));
+            return [self.target.neg(sin), cos];
         }
         if k == 1 {
-            let (sin, cos) = (self.target.sin(multiples), self.target.cos(multiples));
-            return SinCos { sin, cos };
+            return [self.target.sin(multiples), self.target.cos(multiples)];
         }
         let (left, right) = (self.angle(&of(k / 2)), self.angle(&of(k - k / 2)));
         self.sum(left, right)
     }
 
-    fn sum(&mut self, a: SinCos, b: SinCos) -> SinCos {
+    fn sum(&mut self, [sin_a, cos_a]: [Id; 2], [sin_b, cos_b]: [Id; 2]) -> [Id; 2] {
         let graph = &self.target;
-        let (cc, ss) = (graph.mul(a.cos, b.cos), graph.mul(a.sin, b.sin));
-        let sin = graph.add(graph.mul(a.sin, b.cos), graph.mul(a.cos, b.sin));
-        SinCos { sin, cos: graph.sub(cc, ss) }
+        let (cc, ss) = (graph.mul(cos_a, cos_b), graph.mul(sin_a, sin_b));
+        let sin = graph.add(graph.mul(sin_a, cos_b), graph.mul(cos_a, sin_b));
+        [sin, graph.sub(cc, ss)]
     }
 }

@@ -30,7 +30,7 @@ pub(crate) fn angles(graph: &Graph, term: &Term) -> BTreeMap<Id, u32> {
             Trig::Cos => graph.cos(&multiples),
             Trig::Position => graph.multiple_sum(&multiples, Input::Q),
         };
-        raise(&mut powers, angle, u32::from(factor.power));
+        *powers.entry(angle).or_insert(0) += u32::from(factor.power);
     }
     powers
 }
@@ -41,13 +41,9 @@ pub(crate) fn motions(graph: &Graph, term: &Term) -> BTreeMap<Id, u32> {
     let velocities = term.dq.iter().enumerate().map(|(joint, &p)| (Input::Dq(joint), p));
     let accelerations = term.ddq.iter().enumerate().map(|(joint, &p)| (Input::Ddq(joint), p));
     for (input, power) in velocities.chain(accelerations).filter(|&(_, power)| power > 0) {
-        raise(&mut powers, graph.input(input), u32::from(power));
+        *powers.entry(graph.input(input)).or_insert(0) += u32::from(power);
     }
     powers
-}
-
-fn raise(powers: &mut BTreeMap<Id, u32>, atom: Id, power: u32) {
-    *powers.entry(atom).or_insert(0) += power;
 }
 
 /// Σ weight·Π atom^power as one node.

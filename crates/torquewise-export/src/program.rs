@@ -150,11 +150,6 @@ impl Memory {
     fn roots(&mut self) -> impl Iterator<Item = &mut Id> {
         self.states.iter_mut().chain(self.after.iter_mut().flat_map(|(_, roots)| roots))
     }
-
-    /// The signals that a function takes beside the state, which knows q.
-    pub(crate) fn signals(quantity: Quantity) -> impl Iterator<Item = &'static str> {
-        quantity.signals().iter().copied().filter(|signal| *signal != "q")
-    }
 }
 
 impl Program {

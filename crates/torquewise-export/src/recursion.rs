@@ -4,7 +4,7 @@
 //! acceleration of a point p of a link is a + Up, with U = \[ω̇\]× + \[ω\]×\[ω\]×, and nine entries
 //! of U serve force and moment as well (Khalil and Kleinfinger, 1987).
 
-use crate::base_chain::{BaseChain, BaseLink, Moments};
+use crate::base_chain::{BaseChain, BaseLink};
 use crate::graph::{Graph, Id, Input};
 
 type Vector = [Id; 3];
@@ -198,17 +198,18 @@ impl<'a> Recursion<'a> {
 
     /// Force and moment that the motion of a link takes: ma + Us, and Jω̇ + ω×Jω + s×a.
     fn wrench(&self, link: &BaseLink, moved: &Moved) -> Wrench {
-        let first = link.first.map(|s| self.graph.constant(s));
+        let [mass, x, y, z, ..] = link.inertial;
+        let first = [x, y, z].map(|s| self.graph.constant(s));
         let force = self.times(&moved.spread, &first);
-        let force = self.plus(&force, &self.scaled(link.mass, &moved.acceleration));
-        let turning = self.turning(&link.moments, moved);
+        let force = self.plus(&force, &self.scaled(mass, &moved.acceleration));
+        let turning = self.turning(link, moved);
         let weight = self.cross(&first, &moved.acceleration);
         Wrench { force, moment: self.plus(&turning, &weight) }
     }
 
     /// Jω̇ + ω×Jω.
-    fn turning(&self, moments: &Moments, moved: &Moved) -> Vector {
-        let Moments { xx, zz, xy, xz, yz } = *moments;
+    fn turning(&self, link: &BaseLink, moved: &Moved) -> Vector {
+        let [.., xx, _, zz, xy, xz, yz] = link.inertial;
         let [[_, u_xy, u_xz], [u_yx, _, u_yz], [u_zx, u_zy, _]] = moved.spread;
         let ([x, y, z], alpha, graph) = (moved.omega, moved.alpha, self.graph);
         let squares =
@@ -224,13 +225,12 @@ impl<'a> Recursion<'a> {
     }
 
     fn with(&self, link: &BaseLink, beyond: &Composite) -> Composite {
-        let Moments { xx, zz, xy, xz, yz } = link.moments;
+        let [mass, x, y, z, xx, _, zz, xy, xz, yz] = link.inertial;
         let own = [[xx, xy, xz], [xy, 0.0, yz], [xz, yz, zz]];
         let own = own.map(|row| row.map(|x| self.graph.constant(x)));
-        let first = link.first.map(|x| self.graph.constant(x));
+        let first = [x, y, z].map(|x| self.graph.constant(x));
         let moments = [0, 1, 2].map(|i| self.plus(&own[i], &beyond.moments[i]));
-        let mass = link.mass + beyond.mass;
-        Composite { mass, first: self.plus(&first, &beyond.first), moments }
+        Composite { mass: mass + beyond.mass, first: self.plus(&first, &beyond.first), moments }
     }
 
     /// The same body in the frame before that of a joint, about its origin.

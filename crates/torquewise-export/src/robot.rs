@@ -86,7 +86,7 @@ impl Robot {
         let (losses, shared, mut left_out) = losses(model, chain);
         let names = chain.robot.as_ref();
         let geometry = joint_geometry(model)?;
-        let Within { efforts, lost } = Within::of(model, (&losses, &shared))?;
+        let [efforts, lost] = within_log(model, (&losses, &shared))?;
         left_out.extend(lost_friction(model, &lost));
         let training = &model.training;
         let joints = placements.into_iter().enumerate().map(|(k, frame)| {
@@ -260,46 +260,41 @@ fn losses(
     (own, shared, left_out)
 }
 
-/// What a model asks for at states within those of its log.
-struct Within {
-    /// Largest torque of each joint \[N·m\], n.
-    efforts: Vec<f64>,
-    /// RMS of the friction of each joint that its own and shared losses do not hold \[N·m\], n.
-    lost: Vec<f64>,
-}
-
-impl Within {
-    fn of(model: &Model, (own, shared): (&[Losses], &[(Vec<f64>, Losses)])) -> Result<Self> {
-        let (n, training) = (model.n_joints(), &model.training);
-        let torque = Torque::new(model);
-        let mut random = ChaCha8Rng::seed_from_u64(0);
-        let (mut efforts, mut squares) = (vec![0.0_f64; n], vec![0.0; n]);
-        let peak = |peaks: &[f64], joint: usize| peaks.get(joint).copied().unwrap_or(1.0);
-        for _ in 0..STATES {
-            let mut draw = || -> f64 { random.random_range(-1.0..1.0) };
-            let position = |joint: usize, unit: f64| {
-                let [low, high] = training.q_range.get(joint).copied().unwrap_or([-PI, PI]);
-                f64::midpoint(low, high) + 0.5 * (high - low) * unit
-            };
-            let q: Vec<f64> = (0..n).map(|joint| position(joint, draw())).collect();
-            let [dq, ddq] = [&training.dq_peak, &training.ddq_peak]
-                .map(|peaks| (0..n).map(|joint| peak(peaks, joint) * draw()).collect::<Vec<f64>>());
-            for (largest, tau) in efforts.iter_mut().zip(torque.at(&q, &dq, &ddq)?) {
-                *largest = largest.max(tau.abs());
-            }
-            let mut lost = torque.friction(&q, &dq)?;
-            for ((lost, own), speed) in lost.iter_mut().zip(own).zip(&dq) {
-                *lost -= own.friction(*speed);
-            }
-            for (shaft, own) in shared {
-                let friction = own.friction(shaft.iter().zip(&dq).map(|(s, v)| s * v).sum());
-                lost.iter_mut().zip(shaft).for_each(|(lost, s)| *lost -= s * friction);
-            }
-            squares.iter_mut().zip(&lost).for_each(|(sum, lost)| *sum += lost * lost);
+/// At states within those of the log of a model: the largest torque of each joint, and the RMS of the
+/// friction of each that its own and shared losses do not hold \[N·m\], n each.
+fn within_log(
+    model: &Model,
+    (own, shared): (&[Losses], &[(Vec<f64>, Losses)]),
+) -> Result<[Vec<f64>; 2]> {
+    let (n, training) = (model.n_joints(), &model.training);
+    let torque = Torque::new(model);
+    let mut random = ChaCha8Rng::seed_from_u64(0);
+    let (mut efforts, mut squares) = (vec![0.0_f64; n], vec![0.0; n]);
+    let peak = |peaks: &[f64], joint: usize| peaks.get(joint).copied().unwrap_or(1.0);
+    for _ in 0..STATES {
+        let mut draw = || -> f64 { random.random_range(-1.0..1.0) };
+        let position = |joint: usize, unit: f64| {
+            let [low, high] = training.q_range.get(joint).copied().unwrap_or([-PI, PI]);
+            f64::midpoint(low, high) + 0.5 * (high - low) * unit
+        };
+        let q: Vec<f64> = (0..n).map(|joint| position(joint, draw())).collect();
+        let [dq, ddq] = [&training.dq_peak, &training.ddq_peak]
+            .map(|peaks| (0..n).map(|joint| peak(peaks, joint) * draw()).collect::<Vec<f64>>());
+        for (largest, tau) in efforts.iter_mut().zip(torque.at(&q, &dq, &ddq)?) {
+            *largest = largest.max(tau.abs());
         }
-        let lost = squares.iter().map(|sum| (sum / STATES as f64).sqrt()).collect();
-        Ok(Self { efforts, lost })
+        let mut lost = torque.friction(&q, &dq)?;
+        for ((lost, own), speed) in lost.iter_mut().zip(own).zip(&dq) {
+            *lost -= own.friction(*speed);
+        }
+        for (shaft, own) in shared {
+            let friction = own.friction(shaft.iter().zip(&dq).map(|(s, v)| s * v).sum());
+            lost.iter_mut().zip(shaft).for_each(|(lost, s)| *lost -= s * friction);
+        }
+        squares.iter_mut().zip(&lost).for_each(|(sum, lost)| *sum += lost * lost);
     }
+    let lost = squares.iter().map(|sum| (sum / STATES as f64).sqrt()).collect();
+    Ok([efforts, lost])
 }
 
 /// How much of the friction of each joint a file does not hold, in words.

@@ -2,7 +2,7 @@
 
 use crate::cost::Cost;
 use crate::graph::{Function, Graph, Id, Input, Node};
-use crate::program::{Memory, Precision, Program, Quantity};
+use crate::program::{Precision, Program, Quantity};
 use minijinja::{Value, context};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -32,7 +32,10 @@ impl Role {
     pub(crate) fn signals(self) -> Vec<&'static str> {
         match self {
             Self::Function(quantity) => quantity.signals().to_vec(),
-            Self::After(quantity) => Memory::signals(quantity).collect(),
+            // The state knows q.
+            Self::After(quantity) => {
+                quantity.signals().iter().copied().filter(|signal| *signal != "q").collect()
+            }
             Self::Step => vec!["q"],
             Self::Momentum => vec!["q", "dq"],
         }

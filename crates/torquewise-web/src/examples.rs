@@ -1,6 +1,5 @@
 //! Logs to try the page with: simulated when they are asked for.
 
-use std::fmt::Write;
 use torquewise::Error;
 use torquewise::dynamics::friction::{Friction, Stribeck};
 use torquewise::dynamics::{Arm, MotionKind, MotionPlan, Noise, SimulatedLog, add_noise};
@@ -91,39 +90,32 @@ impl Example {
 
 /// Columns in SI units by their usual names.
 fn plain(motion: &Motion) -> String {
-    let n = motion.n_joints();
-    let named = ["q", "dq", "ddq", "tau"].map(|name| (1..=n).map(move |k| format!(",{name}{k}")));
-    let header = named.into_iter().flatten().collect::<String>();
-    written(motion, &format!("t{header}"), |motion, row| {
-        let signals = [Some(motion.q()), Some(motion.dq()), Some(motion.ddq()), motion.tau()];
-        let signals = signals.into_iter().flatten();
-        let values = signals.flat_map(|signal| signal.row(row).iter().copied().collect::<Vec<_>>());
-        std::iter::once(motion.t()[row]).chain(values).collect()
-    })
+    let signals = [("q", motion.q()), ("dq", motion.dq()), ("ddq", motion.ddq())];
+    let mut columns = vec![("t".to_owned(), motion.t().to_vec())];
+    for (name, signal) in signals.into_iter().chain(motion.tau().map(|tau| ("tau", tau))) {
+        for (k, x) in (1..).zip(signal.col_iter()) {
+            columns.push((format!("{name}{k}"), x.iter().copied().collect()));
+        }
+    }
+    written(columns)
 }
 
 /// A clock in ms, positions in degrees and currents, by names that a program cannot know.
 fn raw(motion: &Motion) -> String {
-    let letters = || (b'A'..).take(motion.n_joints()).map(char::from);
-    let names = ["encoder", "drive"].map(|name| letters().map(move |k| format!(",{name}_{k}")));
-    let header = names.into_iter().flatten().collect::<String>();
-    written(motion, &format!("tick_ms{header}"), |motion, row| {
-        let degrees = motion.q().row(row).iter().map(|q| q.to_degrees()).collect::<Vec<_>>();
-        let tau =
-            motion.tau().map(|tau| tau.row(row).iter().map(|x| x / TORQUE_CONSTANT).collect());
-        let tau: Vec<f64> = tau.unwrap_or_default();
-        std::iter::once((1e3 * motion.t()[row]).round()).chain(degrees).chain(tau).collect()
-    })
+    let clock = motion.t().iter().map(|t| (1e3 * t).round()).collect();
+    let mut columns = vec![("tick_ms".to_owned(), clock)];
+    for (k, q) in ('A'..).zip(motion.q().col_iter()) {
+        columns.push((format!("encoder_{k}"), q.iter().map(|q| q.to_degrees()).collect()));
+    }
+    for (k, tau) in ('A'..).zip(motion.tau().iter().flat_map(|tau| tau.col_iter())) {
+        columns.push((format!("drive_{k}"), tau.iter().map(|tau| tau / TORQUE_CONSTANT).collect()));
+    }
+    written(columns)
 }
 
-fn written(motion: &Motion, header: &str, row: impl Fn(&Motion, usize) -> Vec<f64>) -> String {
-    let mut text = format!("{header}\n");
-    for k in 0..motion.n_rows() {
-        for (place, value) in row(motion, k).into_iter().enumerate() {
-            // A text takes all that is written into it.
-            let _ = write!(text, "{}{value:?}", if place == 0 { "" } else { "," });
-        }
-        text.push('\n');
-    }
-    text
+fn written(columns: Vec<(String, Vec<f64>)>) -> String {
+    let (names, columns): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
+    let row = |k: usize| columns.iter().map(|x| format!("{:?}", x[k])).collect::<Vec<_>>();
+    let rows = (0..columns[0].len()).map(row);
+    std::iter::once(names).chain(rows).map(|row| row.join(",") + "\n").collect()
 }

@@ -1,8 +1,9 @@
 //! `completions`: a script that completes the words of the command line.
 
+use crate::commands::CommandLine;
 use crate::error::{CliError, Result};
 use crate::outcome::Outcome;
-use clap::{Args, Command};
+use clap::{Args, CommandFactory};
 use clap_complete::{Shell, generate};
 use serde_json::json;
 
@@ -14,9 +15,9 @@ pub(crate) struct Arguments {
     shell: Shell,
 }
 
-pub(crate) fn run(arguments: &Arguments, command: &mut Command) -> Result<Outcome> {
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut script = Vec::new();
-    generate(arguments.shell, command, "torquewise", &mut script);
+    generate(arguments.shell, &mut CommandLine::command(), "torquewise", &mut script);
     let text = String::from_utf8(script)
         .map_err(|error| CliError::Stdout { source: std::io::Error::other(error) })?;
     let json = json!({ "shell": arguments.shell.to_string(), "script": text });

@@ -115,7 +115,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let files = Files::within(&arguments.output);
     create_folder(&arguments.output)?;
     let inputs = [PathBuf::from(&arguments.arm)];
-    check_files(&inputs, files.all().map(|file| (file.as_path(), &[][..])))?;
+    let outputs = files.recordings.iter().flatten().chain([&files.figure]);
+    check_files(&inputs, outputs.map(|file| (file.as_path(), &[][..])))?;
     let plan = ExcitationPlan {
         seconds: [arguments.standstill, arguments.uniform, arguments.variable],
         dwell: arguments.dwell,
@@ -154,10 +155,6 @@ impl Files {
         let of = |name: &str| ["csv", "yaml"].map(|ending| folder.join(format!("{name}.{ending}")));
         let recordings = ["standstill", "uniform", "variable"].map(of);
         Self { recordings, figure: folder.join("excite.svg") }
-    }
-
-    fn all(&self) -> impl Iterator<Item = &PathBuf> {
-        self.recordings.iter().flatten().chain([&self.figure])
     }
 }
 

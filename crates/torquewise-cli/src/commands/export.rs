@@ -81,8 +81,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let onto = arguments.onto.as_ref().map(|onto| read_text(onto)).transpose()?;
     let has_binary = *to == Target::Fmu && !arguments.no_binary;
     let work = has_binary.then(work_folder).transpose()?;
+    // The name given, or that of the file, with whatever C does not allow replaced.
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
     let options = ExportOptions {
-        name: &name(arguments),
+        name: &arguments.name.clone().unwrap_or_else(|| function_name(&stem)),
         precision: arguments.precision,
         reversal: arguments.reversal,
         onto: onto.as_ref().map(|text| (&text[..], &arguments.lock[..])),
@@ -170,13 +172,6 @@ fn check_paths(arguments: &Arguments, vectors: Option<&PathBuf>) -> Result<()> {
         return Err(CliError::NotEmpty(output.clone()));
     }
     check_files(inputs, vectors)
-}
-
-/// The name given, or that of the file, with whatever C does not allow replaced.
-fn name(arguments: &Arguments) -> String {
-    arguments.name.clone().unwrap_or_else(|| {
-        function_name(&arguments.output.file_stem().unwrap_or_default().to_string_lossy())
-    })
 }
 
 fn outcome(

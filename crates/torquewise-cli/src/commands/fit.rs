@@ -61,7 +61,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, words: &[OsString]) -> Result<Outcome> {
     let logs = [&arguments.logs, &arguments.test, &arguments.loaded];
-    let inputs = logs.into_iter().flatten().chain(arguments.robot.file());
+    let inputs = logs.into_iter().flatten().chain(&arguments.robot.urdf);
     let html = arguments.report.iter().map(|file| (file.as_path(), &["html", "htm"][..]));
     check_files(inputs, html.chain([(arguments.output.as_path(), &[][..])]))?;
     let mut options = arguments.plan.options(&arguments.method)?;

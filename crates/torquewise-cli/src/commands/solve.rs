@@ -41,7 +41,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let request = arguments.request.clone();
     let request = request.unwrap_or_else(|| arguments.output.with_extension("request"));
-    let inputs = std::iter::once(&arguments.moments).chain(arguments.robot.file());
+    let inputs = std::iter::once(&arguments.moments).chain(&arguments.robot.urdf);
     check_files(inputs, [&arguments.output, &request].map(|file| (file.as_path(), &[][..])))?;
     let summary = read_moments(&arguments.moments)?;
     let seed = arguments.seed.unwrap_or(summary.settings().patterns.seed);

@@ -44,16 +44,9 @@ fn advice(choices: &[Choice]) -> String {
         let error = |choice: &&Choice| choice.on_test.unwrap_or(choice.on_log);
         fitting.min_by(|a, b| error(a).total_cmp(&error(b))).map(|choice| choice.name.as_str())
     };
-    let mut groups: Vec<(Option<&str>, Vec<String>)> = Vec::new();
-    for rate in RATES {
-        let (name, rate) = (best(rate), kilohertz(rate));
-        match groups.last_mut().filter(|(last, _)| *last == name) {
-            Some((_, rates)) => rates.push(rate),
-            None => groups.push((name, vec![rate])),
-        }
-    }
-    let said = groups.iter().map(|(name, rates)| {
-        let name = name.map_or_else(|| "none".into(), |name| format!("“{name}”"));
+    let said = RATES.chunk_by(|a, b| best(*a) == best(*b)).map(|rates| {
+        let name = best(rates[0]).map_or_else(|| "none".into(), |name| format!("“{name}”"));
+        let rates: Vec<String> = rates.iter().map(|rate| kilohertz(*rate)).collect();
         format!("{name} at {}", rates.join(", "))
     });
     format!(

@@ -16,9 +16,9 @@ pub fn pattern_bands(t: &[f64], patterns: &[Pattern]) -> Vec<Stretches> {
 /// A clock that starts at zero and never goes back.
 pub(crate) struct Clock {
     /// Time of each row \[s\].
-    t: Vec<f64>,
-    /// Rows that do not follow the one before them.
-    breaks: Vec<usize>,
+    pub(crate) t: Vec<f64>,
+    /// Whether each row does not follow the one before it.
+    breaks: Vec<bool>,
 }
 
 impl Clock {
@@ -32,21 +32,17 @@ impl Clock {
         let mut clock = Self { t: Vec::with_capacity(stamps.len()), breaks: Vec::new() };
         let mut now = 0.0;
         for (row, stamp) in stamps.iter().enumerate() {
+            let mut is_break = false;
             if let Some(before) = row.checked_sub(1).map(|before| stamps[before]) {
                 let step = stamp - before;
                 let follows = step > 0.0 && step <= BREAK * usual;
-                if !follows {
-                    clock.breaks.push(row);
-                }
+                is_break = !follows;
                 now += if follows { step } else { usual };
             }
             clock.t.push(now);
+            clock.breaks.push(is_break);
         }
         clock
-    }
-
-    pub(crate) fn at(&self, row: usize) -> f64 {
-        self.t[row]
     }
 
     /// Rows of some seconds in the middle, evenly thinned to a number of them, two at least.
@@ -60,10 +56,9 @@ impl Clock {
     }
 
     pub(crate) fn curve(&self, value: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
-        let mut points = Vec::with_capacity(self.t.len() + self.breaks.len());
-        let mut breaks = self.breaks.iter().peekable();
+        let mut points = Vec::with_capacity(self.t.len());
         for (row, &t) in self.t.iter().enumerate() {
-            if breaks.next_if(|at| **at == row).is_some() {
+            if self.breaks[row] {
                 points.push([0.5 * (self.t[row - 1] + t), f64::NAN]);
             }
             points.push([t, value(row)]);
@@ -82,10 +77,8 @@ impl Clock {
 
     fn spans(&self, patterns: &[Pattern], pattern: Pattern) -> Vec<[f64; 2]> {
         let mut spans: Vec<[f64; 2]> = Vec::new();
-        let mut breaks = self.breaks.iter().peekable();
         let mut is_open = false;
-        for (row, (&t, &own)) in self.t.iter().zip(patterns).enumerate() {
-            let is_break = breaks.next_if(|at| **at == row).is_some();
+        for ((&t, &is_break), &own) in self.t.iter().zip(&self.breaks).zip(patterns) {
             match spans.last_mut().filter(|_| is_open) {
                 // A stretch reaches to the first row of the next one.
                 Some(span) if !is_break => span[1] = t,

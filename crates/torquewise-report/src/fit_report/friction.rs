@@ -104,14 +104,12 @@ impl Seen<'_> {
         let reach = REACH * self.shaft.parameters().travel?.value;
         let since = |row: usize| self.trace.since_reversal[(row, joint)];
         let after = (0..self.trace.motion.n_rows()).filter(|&row| since(row).abs() <= 2.0 * reach);
-        let (forward, backward) = after
-            .map(|row| {
-                let way = since(row).signum();
-                (way, [since(row) - way * reach, self.measured(row, FrictionTerm::is_speedless)])
-            })
-            .partition::<Vec<_>, _>(|(way, _)| *way > 0.0);
-        let points =
-            |rows: Vec<(f64, [f64; 2])>| rows.into_iter().map(|(_, point)| point).collect();
+        let (forward, backward) = after.partition::<Vec<_>, _>(|&row| since(row).signum() > 0.0);
+        let point = |row: usize| {
+            let q = since(row) - since(row).signum() * reach;
+            [q, self.measured(row, FrictionTerm::is_speedless)]
+        };
+        let points = |rows: Vec<usize>| rows.into_iter().map(point).collect();
         let branch = |label: &str, way: f64, colour| {
             let place = |k: u32| (f64::from(k) / f64::from(POINTS)).powi(2) * 2.0 * reach - reach;
             let at = |q: f64| [q, self.shaft.on_loop(q, reach, way).value];

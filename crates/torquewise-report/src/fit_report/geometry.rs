@@ -68,7 +68,7 @@ fn skeleton(findings: &Findings<'_>, chain: &RigidChain, resolved: Vec<bool>) ->
         frames: frames.collect(),
         gravity: placed.gravity(),
         slides: (0..n).map(|joint| chain.kinds.slides(joint)).collect(),
-        t: rows.iter().map(|&row| rounded(clock.at(row))).collect(),
+        t: rows.iter().map(|&row| rounded(clock.t[row])).collect(),
         q: rows.iter().map(|&row| (0..n).map(|joint| q(row, joint)).collect()).collect(),
     })
 }

@@ -154,7 +154,8 @@ pub struct Guide {
 }
 
 /// Where a guide stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "axis", content = "at", rename_all = "lowercase")]
 pub enum Position {
     /// At this x, upright.
     X(f64),

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::html::bars::Bars;
-use crate::html::chart::{Chart, Mark};
+use crate::html::chart::Chart;
 use crate::html::colour::Colour;
 use crate::html::equation::Equation;
 use crate::html::markup::{safe, script_json};
@@ -70,15 +70,11 @@ pub enum Tone {
 
 /// Writes items one after the other, and numbers the charts.
 pub(crate) struct Writer<'a> {
-    environment: &'a Environment<'a>,
-    charts: usize,
+    pub(crate) environment: &'a Environment<'a>,
+    pub(crate) charts: usize,
 }
 
-impl<'a> Writer<'a> {
-    pub(crate) fn new(environment: &'a Environment<'a>) -> Self {
-        Self { environment, charts: 0 }
-    }
-
+impl Writer<'_> {
     pub(crate) fn write(&mut self, items: &[Item]) -> Result<String> {
         items.iter().map(|item| self.item(item)).collect()
     }
@@ -128,15 +124,11 @@ impl<'a> Writer<'a> {
         let bands =
             chart.bands.iter().map(|band| key(&band.label, band.colour, Value::from("band")));
         let bands: Vec<_> = bands.chain(guides).collect();
-        let has_legend = series.len() + bands.len() > 1;
-        let is_cloud = chart.series.iter().any(|s| matches!(s.mark, Mark::Cloud | Mark::Rings));
         Ok(context! {
             number => self.charts,
             title => chart.title.as_str(),
             caption => chart.caption.as_str(),
             y_label => chart.y.label.as_str(),
-            is_cloud,
-            has_legend,
             series,
             bands,
             spec => safe(&spec_json(chart)?),

@@ -51,7 +51,7 @@ impl Page {
         environment.add_template("page.html", PAGE)?;
         environment.add_template("item.html", ITEM)?;
 
-        let mut writer = Writer::new(&environment);
+        let mut writer = Writer { environment: &environment, charts: 0 };
         let mut sections = Vec::with_capacity(self.sections.len());
         for section in &self.sections {
             let body = safe(&writer.write(&section.items)?);

@@ -1,40 +1,15 @@
 //! A chart as JSON for the script of a page: thinned columns of short numbers.
 
 use crate::error::Result;
-use crate::html::chart::{Axis, Chart, Guide, Mark, Position, Stretches};
+use crate::html::chart::{Axis, Chart, Guide, Position, Stretches};
 use crate::html::markup::script_json;
 use crate::html::number::rounded;
 use crate::html::thin::{Sorted, rows_of, sorted};
-use serde::Serialize;
 use serde_json::{Value, json};
-
-#[derive(Serialize)]
-struct Spec<'a> {
-    x: Axis,
-    y: Axis,
-    /// Abscissae; several series may share one.
-    columns: Vec<Vec<Value>>,
-    series: Vec<SeriesSpec<'a>>,
-    bands: Vec<Value>,
-    guides: Vec<Value>,
-    linked: Option<&'a str>,
-}
-
-#[derive(Serialize)]
-struct SeriesSpec<'a> {
-    label: &'a str,
-    colour: String,
-    mark: Mark,
-    column: usize,
-    y: Vec<Value>,
-    /// Ends of the error bars, or nothing.
-    low: Vec<Value>,
-    high: Vec<Value>,
-}
 
 pub(crate) fn spec_json(chart: &Chart) -> Result<String> {
     let mut columns: Vec<Vec<Value>> = Vec::new();
-    let mut series: Vec<Option<SeriesSpec<'_>>> = chart.series.iter().map(|_| None).collect();
+    let mut series = vec![Value::Null; chart.series.len()];
     for group in groups(chart) {
         let mark = chart.series[group[0].place].mark;
         let rows = rows_of(mark, &group.iter().map(|curve| &curve.points).collect::<Vec<_>>());
@@ -50,14 +25,14 @@ pub(crate) fn spec_json(chart: &Chart) -> Result<String> {
                 rounded(&ends.map(|ends| height(ends[end])).collect::<Vec<f64>>())
             };
             let y: Vec<f64> = rows.iter().map(|&row| height(points[row][1])).collect();
-            series[curve.place] = Some(SeriesSpec {
-                label: &own.label,
-                colour: own.colour.variable(),
-                mark: own.mark,
-                column: columns.len(),
-                y: rounded(&y),
-                low: pick(0),
-                high: pick(1),
+            series[curve.place] = json!({
+                "label": own.label,
+                "colour": own.colour.variable(),
+                "mark": own.mark,
+                "column": columns.len(),
+                "y": rounded(&y),
+                "low": pick(0),
+                "high": pick(1),
             });
         }
         columns.push(rounded(&x));
@@ -66,23 +41,16 @@ pub(crate) fn spec_json(chart: &Chart) -> Result<String> {
         let spans: Vec<_> = band.spans.iter().map(|span| rounded(span)).collect();
         json!({ "colour": band.colour.variable(), "spans": spans })
     };
-    let guide = |guide: &Guide| {
-        let (axis, at) = match guide.at {
-            Position::X(at) => ("x", at),
-            Position::Y(at) => ("y", at),
-        };
-        at.is_finite().then(|| json!({ "axis": axis, "at": at }))
-    };
-    let spec = Spec {
-        x: drawable(&chart.x),
-        y: drawable(&chart.y),
-        columns,
-        series: series.into_iter().flatten().collect(),
-        bands: chart.bands.iter().map(band).collect(),
-        guides: chart.guides.iter().filter_map(guide).collect(),
-        linked: chart.linked.as_deref(),
-    };
-    script_json(&spec)
+    let is_finite = |Guide { at: Position::X(at) | Position::Y(at), .. }: &&Guide| at.is_finite();
+    script_json(&json!({
+        "x": drawable(&chart.x),
+        "y": drawable(&chart.y),
+        "columns": columns,
+        "series": series,
+        "bands": chart.bands.iter().map(band).collect::<Vec<_>>(),
+        "guides": chart.guides.iter().filter(is_finite).map(|guide| guide.at).collect::<Vec<_>>(),
+        "linked": chart.linked,
+    }))
 }
 
 struct Curve {
@@ -121,7 +89,7 @@ fn drawable(axis: &Axis) -> Axis {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::html::chart::Series;
+    use crate::html::chart::{Mark, Series};
     use crate::html::colour::Colour;
 
     fn spec(chart: &Chart) -> Value {

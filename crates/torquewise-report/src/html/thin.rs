@@ -30,10 +30,11 @@ impl Sorted {
     }
 }
 
-/// Rows that draw curves of `m` rows with at most `most` points: of each of a number of stretches
-/// the first, and of each curve the lowest and the highest; and the last row of all. A gap, which
-/// is not a number, stays one.
-pub(crate) fn rows_of_curves(curves: &[&[f64]], m: usize, most: usize) -> Vec<usize> {
+/// Rows that draw curves over the same abscissae with at most `most` points: of each of a number of
+/// stretches the first, and of each curve the lowest and the highest; and the last row of all. A
+/// gap, which is not a number, stays one.
+fn rows_of_curves(curves: &[&[[f64; 2]]], most: usize) -> Vec<usize> {
+    let m = curves[0].len();
     if m <= most {
         return (0..m).collect();
     }
@@ -44,7 +45,7 @@ pub(crate) fn rows_of_curves(curves: &[&[f64]], m: usize, most: usize) -> Vec<us
         let start = rows.len();
         rows.push(first);
         for curve in curves {
-            let value = |row: &usize| curve[*row];
+            let value = |row: &usize| curve[*row][1];
             let by_value = |a: &usize, b: &usize| value(a).total_cmp(&value(b));
             let finite = || (first..end).filter(|row| value(row).is_finite());
             rows.extend(finite().min_by(by_value));
@@ -66,13 +67,10 @@ pub(crate) fn rows_of_cloud(m: usize, most: usize) -> Vec<usize> {
 
 /// Rows to draw of series over the same abscissae.
 pub(crate) fn rows_of(mark: Mark, all: &[&Sorted]) -> Vec<usize> {
-    let m = all[0].points.len();
     if !mark.is_line() {
-        return rows_of_cloud(m, MOST_POINTS);
+        return rows_of_cloud(all[0].points.len(), MOST_POINTS);
     }
-    let heights = |sorted: &&Sorted| sorted.points.iter().map(|point| point[1]).collect();
-    let heights: Vec<Vec<f64>> = all.iter().map(heights).collect();
-    rows_of_curves(&heights.iter().map(Vec::as_slice).collect::<Vec<_>>(), m, MOST_POINTS)
+    rows_of_curves(&all.iter().map(|own| &*own.points).collect::<Vec<_>>(), MOST_POINTS)
 }
 
 /// A curve that is thinned while it grows, so that one of any length takes little memory.
@@ -108,8 +106,7 @@ impl Growing {
 
     fn thin(&mut self, start: usize, most: usize) {
         let tail = self.points.split_off(start);
-        let heights: Vec<f64> = tail.iter().map(|point| point[1]).collect();
-        let rows = rows_of_curves(&[&heights], tail.len(), most);
+        let rows = rows_of_curves(&[&tail], most);
         self.points.extend(rows.into_iter().map(|row| tail[row]));
         self.thinned = self.points.len();
     }
@@ -145,11 +142,11 @@ mod tests {
     #[test]
     fn thinned_curves_keep_their_peaks_gaps_and_ends_and_clouds_are_even() {
         let m = 100_000;
-        let mut first = vec![0.0; m];
+        let mut first = vec![[0.0; 2]; m];
         let mut second = first.clone();
-        (first[777], second[50_001], second[90_000]) = (9.0, -7.0, f64::NAN);
+        (first[777][1], second[50_001][1], second[90_000][1]) = (9.0, -7.0, f64::NAN);
 
-        let rows = rows_of_curves(&[&first, &second], m, MOST_POINTS);
+        let rows = rows_of_curves(&[&first, &second], MOST_POINTS);
 
         assert!(rows.len() <= MOST_POINTS);
         for row in [0, 777, 50_001, 90_000, m - 1] {
