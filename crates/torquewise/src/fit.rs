@@ -25,20 +25,6 @@ use torquewise_stepwise::Progress;
 use torquewise_stepwise::progress::Watch;
 
 /// A fit to be run: what it reads, and what is asked for.
-///
-/// ```no_run
-/// # fn main() -> Result<(), torquewise::Error> {
-/// use torquewise::{Fit, Log};
-///
-/// let (train, test) = (Log::open("train.csv")?, Log::open("test.csv")?);
-/// let fit = Fit::new(&train).run()?;
-/// for joint in fit.evaluate(&test)?.joints {
-///     println!("{}: {:.2} % of the torque is left", joint.name, joint.nrmse_percent);
-/// }
-/// fit.model.save("arm.json")?;
-/// # Ok(())
-/// # }
-/// ```
 #[must_use]
 pub struct Fit<'a> {
     source: Source<'a>,

@@ -15,14 +15,6 @@ pub use crate::prepared::Prepared;
 ///
 /// Logs without q̈ are filtered and differentiated, at a bandwidth that held-out raw torque
 /// chooses (E12); logs with q̈ are taken as they are, unless [`Log::filter`] says otherwise.
-///
-/// ```no_run
-/// # fn main() -> Result<(), torquewise::Error> {
-/// let log = torquewise::Log::open("train.csv")?;
-/// println!("{} joints", log.joints().len());
-/// # Ok(())
-/// # }
-/// ```
 #[derive(Clone, Debug)]
 pub struct Log {
     /// The files.
