@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::evaluate::{Evaluation, evaluate};
 use crate::log::{Filter, Log, Rows, Source};
 use crate::observe::{Event, NOBODY, Observer, Watched};
-use crate::options::{Facts, FitOptions, Library};
+use crate::options::{FitOptions, Library};
 use crate::physics::MassMatrix;
 use crate::prepared::Prepared;
 use crate::summary::repairs_note;
@@ -111,8 +111,7 @@ impl<'a> Fit<'a> {
         match self.source {
             Source::Log(log) => self.run_log(log, options),
             Source::Recording(recording) => {
-                let (joints, filtered) = (recording.joints().len(), recording.is_filtered());
-                let plan = options.plan(Facts { joints, filtered })?;
+                let plan = options.plan(recording.joints().len(), recording.is_filtered())?;
                 fit_plan(recording, None, &plan, self.observer)
             }
         }
@@ -120,7 +119,7 @@ impl<'a> Fit<'a> {
 
     fn run_log(&self, log: &Log, options: &FitOptions) -> Result<FitResult> {
         log.files.require_tau()?;
-        let plan = options.plan(log.facts())?;
+        let plan = options.plan(log.joints().len(), log.is_filtered())?;
         let is_chosen = log.filter == Filter::Auto || log.delay.is_none() && log.is_filtered();
         let rows = if is_chosen { Rows::WithRawTorque } else { Rows::Filtered };
         let mut fit = fit_at_best(log.prepare(rows)?, &plan, self.observer)?;

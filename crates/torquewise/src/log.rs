@@ -1,7 +1,6 @@
 //! Logs of an arm, and how their signals are conditioned before anything is fitted to them.
 
 use crate::error::{Error, Result};
-use crate::options::Facts;
 use std::path::{Path, PathBuf};
 use torquewise_logs::conditioned::RawLogs;
 use torquewise_logs::{ConditionedLogs, Logs, Options};
@@ -77,11 +76,6 @@ impl Log {
     /// Whether its signals will be filtered.
     pub fn is_filtered(&self) -> bool {
         self.cutoff().is_some()
-    }
-
-    /// What of it decides what is fitted.
-    pub(crate) fn facts(&self) -> Facts {
-        Facts { joints: self.joints().len(), filtered: self.is_filtered() }
     }
 
     fn cutoff(&self) -> Option<Cutoff> {

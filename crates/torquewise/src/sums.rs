@@ -34,7 +34,7 @@ pub fn sum_up(
     observer: Observer<'_>,
 ) -> Result<(Summary, Prepared)> {
     log.files.require_tau()?;
-    let plan = options.plan(log.facts())?;
+    let plan = options.plan(log.joints().len(), log.is_filtered())?;
     let plan = match (request, &plan.method) {
         (Some(_), Method::Library(_)) => {
             Plan { method: Method::Chain(ChainOptions::default()), ..plan }
