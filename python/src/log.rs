@@ -15,7 +15,6 @@ use torquewise::inspect::missing_patterns;
 use torquewise::log::Rows;
 use torquewise::logs::{self, Clock, Frame, Logs, Options, Profile};
 use torquewise::motion::{Motion, Pattern, Recording};
-use torquewise::observe::Watched;
 use torquewise::{Filter, FitOptions};
 
 /// Logs of one arm; see :func:`torquewise.read_log`.
@@ -131,8 +130,7 @@ impl Log {
                 Some(model) => log.prepare_as(model.training.filter, Rows::Settled)?,
                 None => log.prepare(Rows::Filtered)?,
             };
-            let (hint, rows) = (rows.rows_hint(), rows.rows());
-            Ok(Watched::new(rows, observer, "reading", hint).trajectories()?)
+            Ok(rows.watched(observer, "reading").trajectories()?)
         })?;
         let dicts = blocks.iter().map(|motion| motion_dict(py, motion));
         PyList::new(py, dicts.collect::<PyResult<Vec<_>>>()?)
@@ -225,8 +223,7 @@ pub(crate) fn patterns<'py>(
     let log = log.log.clone();
     let (labels, found) = work(py, progress, move |observer| {
         let rows = log.prepare(Rows::Every)?;
-        let watched =
-            Watched::new(rows.rows(), observer, "looking through the log", rows.rows_hint());
+        let watched = rows.watched(observer, "looking through the log");
         let found = find_patterns(&survey(&watched)?, &plan)?;
         let mut labels: Vec<u8> = Vec::new();
         watched.read(&mut |_, block| {
