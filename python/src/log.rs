@@ -52,7 +52,7 @@ impl Log {
         filter: Option<FilterWord>,
         delay: Option<f64>,
     ) -> PyResult<Self> {
-        let profile = profile.map(|file| Profile::read(&file)).transpose().map_err(log_error)?;
+        let profile = profile.map(|file| Profile::read(&file)).transpose().map_err(raised)?;
         let clock = if repair { Clock::Repair } else { Clock::Strict };
         let options = Options { profile, topic, clock };
         let files = match sources {
@@ -65,7 +65,7 @@ impl Log {
                 py.detach(|| Logs::of_frames(&frames, &options))
             }
         };
-        let mut log = torquewise::Log::from(files.map_err(log_error)?);
+        let mut log = torquewise::Log::from(files.map_err(raised)?);
         log.filter = match filter {
             None => Filter::Auto,
             Some(FilterWord::Word(word)) if word == "auto" => Filter::Auto,
@@ -151,10 +151,6 @@ pub(crate) fn motion_dict<'py>(py: Python<'py>, motion: &Motion) -> PyResult<Bou
     Ok(dict)
 }
 
-fn log_error(error: logs::LogError) -> PyErr {
-    raised(torquewise::Error::Log(error))
-}
-
 /// Writes a `.csv` or `.parquet` log, whole or not at all.
 #[pyfunction]
 #[pyo3(signature = (path, joints, t, q, dq, ddq, tau=None))]
@@ -169,7 +165,7 @@ pub(crate) fn write_log(
 ) -> PyResult<()> {
     let signals = [&q, &dq, &ddq].map(|own| mat(own.view()));
     let motion = motion(&joints, t, signals, tau.as_ref().map(|own| mat(own.view())))?;
-    logs::write_motion(&path, &motion).map_err(log_error)
+    logs::write_motion(&path, &motion).map_err(raised)
 }
 
 /// What a log holds and what it lacks: JSON, and warnings.
@@ -199,8 +195,7 @@ pub(crate) fn inspect(
 /// The profile that the columns of a log, and of files beside it, ask for: TOML, reasons, and whether it is complete.
 #[pyfunction]
 pub(crate) fn suggest(files: Vec<PathBuf>) -> PyResult<(String, Vec<String>, bool)> {
-    let found =
-        logs::suggest(&files.iter().map(Into::into).collect::<Vec<_>>()).map_err(log_error)?;
+    let found = logs::suggest(&files.iter().map(Into::into).collect::<Vec<_>>()).map_err(raised)?;
     Ok((found.toml, found.reasons, found.is_complete))
 }
 
