@@ -71,9 +71,8 @@ impl ExactSums {
     /// One sum as that of two numbers, the second what rounding takes from the first.
     pub fn pair(&self, place: usize) -> [f64; 2] {
         let high = self.value(place);
-        let mut rest = Self { entries: self.entries.get(place).copied().into_iter().collect() };
-        let left = rest.add(0, &[-high]).map_or(0.0, |()| rest.value(0));
-        [high, left]
+        let rest = words(-high).and_then(|high| added(self.entries[place], high));
+        [high, rest.map_or(0.0, rounded)]
     }
 }
 
