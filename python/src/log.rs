@@ -123,11 +123,9 @@ impl Log {
             if !conditioned && known.is_none() {
                 return Ok(log.files.read_all()?);
             }
+            let wanted = if conditioned { Rows::Filtered } else { Rows::Settled };
             let rows = match known {
-                Some(model) if conditioned => {
-                    log.prepare_as(model.training.filter, Rows::Filtered)?
-                }
-                Some(model) => log.prepare_as(model.training.filter, Rows::Settled)?,
+                Some(model) => log.prepare_as(model.training.filter, wanted)?,
                 None => log.prepare(Rows::Filtered)?,
             };
             Ok(rows.watched(observer, "reading").trajectories()?)
@@ -179,7 +177,7 @@ pub(crate) fn inspect(
 ) -> PyResult<(String, Vec<String>)> {
     let log = log.log.clone();
     let filter = model.map(|model| model.model.training.filter);
-    let found = work(py, progress, move |observer| {
+    let (found, warnings): (_, Vec<String>) = work(py, progress, move |observer| {
         let rows = match filter {
             Some(filter) => log.prepare_as(filter, Rows::Filtered)?,
             None => log.prepare(Rows::Filtered)?,
@@ -188,7 +186,6 @@ pub(crate) fn inspect(
         let warnings = found.warnings().into_iter().chain(rows.warnings()).collect();
         Ok((found, warnings))
     })?;
-    let (found, warnings): (_, Vec<String>) = found;
     Ok((model::json(&found)?, warnings))
 }
 
