@@ -146,10 +146,7 @@ impl FitOptions {
     }
 
     /// The plan for sums that were made under `settings`, which go before these options.
-    ///
-    /// # Errors
-    /// [`Error::UnusedOption`]
-    pub fn plan_for_sums(&self, settings: &SumSettings) -> Result<Plan> {
+    pub(crate) fn plan_for_sums(&self, settings: &SumSettings) -> Result<Plan> {
         let fitted = match &settings.library {
             None => (Library::Chain, Regression::Stepwise),
             Some(library) => match library.kind {
