@@ -100,19 +100,13 @@ impl Log {
             };
         };
         let delay = self.delay.unwrap_or_default();
-        let settings = Conditioning { cutoff, delay, ..Conditioning::default() };
-        let filtered = |settings: &Conditioning, logs: Logs| -> Result<Prepared> {
-            let logs = ConditionedLogs::new(logs, settings)?;
-            Ok(Prepared::Conditioned(Box::new(logs)))
-        };
-        match rows {
-            Rows::Filtered => filtered(&settings, logs),
-            Rows::Every => filtered(&Conditioning { thins: false, trims: false, ..settings }, logs),
-            Rows::Settled => filtered(&Conditioning { thins: false, ..settings }, logs),
-            Rows::WithRawTorque => {
-                Ok(Prepared::Raw(Box::new(RawLogs::new(logs, &settings, self.delay.is_none())?)))
-            }
-        }
+        let thins = matches!(rows, Rows::Filtered | Rows::WithRawTorque);
+        let settings = Conditioning { cutoff, delay, thins, trims: rows != Rows::Every };
+        Ok(if rows == Rows::WithRawTorque {
+            Prepared::Raw(Box::new(RawLogs::new(logs, &settings, self.delay.is_none())?))
+        } else {
+            Prepared::Conditioned(Box::new(ConditionedLogs::new(logs, &settings)?))
+        })
     }
 
     /// Its rows filtered as those a model was fitted on, where nothing else is asked for: what is
