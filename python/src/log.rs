@@ -88,7 +88,7 @@ impl Log {
 
     /// Files or labels, as given.
     #[getter]
-    fn files(&self) -> Vec<String> {
+    pub(crate) fn files(&self) -> Vec<String> {
         self.log.files.paths().iter().map(|path| path.display().to_string()).collect()
     }
 
