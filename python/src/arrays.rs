@@ -172,22 +172,21 @@ pub(crate) fn same_rows<const K: usize>(
     inputs: [(&str, &Rows<'_>); K],
     n: usize,
 ) -> PyResult<[Mat<f64>; K]> {
-    let mut longest: Option<(&str, usize)> = None;
+    let (mut first, mut rows) = ("", 1);
     for (name, own) in &inputs {
         let view = own.view();
         check_columns(name, &view, n)?;
-        let rows = view.nrows();
-        match longest {
-            Some((first, most)) if most != 1 && rows != 1 && rows != most => {
+        match view.nrows() {
+            1 => {}
+            many if rows == 1 => (first, rows) = (name, many),
+            many if many != rows => {
                 return wrong(format!(
-                    "{name} has {rows} rows, {first} has {most}: give as many states of each, or one"
+                    "{name} has {many} rows, {first} has {rows}: give as many states of each, or one"
                 ));
             }
-            Some((_, most)) if most != 1 || rows == 1 => {}
-            _ => longest = Some((name, rows)),
+            _ => {}
         }
     }
-    let rows = longest.map_or(0, |(_, rows)| rows);
     Ok(inputs.map(|(_, own)| {
         let view = own.view();
         let last = view.nrows().saturating_sub(1);

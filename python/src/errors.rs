@@ -44,7 +44,9 @@ fn with_causes(mut text: String, mut cause: Option<&(dyn StdError + 'static)>) -
     text
 }
 
-pub(crate) fn raised(error: Error) -> PyErr {
+/// The exception for an error of the engine, or of a part of it.
+pub(crate) fn raised(error: impl Into<Error>) -> PyErr {
+    let error = error.into();
     let text = message(&error);
     match error {
         Error::Interrupted => Interrupted::new_err(text),
@@ -76,8 +78,4 @@ pub(crate) fn choice<T: Copy>(keyword: &str, word: &str, all: &[(&str, T)]) -> P
 /// The exception for any other error: a wrong value.
 pub(crate) fn value_error(error: impl StdError + 'static) -> PyErr {
     PyValueError::new_err(with_causes(error.to_string(), error.source()))
-}
-
-pub(crate) fn model_error(error: torquewise::model::ModelError) -> PyErr {
-    ModelError::new_err(message(&error.into()))
 }

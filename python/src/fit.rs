@@ -129,8 +129,7 @@ pub(crate) fn fit(
     let found = work(py, progress, move |observer| {
         Run::new(&own).options(options).observer(observer).run()
     })?;
-    let files = log.log.files.paths().iter();
-    Fit::new(py, found, files.map(|path| path.display().to_string()).collect())
+    Fit::new(py, found, log.files())
 }
 
 #[pymethods]
@@ -185,8 +184,8 @@ impl Fit {
     ) -> PyResult<Bound<'py, PyBytes>> {
         let file = |name: &String| LogFile { name: name.clone(), date: String::new() };
         let logs: Vec<LogFile> = self.logs.iter().map(file).collect();
-        let paths = test.map(|test| test.log.files.paths()).into_iter().flatten();
-        let tests: Vec<LogFile> = paths.map(|path| file(&path.display().to_string())).collect();
+        let tests = test.map(Log::files).unwrap_or_default();
+        let tests: Vec<LogFile> = tests.iter().map(file).collect();
         let (found, test) = (Arc::clone(&self.found), test.map(|test| test.log.clone()));
         let text = work(py, progress, move |observer| {
             let known = found.model.training.filter;

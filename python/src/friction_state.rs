@@ -1,7 +1,7 @@
 //! What friction remembers of a path, sample by sample.
 
 use crate::arrays::{Rows, check_columns};
-use crate::errors::{model_error, wrong};
+use crate::errors::{raised, wrong};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use std::sync::Arc;
@@ -42,14 +42,14 @@ impl FrictionState {
         ddq: Rows<'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let (dq, ddq) = (self.one("dq", &dq)?, self.one("ddq", &ddq)?);
-        let tau = self.torque.after(&self.path, &dq, &ddq).map_err(model_error)?;
+        let tau = self.torque.after(&self.path, &dq, &ddq).map_err(raised)?;
         Ok(PyArray1::from_vec(py, tau))
     }
 
     /// F [N·m] at the last sample, n.
     fn friction<'py>(&self, py: Python<'py>, dq: Rows<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let dq = self.one("dq", &dq)?;
-        let tau = self.torque.friction_after(&self.path, &dq).map_err(model_error)?;
+        let tau = self.torque.friction_after(&self.path, &dq).map_err(raised)?;
         Ok(PyArray1::from_vec(py, tau))
     }
 }

@@ -15,7 +15,6 @@ use torquewise::inspect::missing_patterns;
 use torquewise::log::Rows;
 use torquewise::logs::{self, Clock, Frame, Logs, Options, Profile};
 use torquewise::motion::{Motion, Pattern, Recording};
-use torquewise::observe::Watched;
 use torquewise::{Filter, FitOptions};
 
 /// Logs of one arm; see :func:`torquewise.read_log`.
@@ -53,7 +52,7 @@ impl Log {
         filter: Option<FilterWord>,
         delay: Option<f64>,
     ) -> PyResult<Self> {
-        let profile = profile.map(|file| Profile::read(&file)).transpose().map_err(log_error)?;
+        let profile = profile.map(|file| Profile::read(&file)).transpose().map_err(raised)?;
         let clock = if repair { Clock::Repair } else { Clock::Strict };
         let options = Options { profile, topic, clock };
         let files = match sources {
@@ -66,7 +65,7 @@ impl Log {
                 py.detach(|| Logs::of_frames(&frames, &options))
             }
         };
-        let mut log = torquewise::Log::from(files.map_err(log_error)?);
+        let mut log = torquewise::Log::from(files.map_err(raised)?);
         log.filter = match filter {
             None => Filter::Auto,
             Some(FilterWord::Word(word)) if word == "auto" => Filter::Auto,
@@ -89,7 +88,7 @@ impl Log {
 
     /// Files or labels, as given.
     #[getter]
-    fn files(&self) -> Vec<String> {
+    pub(crate) fn files(&self) -> Vec<String> {
         self.log.files.paths().iter().map(|path| path.display().to_string()).collect()
     }
 
@@ -124,15 +123,12 @@ impl Log {
             if !conditioned && known.is_none() {
                 return Ok(log.files.read_all()?);
             }
+            let wanted = if conditioned { Rows::Filtered } else { Rows::Settled };
             let rows = match known {
-                Some(model) if conditioned => {
-                    log.prepare_as(model.training.filter, Rows::Filtered)?
-                }
-                Some(model) => log.prepare_as(model.training.filter, Rows::Settled)?,
+                Some(model) => log.prepare_as(model.training.filter, wanted)?,
                 None => log.prepare(Rows::Filtered)?,
             };
-            let (hint, rows) = (rows.rows_hint(), rows.rows());
-            Ok(Watched::new(rows, observer, "reading", hint).trajectories()?)
+            Ok(rows.watched(observer, "reading").trajectories()?)
         })?;
         let dicts = blocks.iter().map(|motion| motion_dict(py, motion));
         PyList::new(py, dicts.collect::<PyResult<Vec<_>>>()?)
@@ -153,10 +149,6 @@ pub(crate) fn motion_dict<'py>(py: Python<'py>, motion: &Motion) -> PyResult<Bou
     Ok(dict)
 }
 
-fn log_error(error: logs::LogError) -> PyErr {
-    raised(torquewise::Error::Log(error))
-}
-
 /// Writes a `.csv` or `.parquet` log, whole or not at all.
 #[pyfunction]
 #[pyo3(signature = (path, joints, t, q, dq, ddq, tau=None))]
@@ -171,7 +163,7 @@ pub(crate) fn write_log(
 ) -> PyResult<()> {
     let signals = [&q, &dq, &ddq].map(|own| mat(own.view()));
     let motion = motion(&joints, t, signals, tau.as_ref().map(|own| mat(own.view())))?;
-    logs::write_motion(&path, &motion).map_err(log_error)
+    logs::write_motion(&path, &motion).map_err(raised)
 }
 
 /// What a log holds and what it lacks: JSON, and warnings.
@@ -185,7 +177,7 @@ pub(crate) fn inspect(
 ) -> PyResult<(String, Vec<String>)> {
     let log = log.log.clone();
     let filter = model.map(|model| model.model.training.filter);
-    let found = work(py, progress, move |observer| {
+    let (found, warnings): (_, Vec<String>) = work(py, progress, move |observer| {
         let rows = match filter {
             Some(filter) => log.prepare_as(filter, Rows::Filtered)?,
             None => log.prepare(Rows::Filtered)?,
@@ -194,15 +186,13 @@ pub(crate) fn inspect(
         let warnings = found.warnings().into_iter().chain(rows.warnings()).collect();
         Ok((found, warnings))
     })?;
-    let (found, warnings): (_, Vec<String>) = found;
     Ok((model::json(&found)?, warnings))
 }
 
 /// The profile that the columns of a log, and of files beside it, ask for: TOML, reasons, and whether it is complete.
 #[pyfunction]
 pub(crate) fn suggest(files: Vec<PathBuf>) -> PyResult<(String, Vec<String>, bool)> {
-    let found =
-        logs::suggest(&files.iter().map(Into::into).collect::<Vec<_>>()).map_err(log_error)?;
+    let found = logs::suggest(&files.iter().map(Into::into).collect::<Vec<_>>()).map_err(raised)?;
     Ok((found.toml, found.reasons, found.is_complete))
 }
 
@@ -225,8 +215,7 @@ pub(crate) fn patterns<'py>(
     let log = log.log.clone();
     let (labels, found) = work(py, progress, move |observer| {
         let rows = log.prepare(Rows::Every)?;
-        let watched =
-            Watched::new(rows.rows(), observer, "looking through the log", rows.rows_hint());
+        let watched = rows.watched(observer, "looking through the log");
         let found = find_patterns(&survey(&watched)?, &plan)?;
         let mut labels: Vec<u8> = Vec::new();
         watched.read(&mut |_, block| {

@@ -1,7 +1,7 @@
 //! The learned equations of motion.
 
 use crate::arrays::{Rows, array, is_one_state, motion, rows_of, same_rows};
-use crate::errors::{choice, model_error, raised, value_error, wrong};
+use crate::errors::{choice, raised, value_error, wrong};
 use crate::friction_state::FrictionState;
 use crate::log::Log;
 use crate::states::Answer;
@@ -66,23 +66,23 @@ impl Model {
     /// Reads a model file.
     #[classmethod]
     fn load(_class: &Bound<'_, PyType>, path: PathBuf) -> PyResult<Self> {
-        model::Model::load(path).map(Self::new).map_err(model_error)
+        model::Model::load(path).map(Self::new).map_err(raised)
     }
 
     /// A model from the text of a model file.
     #[classmethod]
     fn from_json(_class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
-        model::from_json(text).map(Self::new).map_err(model_error)
+        model::from_json(text).map(Self::new).map_err(raised)
     }
 
     /// Writes a model file, whole or not at all.
     fn save(&self, path: PathBuf) -> PyResult<()> {
-        self.model.save(path).map_err(model_error)
+        self.model.save(path).map_err(raised)
     }
 
     /// The text of a model file.
     fn to_json(&self) -> PyResult<String> {
-        model::to_json(&self.model).map_err(model_error)
+        model::to_json(&self.model).map_err(raised)
     }
 
     /// Joint names, base to tip.
@@ -122,7 +122,7 @@ impl Model {
             return self.at_each(py, named, |torque, [q, dq, ddq]| torque.at(q, dq, ddq));
         }
         let motion = self.motion(inputs)?;
-        let tau = py.detach(|| self.torque.over(&motion)).map_err(model_error)?;
+        let tau = py.detach(|| self.torque.over(&motion)).map_err(raised)?;
         Ok(array(py, tau.as_ref()).into_any())
     }
 
@@ -175,7 +175,7 @@ impl Model {
     ) -> PyResult<Bound<'py, PyDict>> {
         let inputs = [&q, &dq, &ddq];
         let motion = self.motion(inputs)?;
-        let parts = py.detach(|| self.torque.parts(&motion)).map_err(model_error)?;
+        let parts = py.detach(|| self.torque.parts(&motion)).map_err(raised)?;
         let all = [
             ("inertia", parts.inertia),
             ("coriolis", parts.coriolis),
@@ -205,7 +205,7 @@ impl Model {
             let motion = self.torque.path().follow(0, &motion).into_owned();
             let interval = Interval::new(&self.model, &motion, percent)?;
             let total = self.torque.over(&motion)?;
-            Ok(interval.bounds(&motion, &total)?)
+            Ok::<_, torquewise::Error>(interval.bounds(&motion, &total)?)
         });
         let [low, high] = bounds.map_err(raised)?.map(|own| rows_of(py, own.as_ref(), inputs));
         Ok((low, high))
@@ -280,7 +280,7 @@ impl Model {
 
     /// The model after an earlier step of the reconstruction, 1 for gravity alone.
     fn after_step(&self, step: usize) -> PyResult<Self> {
-        self.model.after_step(step).map(Self::new).map_err(model_error)
+        self.model.after_step(step).map(Self::new).map_err(raised)
     }
 
     /// The model with friction that reverses over another half width [rad/s]: a desired velocity has
@@ -305,7 +305,7 @@ impl Model {
     /// Terms, axes, friction and choices: JSON.
     fn _description(&self) -> PyResult<String> {
         let found = describe::description(&self.model, &Selection::default());
-        Ok(found.map_err(model_error)?.to_string())
+        Ok(found.map_err(raised)?.to_string())
     }
 
     /// Whether the model is physics, at random states: JSON, and a warning if it is not.

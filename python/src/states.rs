@@ -1,7 +1,7 @@
 //! Quantities of a model at one state, or at each of several.
 
 use crate::arrays::{Rows, array, matrices, same_rows};
-use crate::errors::model_error;
+use crate::errors::raised;
 use crate::model::Model;
 use faer::Mat;
 use numpy::PyArray1;
@@ -47,13 +47,13 @@ impl Model {
         of: impl Fn(&Torque, [&[f64]; K]) -> Result<T, model::ModelError> + Send + Sync,
     ) -> PyResult<Found<T>> {
         if let Some(one) = one_state(&inputs) {
-            return of(&self.torque, one).map(Found::One).map_err(model_error);
+            return of(&self.torque, one).map(Found::One).map_err(raised);
         }
         let inputs = same_rows(inputs, self.n())?;
         let rows = inputs.first().map_or(0, Mat::nrows);
         let at = |row| of(&self.torque, state_of(&inputs, row).each_ref().map(Vec::as_slice));
         let found = py.detach(|| (0..rows).map(at).collect::<Result<_, _>>());
-        found.map(Found::Many).map_err(model_error)
+        found.map(Found::Many).map_err(raised)
     }
 }
 

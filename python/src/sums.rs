@@ -1,6 +1,6 @@
 //! Logs summed up apart, merged, and solved for the model that all of them give.
 
-use crate::errors::{FitError, LogError, message};
+use crate::errors::{LogError, message, raised};
 use crate::fit::{Fit, fit_options};
 use crate::log::Log;
 use crate::work::work;
@@ -22,10 +22,6 @@ pub(crate) struct Summary {
 #[derive(Clone, Debug)]
 pub(crate) struct Request {
     request: rounds::Request,
-}
-
-fn failed(error: IdentifyError) -> PyErr {
-    FitError::new_err(message(&error.into()))
 }
 
 fn damaged(error: IdentifyError) -> PyErr {
@@ -62,7 +58,7 @@ impl Summary {
     /// The sums of these logs and others.
     fn merge(&self, other: &Self) -> PyResult<Self> {
         let mut sums = self.sums.clone();
-        sums.merge(&other.sums).map_err(failed)?;
+        sums.merge(&other.sums).map_err(raised)?;
         Ok(Self { sums })
     }
 
@@ -104,7 +100,7 @@ impl Summary {
 
     /// The bytes of a moments file, with a checksum.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = py.detach(|| self.sums.to_bytes()).map_err(failed)?;
+        let bytes = py.detach(|| self.sums.to_bytes()).map_err(raised)?;
         Ok(PyBytes::new(py, &bytes))
     }
 
@@ -134,7 +130,7 @@ impl Request {
 
     /// The bytes of a request file.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = self.request.to_bytes().map_err(failed)?;
+        let bytes = self.request.to_bytes().map_err(raised)?;
         Ok(PyBytes::new(py, &bytes))
     }
 

@@ -66,7 +66,9 @@ pub(crate) fn work<T: Send + 'static>(
             }
         }
     };
-    bar.finish()?;
+    if bar.rows > 0 {
+        bar.call()?;
+    }
     match (found, worker.join()) {
         (Some(found), _) => found.map_err(raised),
         (None, Err(panic)) => resume_unwind(panic),
@@ -169,9 +171,5 @@ impl<'a, 'py> Bar<'a, 'py> {
             }
             _ => Ok(()),
         }
-    }
-
-    fn finish(&mut self) -> PyResult<()> {
-        if self.rows > 0 { self.call() } else { Ok(()) }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::{python, tidy, web};
 use anyhow::{Context, Result, bail};
+use std::collections::BTreeSet;
 use std::env;
 use std::env::consts::EXE_SUFFIX;
 use std::ffi::OsStr;
@@ -131,10 +132,8 @@ fn check_crates(root: &Path, of: &str, most: usize) -> Result<()> {
     let line = format!("tree {of} --edges normal,build --prefix none --format {{p}}");
     let listed = command(root, &line).output().context("cannot start cargo tree")?;
     let listed = String::from_utf8_lossy(&listed.stdout).into_owned();
-    let mut crates: Vec<&str> =
+    let crates: BTreeSet<&str> =
         listed.lines().map(|line| line.split(" (").next().unwrap_or(line)).collect();
-    crates.sort_unstable();
-    crates.dedup();
     eprintln!("{of}: {}", crates.len());
     if crates.is_empty() || crates.len() > most {
         bail!("{of}: {} crates, at most {most} are allowed", crates.len());

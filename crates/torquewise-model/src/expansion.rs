@@ -13,13 +13,12 @@ const MOST_JOINTS: usize = 8;
 /// Coefficients below this part of the largest of their kind are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// What a function may be of one joint.
+/// What a function may be of one joint: 1, cos, sin, cos 2, sin 2 … where it turns, up to a harmonic; 1,
+/// q, q² where it slides, up to a power, at most 2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Basis {
-    /// 1, cos, sin, cos 2, sin 2 … of a joint that turns, up to a harmonic.
-    Harmonics(usize),
-    /// 1, q, q² of a joint that slides, up to a power, at most 2.
-    Powers(usize),
+pub(crate) struct Basis {
+    functions: Functions,
+    degree: usize,
 }
 
 /// Values of a function on a grid: for each joint as many positions as it has functions.
@@ -212,25 +211,22 @@ fn digits(bases: &[Basis], mut place: usize) -> Vec<usize> {
 impl Basis {
     /// The functions of a joint up to a degree.
     pub(crate) fn new(kind: JointKind, degree: usize) -> Self {
-        match kind.functions {
-            Functions::Harmonics => Self::Harmonics(degree),
-            Functions::Powers => Self::Powers(degree),
-        }
+        Self { functions: kind.functions, degree }
     }
 
     /// How many functions it is of, as many as points.
     pub(crate) fn size(self) -> usize {
-        match self {
-            Self::Harmonics(most) => 2 * most + 1,
-            Self::Powers(most) => most + 1,
+        match self.functions {
+            Functions::Harmonics => 2 * self.degree + 1,
+            Functions::Powers => self.degree + 1,
         }
     }
 
     /// A point of the grid: even angles \[rad\], or a place beside 0 \[m\].
     fn point(self, k: usize) -> f64 {
-        match self {
-            Self::Harmonics(_) => std::f64::consts::TAU / self.size() as f64 * k as f64,
-            Self::Powers(most) => k as f64 - (most / 2) as f64,
+        match self.functions {
+            Functions::Harmonics => std::f64::consts::TAU / self.size() as f64 * k as f64,
+            Functions::Powers => k as f64 - (self.degree / 2) as f64,
         }
     }
 
@@ -240,22 +236,22 @@ impl Basis {
             return term;
         }
         let small = |k: usize| i8::try_from(k).unwrap_or(i8::MAX);
-        match self {
-            Self::Harmonics(_) => {
+        match self.functions {
+            Functions::Harmonics => {
                 let trig = if digit % 2 == 1 { Trig::Cos } else { Trig::Sin };
                 term.times(trig, joint, small(digit.div_ceil(2)), 1)
             }
-            Self::Powers(_) => term.times(Trig::Position, joint, 1, small(digit).unsigned_abs()),
+            Functions::Powers => term.times(Trig::Position, joint, 1, small(digit).unsigned_abs()),
         }
     }
 
     /// From values at the points to the coefficients of the functions.
     fn transform(self) -> Vec<Vec<f64>> {
-        let rows: &[&[f64]] = match self {
-            Self::Harmonics(_) => return fourier(self.size()),
-            Self::Powers(0) => &[&[1.0]],
-            Self::Powers(1) => &[&[1.0, 0.0], &[-1.0, 1.0]],
-            Self::Powers(_) => &[&[0.0, 1.0, 0.0], &[-0.5, 0.0, 0.5], &[0.5, -1.0, 0.5]],
+        let rows: &[&[f64]] = match (self.functions, self.degree) {
+            (Functions::Harmonics, _) => return fourier(self.size()),
+            (Functions::Powers, 0) => &[&[1.0]],
+            (Functions::Powers, 1) => &[&[1.0, 0.0], &[-1.0, 1.0]],
+            (Functions::Powers, _) => &[&[0.0, 1.0, 0.0], &[-0.5, 0.0, 0.5], &[0.5, -1.0, 0.5]],
         };
         rows.iter().map(|row| row.to_vec()).collect()
     }

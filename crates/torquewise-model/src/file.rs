@@ -5,6 +5,7 @@ use crate::friction::{Direction, FrictionLaw, FrictionTerm};
 use crate::model::{Form, Model, Weighted};
 use crate::term::Term;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::fmt::Display;
 use std::path::Path;
 use torquewise_motion::whole_file::write_whole;
@@ -18,18 +19,13 @@ const MOST_ORDER: u8 = 32;
 
 const FORMAT: &str = "torquewise-model";
 
-#[derive(Serialize)]
-struct Written<'a> {
-    format: &'a str,
-    version: u64,
-    #[serde(flatten)]
-    model: &'a Model,
-}
-
-#[derive(Deserialize)]
-struct Header {
+/// What a file holds: fields of its own, and those of the model beside them.
+#[derive(Serialize, Deserialize)]
+struct Header<M> {
     format: String,
     version: u64,
+    #[serde(flatten)]
+    model: M,
 }
 
 impl Model {
@@ -63,7 +59,7 @@ impl Model {
 /// [`from_json`] would find wrong with the parts of the model.
 pub fn to_json(model: &Model) -> Result<String, ModelError> {
     check(model)?;
-    let written = Written { format: FORMAT, version: FILE_VERSION, model };
+    let written = Header { format: FORMAT.to_owned(), version: FILE_VERSION, model };
     serde_json::to_string_pretty(&written)
         .map(|text| text + "\n")
         .map_err(|error| ModelError::NotAModel { reason: error.to_string() })
@@ -78,19 +74,16 @@ pub fn to_json(model: &Model) -> Result<String, ModelError> {
 pub fn from_json(text: &str) -> Result<Model, ModelError> {
     let not_a_model =
         |error: serde_json::Error| ModelError::NotAModel { reason: error.to_string() };
-    let mut value: serde_json::Value = serde_json::from_str(text).map_err(not_a_model)?;
-    let header: Header = serde_json::from_value(value.clone()).map_err(not_a_model)?;
-    if header.format != FORMAT {
-        return Err(ModelError::NotAModel { reason: format!("its format is {:?}", header.format) });
+    let value: Value = serde_json::from_str(text).map_err(not_a_model)?;
+    let header: Header<Value> = serde_json::from_value(value).map_err(not_a_model)?;
+    let Header { format, version, model } = header;
+    if format != FORMAT {
+        return Err(ModelError::NotAModel { reason: format!("its format is {format:?}") });
     }
-    if header.version != FILE_VERSION {
-        return Err(ModelError::Version { found: header.version, known: FILE_VERSION });
+    if version != FILE_VERSION {
+        return Err(ModelError::Version { found: version, known: FILE_VERSION });
     }
-    if let Some(fields) = value.as_object_mut() {
-        fields.remove("format");
-        fields.remove("version");
-    }
-    let model: Model = serde_json::from_value(value).map_err(not_a_model)?;
+    let model: Model = serde_json::from_value(model).map_err(not_a_model)?;
     check(&model)?;
     Ok(model)
 }

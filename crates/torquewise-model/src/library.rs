@@ -110,14 +110,13 @@ pub fn product_library(kinds: &[JointKind], trig_order: u8, degrees: &[Degree]) 
 /// - `interaction`: how many joint positions a function may depend on; `None` for no limit
 pub fn energy_library(kinds: &[JointKind], interaction: Option<usize>) -> Vec<EnergyTerm> {
     let limit = interaction.unwrap_or(kinds.len());
-    let mut library = Vec::new();
-    for (place, bases) in parts(kinds) {
+    let of_place = |(place, bases): (Place, Vec<Basis>)| {
         // A constant of V is no torque.
         let constants = usize::from(place == Place::Potential);
         let functions = functions(&bases, limit).into_iter().skip(constants);
-        library.extend(functions.map(|function| EnergyTerm { place, function }));
-    }
-    library
+        functions.map(move |function| EnergyTerm { place, function })
+    };
+    parts(kinds).flat_map(of_place).collect()
 }
 
 /// V(q) and each entry of M(q), with what may stand there of each joint: V is linear in all, Mᵢⱼ

@@ -5,7 +5,7 @@ use crate::error::ModelError;
 use crate::friction::FrictionTerm;
 use crate::term::Term;
 use crate::weighted::Weighted;
-use faer::{Mat, Side};
+use faer::{Mat, RowRef, Side};
 use serde::{Deserialize, Serialize};
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Geometry, Kinematics, MotionState, Moved, inertia};
@@ -223,16 +223,11 @@ impl RigidChain {
         friction: (&[Weighted<FrictionTerm>], &[f64]),
         state: [&[f64]; 3],
     ) -> Result<Vec<f64>, ModelError> {
-        let n = self.n_joints();
-        if self.covariance_root.is_empty() {
-            return Ok(vec![0.0; n]);
-        }
         let jacobian = self.sensitivities(friction, state)?;
-        let rows = (0..n).map(|joint| {
-            let row: Vec<f64> = jacobian.row(joint).iter().copied().collect();
-            self.std_error_of(&row)
-        });
-        Ok(rows.collect())
+        let of = |weights: RowRef<'_, f64>| {
+            self.std_error_of(&weights.iter().copied().collect::<Vec<f64>>())
+        };
+        Ok(jacobian.row_iter().map(of).collect())
     }
 
     /// Standard error of a sum of parameters, by their weights.

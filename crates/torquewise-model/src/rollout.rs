@@ -315,9 +315,16 @@ pub fn drifts(
     let torque = Torque::new(model);
     let others: Vec<Torque> = others.iter().map(Torque::new).collect();
     let n = model.n_joints();
-    let mut inside = vec![vec![0_usize; n]; horizons.len()];
-    let mut squares = vec![(0, [vec![0.0; n], vec![0.0; n]]); horizons.len()];
-    let mut count = 0;
+    let begun = |&horizon_s: &f64| Drift {
+        horizon_s,
+        rms_drift_rad: vec![0.0; n],
+        hold_rms_rad: vec![0.0; n],
+        windows: 0,
+        ran_away: 0,
+        covered: (!others.is_empty()).then(|| vec![0.0; n]),
+    };
+    // Sums of squares and counts first, means of them in the end.
+    let mut drifts: Vec<Drift> = horizons.iter().map(begun).collect();
     windows(model, recording, longest, &mut |windows| {
         let ends = |window: &Window<'_>| {
             let of = |torque| window.simulated(torque, horizons, &mut |_, _| ());
@@ -331,46 +338,37 @@ pub fn drifts(
         };
         let ends = windows.par_iter().map(ends).collect::<Result<Vec<_>, ModelError>>()?;
         for (window, (ends, others)) in windows.iter().zip(ends) {
-            for (k, (horizon, inside)) in horizons.iter().zip(&mut inside).enumerate() {
-                let truth = window.measured(*horizon);
-                for (joint, inside) in inside.iter_mut().enumerate() {
+            for (k, (drift, end)) in drifts.iter_mut().zip(ends).enumerate() {
+                let (truth, held) = (window.measured(horizons[k]), window.held(horizons[k]));
+                for (joint, inside) in drift.covered.iter_mut().flatten().enumerate() {
                     let among = others.iter().map(|ends| ends[k][joint]).collect();
-                    *inside += usize::from(is_in_band(among, truth[joint]));
+                    *inside += f64::from(u8::from(is_in_band(among, truth[joint])));
                 }
-            }
-            for ((horizon, end), (away, sums)) in horizons.iter().zip(ends).zip(&mut squares) {
-                let (truth, held) = (window.measured(*horizon), window.held(*horizon));
-                let ran_away = window.ran_away(&end, *horizon);
-                *away += usize::from(ran_away);
+                let ran_away = window.ran_away(&end, horizons[k]);
+                drift.windows += 1;
+                drift.ran_away += usize::from(ran_away);
                 let end = if ran_away { truth.clone() } else { end };
-                for (sums, ends) in sums.iter_mut().zip([end, held]) {
+                let sums = [&mut drift.rms_drift_rad, &mut drift.hold_rms_rad];
+                for (sums, ends) in sums.into_iter().zip([end, held]) {
                     for ((sum, end), truth) in sums.iter_mut().zip(ends).zip(&truth) {
                         *sum += (end - truth).powi(2);
                     }
                 }
             }
         }
-        count += windows.len();
         Ok(())
     })?;
-    let rms = |squares: Vec<f64>, away: usize| -> Vec<f64> {
-        let kept = (count - away) as f64;
-        let of = |square: f64| if kept > 0.0 { (square / kept).sqrt() } else { f64::INFINITY };
-        squares.into_iter().map(of).collect()
-    };
-    let share = |inside: Vec<usize>| -> Vec<f64> {
-        inside.iter().map(|inside| *inside as f64 / count as f64).collect()
-    };
-    let drift = |((&horizon_s, (away, [drift, held])), inside): ((&f64, (_, [_; 2])), _)| Drift {
-        horizon_s,
-        rms_drift_rad: rms(drift, away),
-        hold_rms_rad: rms(held, 0),
-        windows: count,
-        ran_away: away,
-        covered: (!others.is_empty()).then(|| share(inside)),
-    };
-    let all = horizons.iter().zip(squares).zip(inside);
-    Ok(if count == 0 { Vec::new() } else { all.map(drift).collect() })
+    drifts.retain(|drift| drift.windows > 0);
+    for Drift { rms_drift_rad, hold_rms_rad, windows, ran_away, covered, .. } in &mut drifts {
+        let [all, kept] = [*windows, *windows - *ran_away].map(|count| count as f64);
+        for (count, squares) in [(kept, rms_drift_rad), (all, hold_rms_rad)] {
+            for x in squares {
+                *x = if count > 0.0 { (*x / count).sqrt() } else { f64::INFINITY };
+            }
+        }
+        covered.iter_mut().flatten().for_each(|x| *x /= all);
+    }
+    Ok(drifts)
 }
 
 /// Whether a value lies in the middle 90 % of some.

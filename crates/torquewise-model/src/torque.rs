@@ -91,7 +91,7 @@ impl Torque {
     /// # Errors
     /// [`ModelError::Shape`] if one has another length than the model has joints.
     pub fn at(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, ModelError> {
-        self.whole(MotionState { q, dq, ddq }, &|_, _| None)
+        self.sum(None, MotionState { q, dq, ddq }, &|_, _| None)
     }
 
     /// The same at the end of a path, whose last sample is q.
@@ -99,18 +99,25 @@ impl Torque {
     /// # Errors
     /// As [`Self::at`].
     pub fn after(&self, path: &Path, dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, ModelError> {
-        self.whole(MotionState { q: path.q(), dq, ddq }, &|joint, travel| path.state(joint, travel))
+        let state = MotionState { q: path.q(), dq, ddq };
+        self.sum(None, state, &|joint, travel| path.state(joint, travel))
     }
 
-    fn whole(
+    /// The torque at one state \[N·m\], n, whole or a part of it.
+    fn sum(
         &self,
+        part: Option<Kind>,
         state: MotionState<'_, f64>,
         memory: Remembered<'_>,
     ) -> Result<Vec<f64>, ModelError> {
         let mut tau = vec![0.0; self.n_joints];
-        self.visit_terms(state, memory, |joint, _, value| tau[joint] += value)?;
+        self.visit_terms(state, memory, |joint, kind, value| {
+            if part.is_none_or(|part| part == kind) {
+                tau[joint] += value;
+            }
+        })?;
         if let Some(links) = &self.links {
-            links.add_torque(None, state, &mut tau);
+            links.add_torque(part, state, &mut tau);
         }
         Ok(tau)
     }
@@ -288,17 +295,8 @@ impl Torque {
         (q, dq): (&[f64], &[f64]),
         memory: Remembered<'_>,
     ) -> Result<Vec<f64>, ModelError> {
-        let mut tau = vec![0.0; self.n_joints];
         let ddq = &vec![0.0; self.n_joints];
-        self.visit_terms(MotionState { q, dq, ddq }, memory, |joint, kind, value| {
-            if kind == wanted {
-                tau[joint] += value;
-            }
-        })?;
-        if let Some(links) = &self.links {
-            links.add_torque(Some(wanted), MotionState { q, dq, ddq }, &mut tau);
-        }
-        Ok(tau)
+        self.sum(Some(wanted), MotionState { q, dq, ddq }, memory)
     }
 
     /// What each law of friction comes to at the rows of a motion, per unit of its coefficient, on

@@ -122,7 +122,7 @@ impl Settings {
     }
 
     /// A log of the arm and the length of most experiments.
-    pub(crate) fn scenario(&self, noise: Noise, seed: u64) -> Scenario {
-        Scenario { arm: self.arm, seconds: self.seconds, noise, seed }
+    pub(crate) fn scenario(&self, noise: Noise) -> Scenario {
+        Scenario { arm: self.arm, seconds: self.seconds, noise, seed: self.seed }
     }
 }

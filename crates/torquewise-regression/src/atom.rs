@@ -85,17 +85,22 @@ pub struct Atom {
 }
 
 /// Numbers the distinct values handed to it, in the order they come.
-pub(crate) struct Numbering<T> {
+#[derive(Debug)]
+pub struct Numbering<T> {
     places: BTreeMap<T, usize>,
-    pub(crate) values: Vec<T>,
+    /// The values, in the order of their numbers.
+    pub values: Vec<T>,
+}
+
+impl<T> Default for Numbering<T> {
+    fn default() -> Self {
+        Self { places: BTreeMap::new(), values: Vec::new() }
+    }
 }
 
 impl<T: Ord + Clone> Numbering<T> {
-    pub(crate) fn new() -> Self {
-        Self { places: BTreeMap::new(), values: Vec::new() }
-    }
-
-    pub(crate) fn place(&mut self, value: &T) -> usize {
+    /// The number of a value, the next one if it is new.
+    pub fn place(&mut self, value: &T) -> usize {
         if let Some(&place) = self.places.get(value) {
             return place;
         }

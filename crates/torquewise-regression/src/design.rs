@@ -42,7 +42,7 @@ impl Design {
     }
 
     fn numbered(n_angles: usize, n_variables: usize, equations: &[Vec<AtomSum>]) -> Self {
-        let (mut waves, mut monomials) = (Numbering::new(), Numbering::new());
+        let (mut waves, mut monomials) = (Numbering::default(), Numbering::default());
         let mut pair = |a: &Atom| (waves.place(&a.wave), monomials.place(&a.monomial));
         let mut atoms: Vec<_> = equations.iter().flatten().flatten().map(&mut pair).collect();
         atoms.sort_unstable();

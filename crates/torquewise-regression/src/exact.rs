@@ -1,20 +1,22 @@
 //! Exact sums: fixed point of 192 bits, the same bits in whatever order numbers are added.
 
 use crate::error::{Result, SparseError, expect};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 /// Sums of floating-point numbers without rounding.
 ///
 /// Each entry is an integer multiple of 2⁻¹⁰⁴ (5e-32) below 2⁸⁷ (1e26) in size, so that adding is
 /// associative: parts of a sum add up to the same bits in any order. What a number has below the
 /// last place is rounded off before it is added, from that number alone.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
 pub struct ExactSums {
     entries: Vec<Words>,
 }
 
-/// Two's complement, least significant first.
-type Words = [u64; 3];
+/// Two's complement: the upper 128 bits with the sign, and the lowest 64. Next to no bytes are written
+/// where sums are small.
+type Words = (i128, u64);
 
 /// The last place is worth 2 to the power of −`LAST`.
 const LAST: i32 = 104;
@@ -24,7 +26,7 @@ const LARGEST_SHIFT: i32 = 192 - 1 - 53 - 17;
 impl ExactSums {
     /// Sums of nothing.
     pub fn zeros(count: usize) -> Self {
-        Self { entries: vec![[0; 3]; count] }
+        Self { entries: vec![(0, 0); count] }
     }
 
     /// Number of sums.
@@ -69,9 +71,8 @@ impl ExactSums {
     /// One sum as that of two numbers, the second what rounding takes from the first.
     pub fn pair(&self, place: usize) -> [f64; 2] {
         let high = self.value(place);
-        let mut rest = Self { entries: self.entries.get(place).copied().into_iter().collect() };
-        let left = rest.add(0, &[-high]).map_or(0.0, |()| rest.value(0));
-        [high, left]
+        let rest = words(-high).and_then(|high| added(self.entries[place], high));
+        [high, rest.map_or(0.0, rounded)]
     }
 }
 
@@ -91,58 +92,35 @@ fn words(value: f64) -> Option<Words> {
     }
     let wide = u128::from(digits) << (shift % 64);
     let size = match shift / 64 {
-        0 => joined((wide >> 64).cast_signed(), low_word(wide)),
-        _ => joined(wide.cast_signed(), 0),
+        0 => ((wide >> 64).cast_signed(), low_word(wide)),
+        _ => (wide.cast_signed(), 0),
     };
     Some(if bits >> 63 == 0 { size } else { negated(size) })
 }
 
-/// The upper two words as one number with a sign.
-fn upper([_, middle, high]: Words) -> i128 {
-    (u128::from(high) << 64 | u128::from(middle)).cast_signed()
-}
-
-fn joined(upper: i128, low: u64) -> Words {
-    let upper = upper.cast_unsigned();
-    [low, low_word(upper), low_word(upper >> 64)]
-}
-
-fn negated(words: Words) -> Words {
-    joined((!upper(words)).wrapping_add(i128::from(words[0] == 0)), words[0].wrapping_neg())
+fn negated((upper, low): Words) -> Words {
+    ((!upper).wrapping_add(i128::from(low == 0)), low.wrapping_neg())
 }
 
 /// The sum of two; `None` if it does not fit.
 fn added(one: Words, other: Words) -> Option<Words> {
-    let (low, carry) = one[0].overflowing_add(other[0]);
-    let high = upper(one).checked_add(upper(other))?.checked_add(i128::from(carry))?;
-    Some(joined(high, low))
+    let (low, carry) = one.1.overflowing_add(other.1);
+    let upper = one.0.checked_add(other.0)?.checked_add(i128::from(carry))?;
+    Some((upper, low))
 }
 
 fn rounded(words: Words) -> f64 {
-    let negative = words[2] >> 63 != 0;
-    let [low, middle, high] = if negative { negated(words) } else { words };
-    let word = 2.0_f64.powi(64);
-    let size = ((high as f64 * word + middle as f64) * word + low as f64) * 2.0_f64.powi(-LAST);
+    let negative = words.0 < 0;
+    let (upper, low) = if negative { negated(words) } else { words };
+    let (upper, word) = (upper.cast_unsigned(), 2.0_f64.powi(64));
+    let [middle, high] = [upper, upper >> 64].map(|wide| low_word(wide) as f64);
+    let size = ((high * word + middle) * word + low as f64) * 2.0_f64.powi(-LAST);
     if negative { -size } else { size }
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "the low half is what is wanted")]
 fn low_word(wide: u128) -> u64 {
     wide as u64
-}
-
-impl Serialize for ExactSums {
-    /// The upper two words as one number, and the lowest: next to no bytes where sums are small.
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        to.collect_seq(self.entries.iter().map(|&words| (upper(words), words[0])))
-    }
-}
-
-impl<'de> Deserialize<'de> for ExactSums {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        let pairs = Vec::<(i128, u64)>::deserialize(from)?;
-        Ok(Self { entries: pairs.into_iter().map(|(upper, low)| joined(upper, low)).collect() })
-    }
 }
 
 #[cfg(test)]

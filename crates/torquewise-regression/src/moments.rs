@@ -30,7 +30,7 @@ pub struct MomentPlan {
 impl MomentPlan {
     /// Lists the products that the Gram matrix of a design is made of.
     pub fn new(design: &Design) -> Self {
-        let (mut waves, mut monomials) = (Numbering::new(), Numbering::new());
+        let (mut waves, mut monomials) = (Numbering::default(), Numbering::default());
         design.waves.iter().for_each(|wave| _ = waves.place(wave));
         design.monomials.iter().for_each(|monomial| _ = monomials.place(monomial));
         let mut wave_pairs = Vec::with_capacity(packed(0, design.waves.len()));
@@ -202,7 +202,7 @@ fn gather_gram(plan: &MomentPlan, table: &Mat<f64>, columns: &[Entries]) -> Mat<
 
 /// Splits columns into parts, and numbers the functions of the angles in them.
 fn parts_of(design: &Design, columns: &[Entries]) -> (Vec<Function>, Vec<Vec<Part>>) {
-    let mut functions = Numbering::new();
+    let mut functions = Numbering::default();
     let mut split = |entries: &Entries| {
         let mut by_monomial: BTreeMap<usize, BTreeMap<usize, f64>> = BTreeMap::new();
         for &(atom, weight) in entries {

@@ -48,7 +48,7 @@ pub fn compare(
         }
     }
     let contend = |plan| -> Result<Contender> {
-        let fit = fit_plan(train, None, plan, observer)?;
+        let fit = fit_plan(&Watched::new(train, observer, "reading", None), plan)?;
         let scores = score(&fit.model, &Watched::new(test, NOBODY, "predicting", None))?;
         Ok(Contender { fit, scores })
     };

@@ -138,33 +138,28 @@ impl Error {
     /// What went wrong, its options in the words of a front end.
     pub fn message(&self, word: Wording) -> String {
         match self {
-            Self::UnusedOption { setting, fitted, because, .. } => format!(
-                "{} is not used by {fitted}, which is fitted because {because}",
-                word(setting, None)
-            ),
-            Self::WrongValue { setting, reason } => format!("{}: {reason}", word(setting, None)),
+            // Either begins with the name of its option.
+            Self::UnusedOption { setting, .. } | Self::WrongValue { setting, .. } => {
+                self.to_string().replacen(setting, &word(setting, None), 1)
+            }
             other => other.to_string(),
         }
     }
 
     /// What to do about it, if that is known, its options in the words of a front end.
     pub fn advice(&self, word: Wording) -> Option<String> {
-        match self {
+        let help = self.help()?.to_string();
+        Some(match self {
             Self::UnusedOption { remedy, .. } => {
-                Some(format!("leave it out or choose {}", remedy.worded(word)))
+                help.replace(&remedy.to_string(), &remedy.worded(word))
             }
             #[cfg(feature = "figures")]
-            Self::NotPositiveDefinite { .. } => Some(format!(
-                "fit anew on more motion or with {}, or give {} to export it all the same",
-                word("library", Some("chain")),
-                word("force", None)
-            )),
+            Self::NotPositiveDefinite { .. } => help
+                .replace("library chain", &word("library", Some("chain")))
+                .replace("force", &word("force", None)),
             #[cfg(feature = "figures")]
-            Self::NoCompiler { .. } => Some(format!(
-                "install one, name it in the variable CC, or export sources alone ({})",
-                word("binary", None)
-            )),
-            other => other.help().map(|help| help.to_string()),
-        }
+            Self::NoCompiler { .. } => help.replace("binary", &word("binary", None)),
+            _ => help,
+        })
     }
 }

@@ -163,16 +163,6 @@ pub fn rollouts(
 const PERCENT: f64 = 95.0;
 const ROWS: usize = 4_000;
 
-/// Part of measured torques within their interval, n; `None` of a model without a covariance.
-fn coverage(
-    model: &Model,
-    log: &dyn Recording,
-    (measured, every): (&dyn Recording, usize),
-) -> Result<Option<Vec<f64>>> {
-    let interval = interval(model, log)?;
-    interval.map(|interval| interval.coverage(measured, every)).transpose()
-}
-
 /// Bounds of the torque of a log; `None` of a model without a covariance.
 pub(crate) fn interval<'a>(model: &'a Model, log: &dyn Recording) -> Result<Option<Interval<'a>>> {
     match Interval::new(model, log, PERCENT) {
@@ -205,6 +195,10 @@ fn scored(
     };
     let mut joints: Vec<JointEvaluation> = scores.joints.into_iter().map(joint).collect();
     let every = scores.rows.div_ceil(ROWS).max(1);
+    let coverage = |measured: &dyn Recording, every| {
+        let interval = interval(model, recording)?;
+        interval.map(|interval| interval.coverage(measured, every)).transpose()
+    };
     let covered = match raw {
         Some((motion, noise)) => {
             let raw = score(model, &motion)?.joints.into_iter().zip(noise);
@@ -214,9 +208,9 @@ fn scored(
                 joint.raw_nrmse_percent = Some(nrmse_percent);
                 joint.noise_floor_percent = Some(100.0 * noise / std);
             }
-            coverage(model, recording, (&motion, 1))?
+            coverage(&motion, 1)?
         }
-        None if is_raw => coverage(model, recording, (recording, every))?,
+        None if is_raw => coverage(recording, every)?,
         None => None,
     };
     let errors: Vec<f64> = joints.iter().map(|joint| 0.01 * joint.nrmse_percent).collect();

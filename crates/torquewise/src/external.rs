@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::log::{Log, Prepared, Rows};
-use crate::observe::{Observer, Watched};
+use crate::observe::Observer;
 use torquewise_identify::contacts::external_torques;
 use torquewise_model::Model;
 use torquewise_motion::ReadError;
@@ -53,11 +53,11 @@ pub fn contacts(
     let free = free.map(prepared).transpose()?;
     let is_free = free.is_some();
     let calm = free.as_ref().unwrap_or(&rows);
-    let watched = Watched::new(calm.rows(), observer, "setting thresholds", calm.rows_hint());
+    let watched = calm.watched(observer, "setting thresholds");
     let numbers = (options.bandwidth, options.false_alarms_per_hour);
     let thresholds = Thresholds::of_free_motion(model, &watched, numbers, is_free)?;
     let mut detector = ContactDetector::new(model);
-    let watched = Watched::new(rows.rows(), observer, "looking for contacts", rows.rows_hint());
+    let watched = rows.watched(observer, "looking for contacts");
     let mut last = None;
     external_torques(model, &watched, options.bandwidth, &mut |row| {
         if last.is_some_and(|own| own != row.trajectory) {

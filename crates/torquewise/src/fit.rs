@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::evaluate::{Evaluation, evaluate};
 use crate::log::{Filter, Log, Rows, Source};
 use crate::observe::{Event, NOBODY, Observer, Watched};
-use crate::options::{Facts, FitOptions, Library};
+use crate::options::{FitOptions, Library};
 use crate::physics::MassMatrix;
 use crate::prepared::Prepared;
 use crate::summary::repairs_note;
@@ -21,25 +21,10 @@ use torquewise_identify::verdict::{Grade, Verdict, judge};
 use torquewise_identify::{
     IdentifyError, Method, Plan, Reconstruction, Warning, first_look, reconstruct,
 };
-use torquewise_motion::Recording;
 use torquewise_stepwise::Progress;
 use torquewise_stepwise::progress::Watch;
 
 /// A fit to be run: what it reads, and what is asked for.
-///
-/// ```no_run
-/// # fn main() -> Result<(), torquewise::Error> {
-/// use torquewise::{Fit, Log};
-///
-/// let (train, test) = (Log::open("train.csv")?, Log::open("test.csv")?);
-/// let fit = Fit::new(&train).run()?;
-/// for joint in fit.evaluate(&test)?.joints {
-///     println!("{}: {:.2} % of the torque is left", joint.name, joint.nrmse_percent);
-/// }
-/// fit.model.save("arm.json")?;
-/// # Ok(())
-/// # }
-/// ```
 #[must_use]
 pub struct Fit<'a> {
     source: Source<'a>,
@@ -126,16 +111,15 @@ impl<'a> Fit<'a> {
         match self.source {
             Source::Log(log) => self.run_log(log, options),
             Source::Recording(recording) => {
-                let (joints, filtered) = (recording.joints().len(), recording.is_filtered());
-                let plan = options.plan(Facts { joints, filtered })?;
-                fit_plan(recording, None, &plan, self.observer)
+                let plan = options.plan(recording.joints().len(), recording.is_filtered())?;
+                fit_plan(&Watched::new(recording, self.observer, "reading", None), &plan)
             }
         }
     }
 
     fn run_log(&self, log: &Log, options: &FitOptions) -> Result<FitResult> {
         log.files.require_tau()?;
-        let plan = options.plan(log.facts())?;
+        let plan = options.plan(log.joints().len(), log.is_filtered())?;
         let is_chosen = log.filter == Filter::Auto || log.delay.is_none() && log.is_filtered();
         let rows = if is_chosen { Rows::WithRawTorque } else { Rows::Filtered };
         let mut fit = fit_at_best(log.prepare(rows)?, &plan, self.observer)?;
@@ -224,31 +208,23 @@ impl FitResult {
 }
 
 /// Fits a plan to rows as they are.
-///
-/// - `rows`: how many there are, if that is known
-pub(crate) fn fit_plan(
-    recording: &dyn Recording,
-    rows: Option<u64>,
-    plan: &Plan,
-    observer: Observer<'_>,
-) -> Result<FitResult> {
-    let watched = Watched::new(recording, observer, "reading", rows);
-    let (found, seconds, step_seconds) =
-        timed(observer, |progress| reconstruct(&watched, plan, progress))?;
-    Ok(FitResult::of(found, None, (seconds, step_seconds)))
+pub(crate) fn fit_plan(recording: &Watched<'_>, plan: &Plan) -> Result<FitResult> {
+    let (found, spent) =
+        timed(recording.observer, |progress| reconstruct(recording, plan, progress))?;
+    Ok(FitResult::of(found, None, spent))
 }
 
 /// The same at the bandwidth that held-out rows ask for, where raw torque is at hand (E12).
 fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<FitResult> {
     let Prepared::Raw(raw) = log else {
-        let fit = fit_plan(log.rows(), log.rows_hint(), plan, observer)?;
+        let fit = fit_plan(&log.watched(observer, "reading"), plan)?;
         return Ok(FitResult { log: Some(log), ..fit });
     };
     let by_chain = match &plan.method {
         Method::Chain(_) => plan.clone(),
         Method::Library(_) => Plan { seed: plan.seed, ..ChainOptions::default().into() },
     };
-    let ((log, found), seconds, step_seconds) = timed(observer, |progress| {
+    let ((log, found), spent) = timed(observer, |progress| {
         let Tuned { recording, request, choices } = tune(raw.as_ref(), &by_chain, progress)?;
         let log = Prepared::Conditioned(Box::new(recording));
         let watched = log.watched(observer, "reading");
@@ -259,14 +235,14 @@ fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<Fit
         found.model.choices.splice(0..0, choices);
         Ok((log, found))
     })?;
-    Ok(FitResult::of(found, Some(log), (seconds, step_seconds)))
+    Ok(FitResult::of(found, Some(log), spent))
 }
 
-/// Does some work, and takes the time of it and of its steps \[s\].
+/// Does some work, and takes the time of it and of each of its steps \[s\].
 pub(crate) fn timed<T>(
     observer: Observer<'_>,
     work: impl FnOnce(Watch<'_>) -> Result<T, IdentifyError>,
-) -> Result<(T, f64, Vec<f64>)> {
+) -> Result<(T, (f64, Vec<f64>))> {
     let events: Mutex<Vec<(Progress, Moment)>> = Mutex::new(Vec::new());
     let is_stopped = AtomicBool::new(false);
     let start = Moment::now();
@@ -284,15 +260,10 @@ pub(crate) fn timed<T>(
     }
     let done = done?;
     let events = events.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let mut step_seconds: Vec<f64> = Vec::new();
-    for pair in events.windows(2) {
-        let spent = pair[1].1.since(pair[0].1);
-        match pair[0].0 {
-            Progress::Step(_) | Progress::Geometry => step_seconds.push(spent),
-            _ => {}
-        }
-    }
-    Ok((done, Moment::now().since(start), step_seconds))
+    let is_step = |stage| matches!(stage, Progress::Step(_) | Progress::Geometry);
+    let steps = events.windows(2).filter(|pair| is_step(pair[0].0));
+    let step_seconds = steps.map(|pair| pair[1].1.since(pair[0].1)).collect();
+    Ok((done, (Moment::now().since(start), step_seconds)))
 }
 
 #[cfg(test)]

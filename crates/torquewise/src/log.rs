@@ -1,7 +1,6 @@
 //! Logs of an arm, and how their signals are conditioned before anything is fitted to them.
 
 use crate::error::{Error, Result};
-use crate::options::Facts;
 use std::path::{Path, PathBuf};
 use torquewise_logs::conditioned::RawLogs;
 use torquewise_logs::{ConditionedLogs, Logs, Options};
@@ -15,14 +14,6 @@ pub use crate::prepared::Prepared;
 ///
 /// Logs without q̈ are filtered and differentiated, at a bandwidth that held-out raw torque
 /// chooses (E12); logs with q̈ are taken as they are, unless [`Log::filter`] says otherwise.
-///
-/// ```no_run
-/// # fn main() -> Result<(), torquewise::Error> {
-/// let log = torquewise::Log::open("train.csv")?;
-/// println!("{} joints", log.joints().len());
-/// # Ok(())
-/// # }
-/// ```
 #[derive(Clone, Debug)]
 pub struct Log {
     /// The files.
@@ -87,11 +78,6 @@ impl Log {
         self.cutoff().is_some()
     }
 
-    /// What of it decides what is fitted.
-    pub(crate) fn facts(&self) -> Facts {
-        Facts { joints: self.joints().len(), filtered: self.is_filtered() }
-    }
-
     fn cutoff(&self) -> Option<Cutoff> {
         match self.filter {
             Filter::Auto if self.files.has_ddq() => None,
@@ -114,19 +100,13 @@ impl Log {
             };
         };
         let delay = self.delay.unwrap_or_default();
-        let settings = Conditioning { cutoff, delay, ..Conditioning::default() };
-        let filtered = |settings: &Conditioning, logs: Logs| -> Result<Prepared> {
-            let logs = ConditionedLogs::new(logs, settings)?;
-            Ok(Prepared::Conditioned(Box::new(logs)))
-        };
-        match rows {
-            Rows::Filtered => filtered(&settings, logs),
-            Rows::Every => filtered(&Conditioning { thins: false, trims: false, ..settings }, logs),
-            Rows::Settled => filtered(&Conditioning { thins: false, ..settings }, logs),
-            Rows::WithRawTorque => {
-                Ok(Prepared::Raw(Box::new(RawLogs::new(logs, &settings, self.delay.is_none())?)))
-            }
-        }
+        let thins = matches!(rows, Rows::Filtered | Rows::WithRawTorque);
+        let settings = Conditioning { cutoff, delay, thins, trims: rows != Rows::Every };
+        Ok(if rows == Rows::WithRawTorque {
+            Prepared::Raw(Box::new(RawLogs::new(logs, &settings, self.delay.is_none())?))
+        } else {
+            Prepared::Conditioned(Box::new(ConditionedLogs::new(logs, &settings)?))
+        })
     }
 
     /// Its rows filtered as those a model was fitted on, where nothing else is asked for: what is

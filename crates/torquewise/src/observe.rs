@@ -31,7 +31,7 @@ pub const NOBODY: Observer<'static> = &|_| ControlFlow::Continue(());
 /// A recording whose rows are counted as they are read.
 pub struct Watched<'a> {
     recording: &'a dyn Recording,
-    observer: Observer<'a>,
+    pub(crate) observer: Observer<'a>,
 }
 
 impl<'a> Watched<'a> {

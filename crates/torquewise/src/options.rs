@@ -84,14 +84,6 @@ pub struct FitOptions {
     pub seed: u64,
 }
 
-/// What of a log decides what is fitted to it: the number of joints, 0 before they are read, and
-/// whether the signals go through a filter.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Facts {
-    pub(crate) joints: usize,
-    pub(crate) filtered: bool,
-}
-
 /// What is fitted, as far as its options differ; a chain is always stepwise.
 type Fitted = (Library, Regression);
 
@@ -113,24 +105,28 @@ impl FitOptions {
     /// [`Error::UnusedOption`], [`Error::SindyOfChain`], [`Error::WrongValue`].
     pub fn check(&self) -> Result<()> {
         self.check_bounds()?;
-        self.plan(Facts::default()).map(drop)
+        self.plan(0, false).map(drop)
     }
 
-    pub(crate) fn plan(&self, log: Facts) -> Result<Plan> {
+    /// What is fitted to a log.
+    ///
+    /// - `joints`: number of its joints, 0 before they are read
+    /// - `is_filtered`: whether its signals go through a filter
+    pub(crate) fn plan(&self, joints: usize, is_filtered: bool) -> Result<Plan> {
         let kinds = self.kinds.as_ref();
-        if let Some(kinds) = kinds.filter(|own| log.joints > 0 && own.len() != log.joints) {
+        if let Some(kinds) = kinds.filter(|own| joints > 0 && own.len() != joints) {
             let letters: String = kinds.iter().map(|kind| kind.letter).collect();
             let found = kinds.len();
-            let joints = if found == 1 { "joint" } else { "joints" };
-            let reason = format!("{letters} is of {found} {joints}, the log has {}", log.joints);
+            let own = if found == 1 { "joint" } else { "joints" };
+            let reason = format!("{letters} is of {found} {own}, the log has {joints}");
             return Err(Error::WrongValue { setting: "kinds", reason });
         }
-        let (library, because) = self.fitted(log);
+        let (library, because) = self.fitted(joints, is_filtered);
         if library == Library::Chain {
             if self.regression == Regression::OneShot {
                 return Err(Error::SindyOfChain);
             }
-            check_joints(log.joints)?;
+            check_joints(joints)?;
         }
         let fitted = (library, self.regression);
         self.refuse_unused(fitted, &because, &[])?;
@@ -150,10 +146,7 @@ impl FitOptions {
     }
 
     /// The plan for sums that were made under `settings`, which go before these options.
-    ///
-    /// # Errors
-    /// [`Error::UnusedOption`]
-    pub fn plan_for_sums(&self, settings: &SumSettings) -> Result<Plan> {
+    pub(crate) fn plan_for_sums(&self, settings: &SumSettings) -> Result<Plan> {
         let fitted = match &settings.library {
             None => (Library::Chain, Regression::Stepwise),
             Some(library) => match library.kind {
@@ -172,10 +165,10 @@ impl FitOptions {
         Ok(Plan { patterns: settings.patterns, ..plan })
     }
 
-    fn fitted(&self, log: Facts) -> (Library, String) {
-        let many = log.joints > MOST_WHOLE && self.interaction.is_none();
+    fn fitted(&self, joints: usize, is_filtered: bool) -> (Library, String) {
+        let many = joints > MOST_WHOLE && self.interaction.is_none();
         let stepwise = self.regression == Regression::Stepwise;
-        let too_many = format!("the log has {} joints", log.joints);
+        let too_many = format!("the log has {joints} joints");
         match self.library {
             // Its terms are too many to be listed: they are grown along a chain.
             Some(Library::Energy) if many && stepwise => (Library::Chain, too_many),
@@ -185,7 +178,7 @@ impl FitOptions {
                 (Library::Chain, "the geometry of the arm is given".into())
             }
             None if self.slides() => (Library::Chain, "a joint slides".into()),
-            None if log.filtered => (Library::Chain, "the log is filtered".into()),
+            None if is_filtered => (Library::Chain, "the log is filtered".into()),
             None if self.refine.is_some() => (Library::Chain, "it is to be refined".into()),
             None if self.has_friction() => (Library::Chain, "friction was asked for".into()),
             None if many => (Library::Chain, too_many),
@@ -307,8 +300,6 @@ fn name(fitted: Fitted) -> &'static str {
 mod tests {
     use super::*;
 
-    const SIX_FILTERED: Facts = Facts { joints: 6, filtered: true };
-
     #[test]
     fn options_that_are_used_pass() {
         let chain = FitOptions {
@@ -329,7 +320,7 @@ mod tests {
         assert!(chain.check().is_ok() && product.check().is_ok());
         assert!(sindy.check().is_err());
         let turning = FitOptions { kinds: Some(vec![JointKind::default(); 4]), ..chain };
-        let error = turning.plan(SIX_FILTERED).unwrap_err();
+        let error = turning.plan(6, true).unwrap_err();
         assert_eq!(error.to_string(), "kinds: rrrr is of 4 joints, the log has 6");
     }
 }

@@ -50,12 +50,7 @@ impl Prepared {
 
     /// The same, counted for whoever watches.
     pub fn watched<'a>(&'a self, observer: Observer<'a>, doing: &'static str) -> Watched<'a> {
-        Watched::new(self.rows(), observer, doing, self.rows_hint())
-    }
-
-    /// About how many rows there are, if the files tell.
-    pub fn rows_hint(&self) -> Option<u64> {
-        self.logs().rows_hint()
+        Watched::new(self.rows(), observer, doing, self.logs().rows_hint())
     }
 
     /// The filter that a model fitted on them keeps.

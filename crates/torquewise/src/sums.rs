@@ -34,7 +34,7 @@ pub fn sum_up(
     observer: Observer<'_>,
 ) -> Result<(Summary, Prepared)> {
     log.files.require_tau()?;
-    let plan = options.plan(log.facts())?;
+    let plan = options.plan(log.joints().len(), log.is_filtered())?;
     let plan = match (request, &plan.method) {
         (Some(_), Method::Library(_)) => {
             Plan { method: Method::Chain(ChainOptions::default()), ..plan }
@@ -76,12 +76,11 @@ pub fn solve_sums(
 ) -> Result<Solved> {
     let plan = options.plan_for_sums(summary.settings())?;
     let filter = summary.settings().filter;
-    let (solution, seconds, step_seconds) =
-        timed(observer, |progress| solve(summary, &plan, progress))?;
+    let (solution, spent) = timed(observer, |progress| solve(summary, &plan, progress))?;
     Ok(match solution {
         Solution::Request(request) => Solved::Request(request),
         Solution::Model(found) => {
-            let mut fit = FitResult::of(*found, None, (seconds, step_seconds));
+            let mut fit = FitResult::of(*found, None, spent);
             fit.found.model.training.filter = filter;
             Solved::Model(Box::new(fit.judged()?))
         }

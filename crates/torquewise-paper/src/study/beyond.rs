@@ -23,7 +23,7 @@ const BEFORE_REFIT: &str = "no refit after the last step";
 
 /// One choice changed at a time: family, what is changed, the equation that this puts to the test.
 pub(crate) fn variants(settings: &Settings) -> Vec<Row> {
-    let scenario = settings.scenario(Noise::CASES[2], settings.seed);
+    let scenario = settings.scenario(Noise::CASES[2]);
     let row = |family: &str, change: &str, equation: &str, plan: Plan| {
         // The printed index leaves the product library with so many terms that its refit takes
         // longest of all: one seed says it.
@@ -85,9 +85,8 @@ pub(crate) fn points(settings: &Settings) -> [Vec<Row>; 2] {
         let head = [method.name().into(), log.noise.to_string().into(), log.seconds.into()];
         Row::new(&head, log, method.options(), seeds)
     };
-    let noisy = |noise| settings.scenario(noise, settings.seed);
-    let long = |&seconds| Scenario { seconds, ..noisy(Noise::CASES[2]) };
-    let levels = settings.noise_levels.iter().map(|&noise| noisy(noise));
+    let long = |&seconds| Scenario { seconds, ..settings.scenario(Noise::CASES[2]) };
+    let levels = settings.noise_levels.iter().map(|&noise| settings.scenario(noise));
     let lengths = settings.lengths.iter().map(long);
     let unruined = [Method::Energy, Method::Product, Method::SindyCriterion];
     [

@@ -28,7 +28,7 @@ const FEWER: f64 = 0.5;
 /// A method in a case. Without noise one run says all.
 pub(crate) fn row(settings: &Settings, case: u8, method: Method) -> Row {
     let seeds = if case == 1 { 1 } else { settings.seeds };
-    let scenario = settings.scenario(Noise::CASES[usize::from(case) - 1], settings.seed);
+    let scenario = settings.scenario(Noise::CASES[usize::from(case) - 1]);
     Row::new(&[usize::from(case).into(), method.name().into()], &scenario, method.options(), seeds)
 }
 
@@ -40,7 +40,7 @@ pub(crate) fn rows(settings: &Settings) -> Vec<Row> {
 /// The three methods of the figure (0, 1 and 6), and LASSO and the threshold for all, like with
 /// like: each with its rule for terms.
 pub(crate) fn timed_rows(settings: &Settings) -> Vec<Row> {
-    let scenario = settings.scenario(Noise::CASES[2], settings.seed);
+    let scenario = settings.scenario(Noise::CASES[2]);
     let row = |method: &str, rule: &str, options: LibraryOptions| {
         Row::new(&[method.into(), rule.into()], &scenario, options, settings.timed_seeds)
     };

@@ -20,7 +20,7 @@ pub(crate) fn study(settings: &Settings) -> Result<Study> {
     let mut study = Study::described("orders", 0);
     let (mut logs, mut chosen, mut settled) = (Vec::new(), Vec::new(), Vec::new());
     for (case, noise) in Noise::CASES.into_iter().enumerate().take(2) {
-        let scenario = settings.scenario(noise, settings.seed);
+        let scenario = settings.scenario(noise);
         let log = scenario.record(&scenario.simulate()?)?;
         let curves = orders(&log, &plan).map_err(within("orders"))?;
         for curve in &curves {

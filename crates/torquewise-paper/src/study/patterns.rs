@@ -30,7 +30,7 @@ struct Clustered {
 pub(crate) fn study(settings: &Settings) -> Result<Study> {
     // The noise of the clustering figures.
     let clustering = Noise::from_db(f64::INFINITY, 60.0, 50.0)?;
-    let mut scenario = settings.scenario(clustering, settings.seed);
+    let mut scenario = settings.scenario(clustering);
     let simulation = scenario.simulate()?;
     let truth = &simulation.truth;
     let mut study = Study::described("patterns", 0);
