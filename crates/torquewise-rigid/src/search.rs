@@ -315,7 +315,7 @@ fn right_angles(
     let (usual, strength) = (UsualArm::near(&geometry), 0.0);
     let target = Target { rows, weights, ridge: search.ridge, usual, strength };
     for joint in 1..n {
-        geometry.set_direction(joint, RIGHT_ANGLES[random.random_range(0..RIGHT_ANGLES.len())]);
+        geometry.set_turn(joint, RIGHT_ANGLES[random.random_range(0..RIGHT_ANGLES.len())]);
         let place = [random.random_range(-PLACE..PLACE), random.random_range(-PLACE..PLACE)];
         if geometry.has_place(joint) {
             geometry.set_place(joint, place);
@@ -337,11 +337,7 @@ fn right_angles(
             tell(watch, SearchStage::Round).ok()?;
             for direction in RIGHT_ANGLES {
                 let mut other = best.geometry.clone();
-                if joint == 0 {
-                    other.set_tilt(direction);
-                } else {
-                    other.set_direction(joint, direction);
-                }
+                other.set_turn(joint, direction);
                 if other != best.geometry
                     && let Ok(found) = target.fit(&other)
                     && logarithm(&found, &target) < least
