@@ -2,7 +2,7 @@
 
 use crate::error::{ChainError, Result};
 use crate::geometry::Geometry;
-use crate::inertial_fit::{InertialFit, weigh};
+use crate::inertial_fit::{InertialFit, scale_rows};
 use crate::recursion::{Lanes, MOST_JOINTS, Moved, PER_BODY};
 use crate::rows::{ChainRows, put};
 use crate::search::{SearchStage, SearchWatch, tell};
@@ -64,9 +64,7 @@ pub(crate) fn changes(
             }
         }
     });
-    for column in 0..free.len() {
-        weigh(changes.col_as_slice_mut(column), rows, weights);
-    }
+    scale_rows(&mut changes, &rows.counted(weights));
     changes
 }
 

@@ -111,6 +111,14 @@ impl ChainRows {
         self
     }
 
+    /// What each equation counts: its share over the noise of its joint, m·n.
+    ///
+    /// - `weights`: one over the noise of each joint \[1/(N·m)\], n
+    pub(crate) fn counted(&self, weights: &[f64]) -> Vec<f64> {
+        let m = self.len();
+        self.shares.iter().enumerate().map(|(k, share)| share * weights[k / m]).collect()
+    }
+
     /// Standard deviation of the torque of a joint \[N·m\], zero where it never changes.
     pub fn deviation_of(&self, joint: usize) -> f64 {
         let torque = self.torque_of(joint);

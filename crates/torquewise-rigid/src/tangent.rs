@@ -36,10 +36,9 @@ impl Chain {
         expect("drive", self.drive.len(), rows.extras.ncols())?;
         expect("weights", weights.len(), n)?;
         let masses: Vec<f64> = self.inertial.iter().chain(&self.drive).copied().collect();
-        let linear = weighted_columns(&self.geometry, rows, weights);
         let moves = changes((rows, weights), &self.geometry, &masses, free);
-        let weights: Vec<f64> =
-            rows.shares.iter().enumerate().map(|(k, share)| share * weights[k / m]).collect();
+        let weights = rows.counted(weights);
+        let linear = weighted_columns(&self.geometry, rows, &weights);
         let mut residual: Vec<f64> =
             weights.iter().zip(&rows.torque).map(|(weight, tau)| weight * tau).collect();
         let p = masses.len();
