@@ -114,13 +114,8 @@ impl Candidates {
     }
 
     /// Number of candidates p.
-    pub fn len(&self) -> usize {
+    pub fn n_columns(&self) -> usize {
         self.terms.len() + self.friction.len()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Joints whose torque is explained by the same coefficients, which are found together.

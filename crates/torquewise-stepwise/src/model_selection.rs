@@ -215,7 +215,7 @@ impl<'a> CrossValidation<'a> {
         laws: Option<&Vec<FrictionTerm>>,
         selector: &Selector,
     ) -> Result<CvScore, IdentifyError> {
-        let columns: Vec<usize> = (0..self.candidates.len()).collect();
+        let columns: Vec<usize> = (0..self.candidates.n_columns()).collect();
         let is_offered = |&column: &usize| match (laws, self.candidates.law(column)) {
             (Some(laws), Some(law)) => laws.contains(law),
             _ => true,
@@ -235,7 +235,7 @@ impl<'a> CrossValidation<'a> {
         let sum = |equation| others.clone().map(|other| &self.blocks[other][equation]).sum();
         let rest: Vec<NormalEquations> = (0..judge.len()).map(sum).collect();
         let of_group = |joints: &Vec<usize>| {
-            let mut known = vec![0.0; self.candidates.len()];
+            let mut known = vec![0.0; self.candidates.n_columns()];
             step::take_step(step, &rest, (&self.candidates, joints), &mut known, selector)?;
             let moving = joints.iter().filter(|joint| spread[**joint] > 0.0);
             let error = |&joint: &usize| {

@@ -91,7 +91,7 @@ pub fn reconstruct(
         model,
         patterns,
         noise,
-        candidates: candidates.len(),
+        candidates: candidates.n_columns(),
         steps,
         dropped: dropped(candidates, &refitted),
         missing,
@@ -115,7 +115,7 @@ struct PartialModel<'a> {
 impl<'a> PartialModel<'a> {
     fn new(survey: &Survey, candidates: &'a Candidates, choices: Vec<Choice>) -> Self {
         let groups = candidates.groups();
-        let weights = vec![vec![0.0; candidates.len()]; groups.len()];
+        let weights = vec![vec![0.0; candidates.n_columns()]; groups.len()];
         let row_weights = groups.iter().map(|group| vec![1.0; group.len()]).collect();
         let model = Model { joints: survey.joints.clone(), choices, ..Model::default() };
         Self { candidates, groups, weights, row_weights, model, reports: Vec::new() }

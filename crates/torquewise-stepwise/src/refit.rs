@@ -85,7 +85,7 @@ pub(crate) fn refit(
     let bytes: usize = kept.iter().map(|kept| 36 * (kept.columns.len() + 1).pow(2)).sum();
     let n_parts = (SUM_BYTES / bytes.max(1)).clamp(1, PARTS);
     let least_t_squared = match options.selector {
-        Selector::Criterion(own) => own.threshold(survey.rows as f64, candidates.len()),
+        Selector::Criterion(own) => own.threshold(survey.rows as f64, candidates.n_columns()),
         _ => 0.0,
     };
     // The sample in pieces, of which part k of the log has every `n_parts`-th from the k-th on.

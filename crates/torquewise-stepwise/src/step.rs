@@ -39,7 +39,7 @@ pub fn plan_steps(
     present: &[Pattern],
 ) -> (Vec<Step>, Vec<usize>) {
     if regression == Regression::OneShot {
-        let columns: Vec<usize> = (0..candidates.len()).collect();
+        let columns: Vec<usize> = (0..candidates.n_columns()).collect();
         return (vec![Step { pattern: None, offered: columns.clone(), columns }], Vec::new());
     }
     let mut steps: Vec<Step> = Vec::new();
