@@ -52,14 +52,13 @@ impl Trajectory {
         1.0 / self.rate
     }
 
-    /// Writes the state at a row; returns its time \[s\].
-    pub(crate) fn state_at(&self, row: usize, state: &mut State) -> f64 {
+    /// Time \[s\] and state of a row.
+    pub(crate) fn state_at(&self, row: usize) -> (f64, State) {
         let t = row as f64 / self.rate;
         match &self.path {
-            Path::Moves(moves) => moves.state_at(t, state),
-            Path::Sines(sines) => sines.state_at(t, state),
-            Path::Staged(staged) => return staged.state_at(row, state),
+            Path::Moves(moves) => (t, moves.state_at(t)),
+            Path::Sines(sines) => (t, sines.state_at(t)),
+            Path::Staged(staged) => staged.state_at(row),
         }
-        t
     }
 }
