@@ -2,7 +2,7 @@
 
 use crate::error::{ChainError, Result};
 use crate::geometry::Geometry;
-use crate::recursion::{Moved, PER_BODY};
+use crate::recursion::{Moved, PER_BODY, each_four};
 use crate::rows::{ChainRows, put};
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{ColRef, Mat, MatRef, Side};
@@ -46,7 +46,7 @@ pub(crate) fn weighted_columns(
     rows: &ChainRows,
     counted: &[f64],
 ) -> Vec<JointColumns> {
-    let mut all = rows.columns_at(geometry);
+    let mut all = columns_at(geometry, rows);
     for (own, counted) in all.iter_mut().zip(counted.chunks(rows.len().max(1))) {
         scale_rows(&mut own.columns, counted);
     }
@@ -55,6 +55,11 @@ pub(crate) fn weighted_columns(
 
 /// The same before they are weighed.
 pub(crate) fn columns_at(geometry: &Geometry, rows: &ChainRows) -> Vec<JointColumns> {
+    if let Some((known, columns)) = &rows.known
+        && known == geometry
+    {
+        return columns.to_vec();
+    }
     let (m, n) = (rows.len(), rows.n_joints());
     let kinematics = rows.kinematics(geometry);
     let mut moved = Moved::default();
@@ -72,7 +77,7 @@ pub(crate) fn columns_at(geometry: &Geometry, rows: &ChainRows) -> Vec<JointColu
         JointColumns { columns, places }
     };
     let mut all: Vec<JointColumns> = (0..n).map(loading).collect();
-    rows.visit_lanes(|state, first, count| {
+    each_four(n, rows.signals(), |state, first, count| {
         kinematics.move_into(state, &mut moved);
         moved.regressor(|joint, parameter, value| {
             let column = all[joint].columns.col_as_slice_mut(parameter - PER_BODY * joint);
