@@ -49,9 +49,7 @@ impl Chain {
                 columns.col_mut(place).subrows_mut(joint * m, m).copy_from(own.columns.col(k));
             }
         }
-        for k in 0..free.len() {
-            columns.col_mut(p + k).copy_from(moves.col(k));
-        }
+        columns.subcols_mut(p, free.len()).copy_from(&moves);
         Ok(Tangent { weights, residual, columns })
     }
 }
