@@ -82,6 +82,7 @@ impl SimulatedLog {
         let (mut states, mut tau) = (Vec::with_capacity(m), Mat::zeros(m, n));
         let (mut t, mut truth) = (Vec::with_capacity(m), Vec::with_capacity(m));
         let (mut torque, mut moved) = (vec![0.0; n], Moved::default());
+        let step = 1.0 / trajectory.rate;
         for (k, row) in rows.enumerate() {
             let (time, state) = trajectory.state_at(row);
             t.push(time);
@@ -89,7 +90,7 @@ impl SimulatedLog {
             let moving = MotionState { q: &state.q, dq: &state.dq, ddq: &state.ddq };
             arm.load(moving, &mut moved, &mut torque);
             for i in 0..n {
-                tau[(k, i)] = torque[i] + friction.next(i, state.dq[i], trajectory.step(), bent);
+                tau[(k, i)] = torque[i] + friction.next(i, state.dq[i], step, bent);
             }
             states.push(state);
         }

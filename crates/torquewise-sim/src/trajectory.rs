@@ -23,7 +23,8 @@ const ACCELERATION: [f64; 2] = [2.0, 6.0];
 #[derive(Clone, Debug)]
 pub(crate) struct Trajectory {
     pub(crate) n_rows: usize,
-    rate: f64,
+    /// Rows per second.
+    pub(crate) rate: f64,
     path: Path,
 }
 
@@ -45,11 +46,6 @@ impl Trajectory {
             MotionKind::Staged => Path::Staged(Staged::draw(&ranges, n_rows, plan.rate, &mut rng)),
         };
         Ok(Self { n_rows, rate: plan.rate, path })
-    }
-
-    /// Time from row to row \[s\].
-    pub(crate) fn step(&self) -> f64 {
-        1.0 / self.rate
     }
 
     /// Time \[s\] and state of a row.
