@@ -114,7 +114,7 @@ impl Geometry {
         let mut frames = vec![own];
         if let Some(first) = placements.first() {
             let up = -first.rotation.tr_mul(&Vector3::from(down)).normalize();
-            geometry.set_tilt(turn_to(&up));
+            geometry.set_turn(0, turn_to(&up));
         }
         for (joint, given) in placements.iter().enumerate().skip(1) {
             // The given frame, in the frame of the geometry before.
@@ -123,7 +123,7 @@ impl Geometry {
             let direction = turn_to(&rotation.column(2).into_owned());
             let turned = turn(direction);
             let place = turned.tr_mul(&origin);
-            geometry.set_direction(joint, direction);
+            geometry.set_turn(joint, direction);
             own.rotation = rotation.tr_mul(&turned);
             if kinds.of(joint).turns() {
                 geometry.set_place(joint, [place.x, place.y]);
@@ -174,7 +174,7 @@ impl Geometry {
     /// # Panics
     /// If the chain has no such joint.
     pub fn direction(&self, joint: usize) -> [f64; 2] {
-        self.pair(joint, 0)
+        if joint == 0 { [0.0; 2] } else { self.turn_of(joint) }
     }
 
     /// Place (p₁, p₂) \[m\] of the axis of a joint, counted from 0.
@@ -182,53 +182,39 @@ impl Geometry {
     /// # Panics
     /// If the chain has no such joint.
     pub fn place(&self, joint: usize) -> [f64; 2] {
-        self.pair(joint, 2)
+        let first = first_of(joint) + 2;
+        if joint == 0 { [0.0; 2] } else { [self.parameters[first], self.parameters[first + 1]] }
     }
 
-    fn pair(&self, joint: usize, first: usize) -> [f64; 2] {
-        let Some(before) = joint.checked_sub(1) else { return [0.0; 2] };
-        let start = PER_BASE + PER_JOINT * before + first;
-        [self.parameters[start], self.parameters[start + 1]]
+    /// The turns of a joint: of the first those of gravity, of the others their direction.
+    pub(crate) fn turn_of(&self, joint: usize) -> [f64; 2] {
+        [self.parameters[first_of(joint)], self.parameters[first_of(joint) + 1]]
     }
 
-    pub(crate) fn set_direction(&mut self, joint: usize, direction: [f64; 2]) {
-        self.set_pair(joint, 0, direction);
+    pub(crate) fn set_turn(&mut self, joint: usize, turn: [f64; 2]) {
+        self.parameters[first_of(joint)..][..2].copy_from_slice(&turn);
     }
 
+    /// Of a joint from the second on.
     pub(crate) fn set_place(&mut self, joint: usize, place: [f64; 2]) {
-        self.set_pair(joint, 2, place);
-    }
-
-    pub(crate) fn tilt(&self) -> [f64; 2] {
-        [self.parameters[0], self.parameters[1]]
-    }
-
-    pub(crate) fn set_tilt(&mut self, tilt: [f64; 2]) {
-        self.parameters[..PER_BASE].copy_from_slice(&tilt);
-    }
-
-    fn set_pair(&mut self, joint: usize, first: usize, values: [f64; 2]) {
-        if let Some(before) = joint.checked_sub(1) {
-            let start = PER_BASE + PER_JOINT * before + first;
-            self.parameters[start..start + 2].copy_from_slice(&values);
-        }
+        self.parameters[first_of(joint) + 2..][..2].copy_from_slice(&place);
     }
 
     /// Acceleration of gravity \[m/s²\] in the base.
     pub fn gravity(&self) -> [f64; 3] {
-        (-GRAVITY * axis(self.tilt())).into()
+        (-GRAVITY * axis(self.turn_of(0))).into()
     }
 
     /// The same joints where things fall another way in the base, of any length but zero.
     #[must_use]
     pub fn falling(mut self, down: [f64; 3]) -> Self {
-        self.set_tilt(turn_to(&-Vector3::from(down).normalize()));
+        self.set_turn(0, turn_to(&-Vector3::from(down).normalize()));
         self
     }
 
     /// How the frames move per unit of each parameter, in the order of [`Self::parameters`].
     pub fn derivatives(&self) -> Vec<GeometryDerivative> {
-        let of_tilt = left_jacobian(self.tilt()).map(|rotation| GeometryDerivative {
+        let of_tilt = left_jacobian(self.turn_of(0)).map(|rotation| GeometryDerivative {
             gravity: rotation.cross(&Vector3::from(self.gravity())),
             ..GeometryDerivative::default()
         });
@@ -281,6 +267,11 @@ impl Placement {
 pub fn between(from: &Vector3<f64>, to: &Vector3<f64>) -> Rotation3<f64> {
     let half_turn = || Rotation3::from_axis_angle(&Vector3::x_axis(), PI);
     Rotation3::rotation_between(from, to).unwrap_or_else(half_turn)
+}
+
+/// Where the parameters of a joint begin.
+fn first_of(joint: usize) -> usize {
+    joint.checked_sub(1).map_or(0, |before| PER_BASE + PER_JOINT * before)
 }
 
 fn turn(w: [f64; 2]) -> Matrix3<f64> {

@@ -2,7 +2,7 @@
 
 use crate::error::{ChainError, Result};
 use crate::geometry::Geometry;
-use crate::recursion::{Moved, PER_BODY};
+use crate::recursion::{Moved, PER_BODY, each_four};
 use crate::rows::{ChainRows, put};
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{ColRef, Mat, MatRef, Side};
@@ -39,23 +39,27 @@ pub(crate) struct JointColumns {
 const NOTHING: f64 = 1e-9;
 
 /// Weighted columns of a chain and those beside it, n.
+///
+/// - `counted`: what each equation counts, [`ChainRows::counted`]
 pub(crate) fn weighted_columns(
     geometry: &Geometry,
     rows: &ChainRows,
-    weights: &[f64],
+    counted: &[f64],
 ) -> Vec<JointColumns> {
-    let (m, mut all) = (rows.len(), rows.columns_at(geometry));
-    for (joint, own) in all.iter_mut().enumerate() {
-        for column in 0..own.places.len() {
-            let shares = &rows.shares[joint * m..(joint + 1) * m];
-            weigh_joint(own.columns.col_as_slice_mut(column), shares, weights[joint]);
-        }
+    let mut all = columns_at(geometry, rows);
+    for (own, counted) in all.iter_mut().zip(counted.chunks(rows.len().max(1))) {
+        scale_rows(&mut own.columns, counted);
     }
     all
 }
 
 /// The same before they are weighed.
 pub(crate) fn columns_at(geometry: &Geometry, rows: &ChainRows) -> Vec<JointColumns> {
+    if let Some((known, columns)) = &rows.known
+        && known == geometry
+    {
+        return columns.to_vec();
+    }
     let (m, n) = (rows.len(), rows.n_joints());
     let kinematics = rows.kinematics(geometry);
     let mut moved = Moved::default();
@@ -64,40 +68,27 @@ pub(crate) fn columns_at(geometry: &Geometry, rows: &ChainRows) -> Vec<JointColu
         let loads = |k: &usize| rows.loaded[*k].contains(&joint);
         let beside = (0..rows.loaded.len()).filter(loads).map(|k| of_bodies + k);
         let places: Vec<usize> = (PER_BODY * joint..of_bodies).chain(beside).collect();
-        JointColumns { columns: Mat::zeros(m, places.len()), places }
+        let mut columns = Mat::zeros(m, places.len());
+        for (column, &place) in places.iter().enumerate() {
+            if let Some(beside) = place.checked_sub(of_bodies) {
+                columns.col_mut(column).copy_from(rows.extras.col(beside).subrows(joint * m, m));
+            }
+        }
+        JointColumns { columns, places }
     };
     let mut all: Vec<JointColumns> = (0..n).map(loading).collect();
-    rows.visit_lanes(|state, first, count| {
+    each_four(n, rows.signals(), |state, first, count| {
         kinematics.move_into(state, &mut moved);
         moved.regressor(|joint, parameter, value| {
             let column = all[joint].columns.col_as_slice_mut(parameter - PER_BODY * joint);
             put(column, (first, count), value);
         });
     });
-    for (joint, own) in all.iter_mut().enumerate() {
-        let range = joint * m..(joint + 1) * m;
-        for (column, &place) in own.places.iter().enumerate() {
-            let column = own.columns.col_as_slice_mut(column);
-            if let Some(beside) = place.checked_sub(of_bodies) {
-                column.copy_from_slice(&rows.extras.col_as_slice(beside)[range.clone()]);
-            }
-        }
-    }
     all
 }
 
-/// Multiplies equations, all rows of joint 1 first, by what they count.
-pub(crate) fn weigh(column: &mut [f64], rows: &ChainRows, weights: &[f64]) {
-    let m = rows.len().max(1);
-    let joints = column.chunks_mut(m).zip(rows.shares.chunks(m)).zip(weights);
-    joints.for_each(|((column, shares), weight)| weigh_joint(column, shares, *weight));
-}
-
-fn weigh_joint(column: &mut [f64], shares: &[f64], weight: f64) {
-    column.iter_mut().zip(shares).for_each(|(x, share)| *x *= share * weight);
-}
-
-fn scale_rows(x: &mut Mat<f64>, scales: &[f64]) {
+/// Multiplies each row by a number.
+pub(crate) fn scale_rows(x: &mut Mat<f64>, scales: &[f64]) {
     for column in 0..x.ncols() {
         let own = x.col_as_slice_mut(column).iter_mut().zip(scales);
         own.for_each(|(x, scale)| *x *= scale);
@@ -134,10 +125,10 @@ impl InertialFit {
     ) -> Result<Self> {
         let (m, n) = (rows.len(), rows.n_joints());
         let size = rows.torque.len() as f64;
-        let columns = weighted_columns(geometry, rows, weights);
+        let counted = rows.counted(weights);
+        let columns = weighted_columns(geometry, rows, &counted);
         let p = PER_BODY * n + rows.extras.ncols();
-        let weighted = |(k, tau): (usize, &f64)| rows.shares[k] * weights[k / m] * tau;
-        let mut residual: Vec<f64> = rows.torque.iter().enumerate().map(weighted).collect();
+        let mut residual: Vec<f64> = counted.iter().zip(&rows.torque).map(|(w, t)| w * t).collect();
         let (mut gram, mut right) = (Mat::zeros(p, p), Mat::zeros(p, 1));
         for (own, target) in columns.iter().zip(residual.chunks(m.max(1))) {
             add_gram_at(&mut gram, &own.places, own.columns.as_ref(), 1.0);

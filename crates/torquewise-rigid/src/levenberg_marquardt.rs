@@ -2,8 +2,8 @@
 
 use crate::error::{ChainError, Result};
 use crate::geometry::Geometry;
-use crate::inertial_fit::{InertialFit, weigh};
-use crate::recursion::{Lanes, MOST_JOINTS, Moved, PER_BODY};
+use crate::inertial_fit::{InertialFit, scale_rows};
+use crate::recursion::{Lanes, MOST_JOINTS, Moved, PER_BODY, each_four};
 use crate::rows::{ChainRows, put};
 use crate::search::{SearchStage, SearchWatch, tell};
 use crate::usual_arm::UsualArm;
@@ -55,7 +55,7 @@ pub(crate) fn changes(
     let derivatives = geometry.derivatives();
     let (mut moved, mut torque) = (Moved::default(), [Lanes::splat(0.0); MOST_JOINTS]);
     let mut changes = Mat::zeros(m * n, free.len());
-    rows.visit_lanes(|state, first, count| {
+    each_four(n, rows.signals(), |state, first, count| {
         kinematics.inverse_dynamics(state, inertial, &mut moved, &mut torque[..n]);
         for (column, &parameter) in free.iter().enumerate() {
             moved.geometry_derivative(&derivatives[parameter], &mut torque[..n]);
@@ -64,9 +64,7 @@ pub(crate) fn changes(
             }
         }
     });
-    for column in 0..free.len() {
-        weigh(changes.col_as_slice_mut(column), rows, weights);
-    }
+    scale_rows(&mut changes, &rows.counted(weights));
     changes
 }
 

@@ -15,6 +15,8 @@ use derivative::MotionDerivative;
 use nalgebra::{Matrix3, SimdRealField, Vector3};
 use simba::simd::WideF64x4;
 
+pub(crate) use torque::each_four;
+
 /// Inertial parameters of a body: m \[kg\], m·c \[kg·m\] (3), and the entries xx, yy, zz, xy, xz, yz of
 /// the inertia tensor about the origin of its frame \[kg·m²\], so that Ixy = −∫xy dm.
 pub const PER_BODY: usize = 10;

@@ -3,9 +3,8 @@
 use crate::error::{ChainError, Result, expect};
 use crate::geometry::Geometry;
 use crate::inertial_fit::{JointColumns, columns_at};
-use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, MotionState, N_LANES};
+use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, N_LANES};
 use faer::{Mat, MatRef};
-use simba::simd::SimdValue;
 use std::sync::Arc;
 
 /// A spread of torque about its mean \[N·m\]; zero where it is rounding, as where torque never changes.
@@ -18,9 +17,8 @@ pub fn spread_above_rounding(std: f64, mean: f64) -> f64 {
 /// Rows of one arm and what is known beside the chain.
 #[derive(Clone, Debug)]
 pub struct ChainRows {
-    n_joints: usize,
-    /// q, q̇, q̈ of each row, 3n numbers a row.
-    states: Vec<f64>,
+    /// q, q̇, q̈, m×n each.
+    states: [Mat<f64>; 3],
     /// Torques, m·n: all rows of joint 1 first.
     pub(crate) torque: Vec<f64>,
     /// Further columns, (m·n)×e, rows as in `torque`.
@@ -32,7 +30,7 @@ pub struct ChainRows {
     /// Whether gravity was taken out of the torque.
     weightless: bool,
     /// Their columns at one geometry, where these were worked out.
-    known: Option<(Geometry, Arc<Vec<JointColumns>>)>,
+    pub(crate) known: Option<(Geometry, Arc<Vec<JointColumns>>)>,
 }
 
 impl ChainRows {
@@ -60,12 +58,7 @@ impl ChainRows {
         expect("extras", extras.len(), n)?;
         let width = extras[0].ncols();
         extras.iter().try_for_each(|x| check("extras", x.as_ref(), width))?;
-        let mut states = Vec::with_capacity(3 * m * n);
-        for row in 0..m {
-            for x in [q, dq, ddq] {
-                states.extend((0..n).map(|joint| x[(row, joint)]));
-            }
-        }
+        let states = [q, dq, ddq].map(|x| x.to_owned());
         let torque = (0..n).flat_map(|joint| (0..m).map(move |row| tau[(row, joint)])).collect();
         let extras = Mat::from_fn(m * n, width, |row, column| extras[row / m][(row % m, column)]);
         let is_loaded = |column: usize, joint: usize| {
@@ -76,22 +69,22 @@ impl ChainRows {
             .collect();
         let shares = vec![1.0; m * n];
         let (weightless, known) = (false, None);
-        Ok(Self { n_joints: n, states, torque, extras, loaded, shares, weightless, known })
+        Ok(Self { states, torque, extras, loaded, shares, weightless, known })
     }
 
     /// Number of joints n.
     pub fn n_joints(&self) -> usize {
-        self.n_joints
+        self.states[0].ncols()
     }
 
     /// Number of rows m.
     pub fn len(&self) -> usize {
-        self.states.len() / (3 * self.n_joints)
+        self.states[0].nrows()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.states.is_empty()
+        self.len() == 0
     }
 
     /// The torques \[N·m\] of a joint, counted from 0, m.
@@ -111,6 +104,14 @@ impl ChainRows {
         self
     }
 
+    /// What each equation counts: its share over the noise of its joint, m·n.
+    ///
+    /// - `weights`: one over the noise of each joint \[1/(N·m)\], n
+    pub(crate) fn counted(&self, weights: &[f64]) -> Vec<f64> {
+        let m = self.len();
+        self.shares.iter().enumerate().map(|(k, share)| share * weights[k / m]).collect()
+    }
+
     /// Standard deviation of the torque of a joint \[N·m\], zero where it never changes.
     pub fn deviation_of(&self, joint: usize) -> f64 {
         let torque = self.torque_of(joint);
@@ -120,20 +121,9 @@ impl ChainRows {
         spread_above_rounding((squares / m).sqrt(), mean)
     }
 
-    /// Calls `visit` with four states at a time, the row of the first of them and how many of them
-    /// are rows; the last is repeated where rows run out.
-    pub(crate) fn visit_lanes(&self, mut visit: impl FnMut(MotionState<'_, Lanes>, usize, usize)) {
-        let (m, n) = (self.len(), self.n_joints);
-        let mut lanes = vec![Lanes::splat(0.0); 3 * n];
-        for first in (0..m).step_by(N_LANES) {
-            for lane in 0..N_LANES {
-                let row = (first + lane).min(m - 1);
-                let state = &self.states[3 * n * row..3 * n * (row + 1)];
-                lanes.iter_mut().zip(state).for_each(|(lanes, x)| lanes.replace(lane, *x));
-            }
-            let state = MotionState { q: &lanes[..n], dq: &lanes[n..2 * n], ddq: &lanes[2 * n..] };
-            visit(state, first, N_LANES.min(m - first));
-        }
+    /// q, q̇, q̈, m×n each.
+    pub(crate) fn signals(&self) -> [Option<MatRef<'_, f64>>; 3] {
+        self.states.each_ref().map(|x| Some(x.as_ref()))
     }
 
     /// The same rows, with the torque of a joint, counted from 0, negated.
@@ -153,16 +143,8 @@ impl ChainRows {
     /// The same rows, quick to be fitted to torques of other signs or in another order at one geometry.
     #[must_use]
     pub fn placed(self, geometry: &Geometry) -> Self {
-        let known = Some((geometry.clone(), Arc::new(self.columns_at(geometry))));
+        let known = Some((geometry.clone(), Arc::new(columns_at(geometry, &self))));
         Self { known, ..self }
-    }
-
-    /// Columns of a chain at a geometry and those beside it, not weighed, n.
-    pub(crate) fn columns_at(&self, geometry: &Geometry) -> Vec<JointColumns> {
-        match &self.known {
-            Some((known, columns)) if known == geometry => columns.to_vec(),
-            _ => columns_at(geometry, self),
-        }
     }
 
     /// The moving bodies of a geometry, under gravity if these rows are.
@@ -184,13 +166,13 @@ impl ChainRows {
     /// # Panics
     /// If there is no such row.
     pub fn select(&self, rows: &[usize]) -> Self {
-        let (m, n) = (self.len(), self.n_joints);
-        let states = rows.iter().flat_map(|&row| &self.states[3 * n * row..3 * n * (row + 1)]);
+        let (m, n) = (self.len(), self.n_joints());
+        let picked = |x: &Mat<f64>| Mat::from_fn(rows.len(), n, |k, joint| x[(rows[k], joint)]);
         let place = |k: usize| (k / rows.len()) * m + rows[k % rows.len()];
         let places: Vec<usize> = (0..rows.len() * n).map(place).collect();
         let extra = |k: usize, j| self.extras[(places[k], j)];
         Self {
-            states: states.copied().collect(),
+            states: self.states.each_ref().map(picked),
             torque: places.iter().map(|&place| self.torque[place]).collect(),
             extras: Mat::from_fn(places.len(), self.extras.ncols(), extra),
             loaded: self.loaded.clone(),

@@ -5,13 +5,12 @@ use crate::error::{ChainError, Result, expect};
 use crate::geometry::{Geometry, PER_BASE, PER_JOINT, RIGHT_ANGLES};
 use crate::joint::JointKinds;
 use crate::levenberg_marquardt::{Fitted, Target};
-use crate::recursion::{Lanes, MOST_JOINTS, Moved, PER_BODY};
-use crate::rows::{ChainRows, put};
+use crate::recursion::PER_BODY;
+use crate::rows::ChainRows;
 use crate::usual_arm::UsualArm;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use simba::simd::SimdValue;
 use std::ops::ControlFlow;
 
 /// How a chain is looked for.
@@ -84,15 +83,14 @@ impl Chain {
     /// Torques \[N·m\] of rows: m of joint 1, then m of joint 2 …
     pub fn torque(&self, rows: &ChainRows) -> Vec<f64> {
         let (m, n) = (rows.len(), rows.n_joints());
-        let kinematics = rows.kinematics(&self.geometry);
-        let (mut moved, mut torque) = (Moved::default(), [Lanes::splat(0.0); MOST_JOINTS]);
         let mut out = vec![0.0; m * n];
-        rows.visit_lanes(|state, first, count| {
-            kinematics.inverse_dynamics(state, &self.inertial, &mut moved, &mut torque[..n]);
-            for (joint, &tau) in torque[..n].iter().enumerate() {
-                put(&mut out, (joint * m + first, count), tau);
-            }
-        });
+        rows.kinematics(&self.geometry).torques(
+            rows.signals(),
+            &self.inertial,
+            |row, joint, tau| {
+                out[joint * m + row] = tau;
+            },
+        );
         for (j, coefficient) in self.drive.iter().enumerate() {
             for (out, x) in out.iter_mut().zip(rows.extras.col_as_slice(j)) {
                 *out += coefficient * x;
@@ -315,7 +313,7 @@ fn right_angles(
     let (usual, strength) = (UsualArm::near(&geometry), 0.0);
     let target = Target { rows, weights, ridge: search.ridge, usual, strength };
     for joint in 1..n {
-        geometry.set_direction(joint, RIGHT_ANGLES[random.random_range(0..RIGHT_ANGLES.len())]);
+        geometry.set_turn(joint, RIGHT_ANGLES[random.random_range(0..RIGHT_ANGLES.len())]);
         let place = [random.random_range(-PLACE..PLACE), random.random_range(-PLACE..PLACE)];
         if geometry.has_place(joint) {
             geometry.set_place(joint, place);
@@ -337,11 +335,7 @@ fn right_angles(
             tell(watch, SearchStage::Round).ok()?;
             for direction in RIGHT_ANGLES {
                 let mut other = best.geometry.clone();
-                if joint == 0 {
-                    other.set_tilt(direction);
-                } else {
-                    other.set_direction(joint, direction);
-                }
+                other.set_turn(joint, direction);
                 if other != best.geometry
                     && let Ok(found) = target.fit(&other)
                     && logarithm(&found, &target) < least

@@ -36,10 +36,9 @@ impl Chain {
         expect("drive", self.drive.len(), rows.extras.ncols())?;
         expect("weights", weights.len(), n)?;
         let masses: Vec<f64> = self.inertial.iter().chain(&self.drive).copied().collect();
-        let linear = weighted_columns(&self.geometry, rows, weights);
         let moves = changes((rows, weights), &self.geometry, &masses, free);
-        let weights: Vec<f64> =
-            rows.shares.iter().enumerate().map(|(k, share)| share * weights[k / m]).collect();
+        let weights = rows.counted(weights);
+        let linear = weighted_columns(&self.geometry, rows, &weights);
         let mut residual: Vec<f64> =
             weights.iter().zip(&rows.torque).map(|(weight, tau)| weight * tau).collect();
         let p = masses.len();
@@ -50,9 +49,7 @@ impl Chain {
                 columns.col_mut(place).subrows_mut(joint * m, m).copy_from(own.columns.col(k));
             }
         }
-        for k in 0..free.len() {
-            columns.col_mut(p + k).copy_from(moves.col(k));
-        }
+        columns.subcols_mut(p, free.len()).copy_from(&moves);
         Ok(Tangent { weights, residual, columns })
     }
 }

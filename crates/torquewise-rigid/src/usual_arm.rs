@@ -22,9 +22,8 @@ impl UsualArm {
     /// That of a geometry.
     pub fn near(geometry: &Geometry) -> Self {
         let mut usual = Geometry::straight(geometry.n_joints());
-        usual.set_tilt(nearest_right_angle(geometry.tilt()));
-        for joint in 1..geometry.n_joints() {
-            usual.set_direction(joint, nearest_right_angle(geometry.direction(joint)));
+        for joint in 0..geometry.n_joints() {
+            usual.set_turn(joint, nearest_right_angle(geometry.turn_of(joint)));
         }
         let of_joints = [DIRECTION, DIRECTION, PLACE, PLACE].repeat(geometry.n_joints() - 1);
         let spreads = [TILT; PER_BASE].into_iter().chain(of_joints);

@@ -4,7 +4,7 @@ use crate::arm::Arm;
 use crate::error::{Result, check_joints};
 use crate::friction::{Bent, Friction};
 use crate::plan::MotionPlan;
-use crate::state::{State, motion};
+use crate::state::motion;
 use crate::trajectory::Trajectory;
 use faer::Mat;
 use std::ops::Range;
@@ -81,17 +81,18 @@ impl SimulatedLog {
         let (m, n) = (rows.len(), arm.n_joints());
         let (mut states, mut tau) = (Vec::with_capacity(m), Mat::zeros(m, n));
         let (mut t, mut truth) = (Vec::with_capacity(m), Vec::with_capacity(m));
-        let (mut state, mut torque) = (State::at_rest(&vec![0.0; n]), vec![0.0; n]);
-        let mut moved = Moved::default();
+        let (mut torque, mut moved) = (vec![0.0; n], Moved::default());
+        let step = 1.0 / trajectory.rate;
         for (k, row) in rows.enumerate() {
-            t.push(trajectory.state_at(row, &mut state));
+            let (time, state) = trajectory.state_at(row);
+            t.push(time);
             truth.push(Pattern::of(&state.dq, &state.ddq));
             let moving = MotionState { q: &state.q, dq: &state.dq, ddq: &state.ddq };
             arm.load(moving, &mut moved, &mut torque);
             for i in 0..n {
-                tau[(k, i)] = torque[i] + friction.next(i, state.dq[i], trajectory.step(), bent);
+                tau[(k, i)] = torque[i] + friction.next(i, state.dq[i], step, bent);
             }
-            states.push(state.clone());
+            states.push(state);
         }
         Ok(Simulation { motion: motion(arm.joints(), t, &states, Some(tau))?, truth })
     }

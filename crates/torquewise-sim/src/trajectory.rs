@@ -23,7 +23,8 @@ const ACCELERATION: [f64; 2] = [2.0, 6.0];
 #[derive(Clone, Debug)]
 pub(crate) struct Trajectory {
     pub(crate) n_rows: usize,
-    rate: f64,
+    /// Rows per second.
+    pub(crate) rate: f64,
     path: Path,
 }
 
@@ -47,19 +48,13 @@ impl Trajectory {
         Ok(Self { n_rows, rate: plan.rate, path })
     }
 
-    /// Time from row to row \[s\].
-    pub(crate) fn step(&self) -> f64 {
-        1.0 / self.rate
-    }
-
-    /// Writes the state at a row; returns its time \[s\].
-    pub(crate) fn state_at(&self, row: usize, state: &mut State) -> f64 {
+    /// Time \[s\] and state of a row.
+    pub(crate) fn state_at(&self, row: usize) -> (f64, State) {
         let t = row as f64 / self.rate;
         match &self.path {
-            Path::Moves(moves) => moves.state_at(t, state),
-            Path::Sines(sines) => sines.state_at(t, state),
-            Path::Staged(staged) => return staged.state_at(row, state),
+            Path::Moves(moves) => (t, moves.state_at(t)),
+            Path::Sines(sines) => (t, sines.state_at(t)),
+            Path::Staged(staged) => staged.state_at(row),
         }
-        t
     }
 }

@@ -1,6 +1,6 @@
 //! Kept terms: their normal equations near a fit, and what noise does to these (E6) (E7).
 
-use crate::candidates::{Candidates, Group};
+use crate::candidates::Candidates;
 use crate::noise::NoiseFloor;
 use crate::rows::fill_in;
 use faer::Mat;
@@ -12,9 +12,10 @@ use torquewise_regression::design::Design;
 use torquewise_regression::normal_sums::{Alike, BlockSums, NormalSums};
 use torquewise_regression::samples::Samples;
 
-/// The terms of one group to be fitted together.
+/// Terms to be fitted together.
 pub(crate) struct ActiveSet<'a> {
-    pub(crate) group: Group,
+    /// Joints whose torque they explain.
+    pub(crate) joints: Vec<usize>,
     /// Columns of the library, ascending.
     pub(crate) columns: Vec<usize>,
     /// Weight of the rows of each joint: one over its noise variance, in a unit of its own, which
@@ -32,21 +33,21 @@ const LARGEST: f64 = 4_294_967_296.0;
 impl<'a> ActiveSet<'a> {
     pub(crate) fn new(
         candidates: &'a Candidates,
-        group: Group,
+        joints: Vec<usize>,
         columns: Vec<usize>,
         weights: &[f64],
     ) -> Self {
         let most = weights.iter().fold(f64::MIN_POSITIVE, |most, weight| most.max(*weight));
         let weights = weights.iter().map(|weight| weight / most * LARGEST).collect();
         let design = candidates.design.subset(&columns);
-        Self { group, columns, weights, design, friction: &candidates.friction }
+        Self { joints, columns, weights, design, friction: &candidates.friction }
     }
 
     /// Rows √w·\[Y τ − Yβ\] of all joints, all instants of one after those of the one before.
     fn rows(&self, samples: &Samples, coefficients: &[f64]) -> Result<Mat<f64>, SparseError> {
         let columns = self.design.columns(samples)?;
         let (m, p) = (samples.n_rows(), self.columns.len());
-        let joints = self.group.joints.iter().zip(&self.weights);
+        let joints = self.joints.iter().zip(&self.weights);
         let mut rows = Mat::zeros(m * self.weights.len(), p + 1);
         for (place, (&joint, &weight)) in joints.enumerate() {
             let (root, y) = (weight.sqrt(), &columns[if columns.len() == 1 { 0 } else { joint }]);

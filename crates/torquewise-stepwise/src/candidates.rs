@@ -35,15 +35,6 @@ pub struct Candidates {
     pub(crate) n_joints: usize,
 }
 
-/// Coefficients that are found together.
-#[derive(Clone, Debug)]
-pub struct Group {
-    /// Joints whose torque they explain.
-    pub joints: Vec<usize>,
-    /// Columns it has no use for: friction of other joints.
-    pub of_other_joints: Vec<usize>,
-}
-
 impl Candidates {
     /// Lists the library of a plan for joints that turn or slide, with laws of friction, which every
     /// step is asked for.
@@ -123,30 +114,22 @@ impl Candidates {
     }
 
     /// Number of candidates p.
-    pub fn len(&self) -> usize {
+    pub fn n_columns(&self) -> usize {
         self.terms.len() + self.friction.len()
     }
 
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
+    /// Joints whose torque is explained by the same coefficients, which are found together.
+    pub fn groups(&self) -> Vec<Vec<usize>> {
+        let joints = 0..self.n_joints;
+        match self.terms {
+            Terms::Torque(_) => joints.map(|joint| vec![joint]).collect(),
+            Terms::Energy(_) => vec![joints.collect()],
+        }
     }
 
-    /// The coefficients that are found together.
-    pub fn groups(&self) -> Vec<Group> {
-        let joints = 0..self.n_joints;
-        let of_other_joints = |joint: usize| -> Vec<usize> {
-            let laws = self.friction.iter().enumerate();
-            let elsewhere = laws.filter(|(_, law)| !law.acts_on(joint));
-            elsewhere.map(|(place, _)| self.terms.len() + place).collect()
-        };
-        let own = |joint| Group { joints: vec![joint], of_other_joints: of_other_joints(joint) };
-        match self.terms {
-            Terms::Torque(_) => joints.map(own).collect(),
-            Terms::Energy(_) => {
-                vec![Group { joints: joints.collect(), of_other_joints: Vec::new() }]
-            }
-        }
+    /// Whether a column may explain the torque of some of these joints: it is no friction of others.
+    pub(crate) fn is_of(&self, joints: &[usize], column: usize) -> bool {
+        self.law(column).is_none_or(|law| joints.iter().any(|&joint| law.acts_on(joint)))
     }
 }
 

@@ -13,7 +13,7 @@ pub mod activation;
 pub mod patterns;
 pub mod plan;
 pub mod candidates;
-mod rows;
+pub mod rows;
 pub mod step;
 mod model_selection;
 pub mod library;

@@ -1,6 +1,6 @@
 //! Interaction order, friction and strictness, chosen on held-out blocks.
 
-use crate::candidates::{Candidates, Group};
+use crate::candidates::Candidates;
 use crate::error::IdentifyError;
 use crate::friction::{FrictionKind, FrictionLibrary, REVERSAL, WIDTHS, WORTH, reversal_label};
 use crate::held_out::{BLOCKS, CvScore, choose_worth, mean, split};
@@ -184,7 +184,8 @@ impl<'a> ModelSelection<'a> {
 struct CrossValidation<'a> {
     survey: &'a Survey,
     candidates: Candidates,
-    groups: Vec<Group>,
+    /// Joints whose torque is explained by the same coefficients.
+    groups: Vec<Vec<usize>>,
     /// `[block][equation]`
     blocks: Vec<Vec<NormalEquations>>,
 }
@@ -214,7 +215,7 @@ impl<'a> CrossValidation<'a> {
         laws: Option<&Vec<FrictionTerm>>,
         selector: &Selector,
     ) -> Result<CvScore, IdentifyError> {
-        let columns: Vec<usize> = (0..self.candidates.len()).collect();
+        let columns: Vec<usize> = (0..self.candidates.n_columns()).collect();
         let is_offered = |&column: &usize| match (laws, self.candidates.law(column)) {
             (Some(laws), Some(law)) => laws.contains(law),
             _ => true,
@@ -229,17 +230,14 @@ impl<'a> CrossValidation<'a> {
 
     /// Geometric mean over the joints of RMSE on a block over the spread of the torque.
     fn error(&self, block: usize, step: &Step, selector: &Selector) -> Result<f64, SparseError> {
-        let mut others = (0..BLOCKS).filter(|&other| other != block);
-        let mut rest = others.next().map_or_else(Vec::new, |first| self.blocks[first].clone());
-        for other in others {
-            let mut pairs = rest.iter_mut().zip(&self.blocks[other]);
-            pairs.try_for_each(|(sum, more)| sum.add(more, 1.0))?;
-        }
         let (judge, spread) = (&self.blocks[block], &self.survey.torque_std);
-        let of_group = |group: &Group| {
-            let mut known = vec![0.0; self.candidates.len()];
-            step::take_step(step, &rest, group, &mut known, selector)?;
-            let moving = group.joints.iter().filter(|joint| spread[**joint] > 0.0);
+        let others = (0..BLOCKS).filter(|&other| other != block);
+        let sum = |equation| others.clone().map(|other| &self.blocks[other][equation]).sum();
+        let rest: Vec<NormalEquations> = (0..judge.len()).map(sum).collect();
+        let of_group = |joints: &Vec<usize>| {
+            let mut known = vec![0.0; self.candidates.n_columns()];
+            step::take_step(step, &rest, (&self.candidates, joints), &mut known, selector)?;
+            let moving = joints.iter().filter(|joint| spread[**joint] > 0.0);
             let error = |&joint: &usize| {
                 let left = step::unexplained(judge, joint, &known);
                 let rms = (left / of_joint(judge, joint).0.rows.max(1.0)).sqrt();

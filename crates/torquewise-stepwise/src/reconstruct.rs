@@ -1,7 +1,7 @@
 //! The method of the paper on one page.
 
 use crate::active_set::ActiveSet;
-use crate::candidates::{Candidates, Group};
+use crate::candidates::Candidates;
 use crate::error::IdentifyError;
 use crate::fit::{LibraryFit, StepReport, dropped, model_terms};
 use crate::library::{LibrarySums, SummedLibrary};
@@ -91,7 +91,7 @@ pub fn reconstruct(
         model,
         patterns,
         noise,
-        candidates: candidates.len(),
+        candidates: candidates.n_columns(),
         steps,
         dropped: dropped(candidates, &refitted),
         missing,
@@ -102,7 +102,8 @@ pub fn reconstruct(
 
 struct PartialModel<'a> {
     candidates: &'a Candidates,
-    groups: Vec<Group>,
+    /// Joints whose torque is explained by the same coefficients.
+    groups: Vec<Vec<usize>>,
     /// Weight of each candidate, per group.
     weights: Vec<Vec<f64>>,
     /// Weight of the rows of each joint, per group.
@@ -114,8 +115,8 @@ struct PartialModel<'a> {
 impl<'a> PartialModel<'a> {
     fn new(survey: &Survey, candidates: &'a Candidates, choices: Vec<Choice>) -> Self {
         let groups = candidates.groups();
-        let weights = vec![vec![0.0; candidates.len()]; groups.len()];
-        let row_weights = groups.iter().map(|group| vec![1.0; group.joints.len()]).collect();
+        let weights = vec![vec![0.0; candidates.n_columns()]; groups.len()];
+        let row_weights = groups.iter().map(|group| vec![1.0; group.len()]).collect();
         let model = Model { joints: survey.joints.clone(), choices, ..Model::default() };
         Self { candidates, groups, weights, row_weights, model, reports: Vec::new() }
     }
@@ -131,7 +132,7 @@ impl<'a> PartialModel<'a> {
         // Joints with coefficients of their own are independent regressions.
         (self.groups.par_iter().zip(&mut self.weights).zip(&mut self.row_weights))
             .try_for_each(|((group, known), row_weights)| {
-                step::take_step(step, grams, group, known, selector)?;
+                step::take_step(step, grams, (self.candidates, group), known, selector)?;
                 let total: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
                 *row_weights = step::noise_weights(grams, group, &total);
                 Ok(())

@@ -13,7 +13,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use torquewise_model::Weighted;
-use torquewise_motion::Recording;
+use torquewise_motion::{Recording, stats};
 use torquewise_regression::SparseError;
 use torquewise_regression::elimination::{Equations, Estimate};
 use torquewise_regression::normal_equations::{KeptColumns, NormalEquations};
@@ -85,7 +85,7 @@ pub(crate) fn refit(
     let bytes: usize = kept.iter().map(|kept| 36 * (kept.columns.len() + 1).pow(2)).sum();
     let n_parts = (SUM_BYTES / bytes.max(1)).clamp(1, PARTS);
     let least_t_squared = match options.selector {
-        Selector::Criterion(own) => own.threshold(survey.rows as f64, candidates.len()),
+        Selector::Criterion(own) => own.threshold(survey.rows as f64, candidates.n_columns()),
         _ => 0.0,
     };
     // The sample in pieces, of which part k of the log has every `n_parts`-th from the k-th on.
@@ -96,8 +96,7 @@ pub(crate) fn refit(
         Ok(())
     });
     read.map_err(IdentifyError::Read)?;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 16")]
-    let draws = plan.scale().ceil().clamp(1.0, MOST_DRAWS) as usize;
+    let draws = stats::whole(plan.scale().ceil().clamp(1.0, MOST_DRAWS));
     (kept.iter().zip(whole))
         .map(|(kept, grams)| {
             let sums_at = |start: &[f64], draws: usize| {
@@ -164,7 +163,7 @@ impl<'a> GroupRefit<'a> {
         plan: &'a RefitPlan<'a>,
     ) -> Result<Self, SparseError> {
         let all: Vec<usize> = (0..kept.columns.len()).collect();
-        let (joints, none) = (&kept.group.joints, vec![0.0; all.len()]);
+        let (joints, none) = (&kept.joints, vec![0.0; all.len()]);
         let equations = weighted_problem(grams, joints, &kept.weights, &none, &all)?;
         let KeptColumns { coefficients, dependent, .. } = equations.refit(&all)?;
         let is_explained = joints.iter().all(|&joint| {
@@ -328,7 +327,7 @@ impl<'a> GroupRefit<'a> {
             };
             mean.sqrt()
         };
-        self.kept.group.joints.iter().enumerate().map(of_joint).collect()
+        self.kept.joints.iter().enumerate().map(of_joint).collect()
     }
 
     /// The coefficients of an estimate to full precision where all is explained and no noise was

@@ -48,7 +48,7 @@ pub(crate) fn clear_of_reversals<'a>(
 }
 
 /// What follows from the other variables: positions, and friction at the speeds of each row.
-pub(crate) fn fill_in(samples: &mut Samples, friction: &[FrictionTerm]) {
+pub fn fill_in(samples: &mut Samples, friction: &[FrictionTerm]) {
     let n = samples.angles.ncols();
     samples.variables.subcols_mut(2 * n, n).copy_from(&samples.angles);
     let mut speeds = vec![0.0; n];

@@ -1,7 +1,7 @@
 //! One step: which rows are asked for which candidates, and the regression of what the earlier steps
 //! leave unexplained.
 
-use crate::candidates::{Candidates, Group};
+use crate::candidates::Candidates;
 use crate::plan::Regression;
 use torquewise_motion::Pattern;
 use torquewise_regression::SparseError;
@@ -39,7 +39,7 @@ pub fn plan_steps(
     present: &[Pattern],
 ) -> (Vec<Step>, Vec<usize>) {
     if regression == Regression::OneShot {
-        let columns: Vec<usize> = (0..candidates.len()).collect();
+        let columns: Vec<usize> = (0..candidates.n_columns()).collect();
         return (vec![Step { pattern: None, offered: columns.clone(), columns }], Vec::new());
     }
     let mut steps: Vec<Step> = Vec::new();
@@ -59,6 +59,7 @@ pub fn plan_steps(
 /// Finds the offered columns of a step anew, given what is known.
 ///
 /// - `grams`: of each equation, in the columns of the step
+/// - `joints`: those whose torque they explain together
 /// - `known`: weight of each column of the library, p
 ///
 /// Rows of several joints are divided by their own noise, or the strong joints drown the wrist:
@@ -66,23 +67,23 @@ pub fn plan_steps(
 pub(crate) fn take_step(
     step: &Step,
     grams: &[NormalEquations],
-    group: &Group,
+    (candidates, joints): (&Candidates, &[usize]),
     known: &mut [f64],
     selector: &Selector,
 ) -> Result<(), SparseError> {
     for &column in &step.offered {
         known[column] = 0.0;
     }
-    let is_own = |column: &usize| !group.of_other_joints.contains(column);
+    let is_own = |column: &usize| candidates.is_of(joints, *column);
     let places: Vec<usize> = (step.offered.iter().copied().filter(is_own))
         .filter_map(|column| step.columns.binary_search(&column).ok())
         .collect();
     // Only the rest of what is known counts as explained.
     let fixed: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
     let mut total = fixed.clone();
-    for _ in 0..if group.joints.len() > 1 { ROUNDS } else { 1 } {
-        let weights = noise_weights(grams, group, &total);
-        let problem = weighted_problem(grams, &group.joints, &weights, &fixed, &places)?;
+    for _ in 0..if joints.len() > 1 { ROUNDS } else { 1 } {
+        let weights = noise_weights(grams, joints, &total);
+        let problem = weighted_problem(grams, joints, &weights, &fixed, &places)?;
         let selection = selector.select(&problem)?;
         for (&place, &weight) in places.iter().zip(&selection.coefficients) {
             total[place] = weight;
@@ -116,13 +117,17 @@ pub(crate) fn weighted_problem(
     sum.checked()
 }
 
-/// One over the unexplained variance of each joint of a group.
-pub(crate) fn noise_weights(grams: &[NormalEquations], group: &Group, total: &[f64]) -> Vec<f64> {
+/// One over the unexplained variance of each of some joints.
+pub(crate) fn noise_weights(
+    grams: &[NormalEquations],
+    joints: &[usize],
+    total: &[f64],
+) -> Vec<f64> {
     let weight = |&joint: &usize| {
         let left = unexplained(grams, joint, total);
         if left > 0.0 { of_joint(grams, joint).0.rows / left } else { 1.0 }
     };
-    group.joints.iter().map(weight).collect()
+    joints.iter().map(weight).collect()
 }
 
 /// ‖τ − Y c‖² of one joint, at least what rounding leaves of it.

@@ -36,7 +36,7 @@ fn sindy(motion: &Motion, order: u8, folder: &Path) -> (usize, Value) {
     let library = LibraryKind::Product { gravity_order: 2, trig_order: order };
     let candidates =
         Candidates::new(&KINDS, library, Regression::OneShot, Vec::new()).expect("a library");
-    let p = candidates.len();
+    let p = candidates.n_columns();
     let route = PreparedDesign::cheaper(&candidates.design, N, ROWS).route();
     let columns: Vec<usize> = (0..p).collect();
     let mut out = json!({ "route": format!("{route:?}") });

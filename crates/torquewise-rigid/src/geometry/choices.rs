@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Geometry, PER_BASE, PER_JOINT, RIGHT_ANGLES, axis, nearest_right_angle, turn};
+use super::{Geometry, PER_JOINT, RIGHT_ANGLES, axis, first_of, nearest_right_angle, turn};
 
 impl Geometry {
     /// Whether torque depends on the place of a joint, counted from 0: it and one before it are revolute.
@@ -13,11 +13,8 @@ impl Geometry {
 
     /// The parameters that torque may depend on: all but places that are none.
     pub fn movable(&self) -> Vec<usize> {
-        let of_joint = |joint: usize| {
-            let first = PER_BASE + PER_JOINT * (joint - 1);
-            first..first + if self.has_place(joint) { PER_JOINT } else { 2 }
-        };
-        (0..PER_BASE).chain((1..self.n_joints()).flat_map(of_joint)).collect()
+        // No angle is less than zero: nothing is put anywhere.
+        self.snapped(0.0).1
     }
 
     /// The same arm with axes nearer than `angle` \[rad\] to a right angle put there, gravity among
@@ -25,18 +22,11 @@ impl Geometry {
     pub fn snapped(&self, angle: f64) -> (Self, Vec<usize>) {
         let mut snapped = self.clone();
         let mut free = Vec::new();
-        let right = nearest_right_angle(self.tilt());
-        if axis(self.tilt()).angle(&axis(right)) < angle {
-            snapped.set_tilt(right);
-        } else {
-            free.extend(0..PER_BASE);
-        }
-        for joint in 1..self.n_joints() {
-            let first = PER_BASE + PER_JOINT * (joint - 1);
-            let direction = self.direction(joint);
-            let right = nearest_right_angle(direction);
-            if axis(direction).angle(&axis(right)) < angle {
-                snapped.set_direction(joint, right);
+        for joint in 0..self.n_joints() {
+            let (first, turn) = (first_of(joint), self.turn_of(joint));
+            let right = nearest_right_angle(turn);
+            if axis(turn).angle(&axis(right)) < angle {
+                snapped.set_turn(joint, right);
             } else {
                 free.extend([first, first + 1]);
             }
@@ -74,7 +64,7 @@ impl Geometry {
         }
         let (mut geometry, _) = Self::of_joints(&frames, &self.kinds, self.gravity());
         if joint > 0 {
-            geometry.set_tilt(self.tilt());
+            geometry.set_turn(0, self.turn_of(0));
         }
         geometry.coupled(self.coupling.clone())
     }

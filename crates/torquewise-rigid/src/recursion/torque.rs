@@ -70,23 +70,36 @@ impl Kinematics {
         mut put: impl FnMut(usize, usize, f64),
     ) {
         let n = self.n_joints();
-        let m = signals.iter().flatten().map(MatRef::nrows).max().unwrap_or(0);
-        let mut state = [[Lanes::splat(0.0); MOST_JOINTS]; 3];
         let mut torque = [Lanes::splat(0.0); MOST_JOINTS];
-        for first in (0..m).step_by(N_LANES) {
-            for (lanes, signal) in state.iter_mut().zip(&signals) {
-                let Some(signal) = signal else { continue };
-                for lane in 0..N_LANES {
-                    // Where rows run out the last is repeated.
-                    let row = (first + lane).min(m - 1);
-                    (0..n).for_each(|joint| lanes[joint].replace(lane, signal[(row, joint)]));
-                }
-            }
-            let [q, dq, ddq] = state.each_ref().map(|lanes| &lanes[..n]);
-            self.torque(MotionState { q, dq, ddq }, inertial, &mut torque[..n]);
-            for lane in 0..N_LANES.min(m - first) {
+        each_four(n, signals, |state, first, count| {
+            self.torque(state, inertial, &mut torque[..n]);
+            for lane in 0..count {
                 (0..n).for_each(|joint| put(first + lane, joint, torque[joint].extract(lane)));
             }
+        });
+    }
+}
+
+/// Calls `visit` with four states of n joints at a time, the row of the first of them and how many of
+/// them are rows; the last is repeated where rows run out.
+///
+/// - `signals`: q, q̇, q̈, m×n each; `None` is all zeros
+pub(crate) fn each_four(
+    n: usize,
+    signals: [Option<MatRef<'_, f64>>; 3],
+    mut visit: impl FnMut(MotionState<'_, Lanes>, usize, usize),
+) {
+    let m = signals.iter().flatten().map(MatRef::nrows).max().unwrap_or(0);
+    let mut state = [[Lanes::splat(0.0); MOST_JOINTS]; 3];
+    for first in (0..m).step_by(N_LANES) {
+        for (lanes, signal) in state.iter_mut().zip(&signals) {
+            let Some(signal) = signal else { continue };
+            for lane in 0..N_LANES {
+                let row = (first + lane).min(m - 1);
+                (0..n).for_each(|joint| lanes[joint].replace(lane, signal[(row, joint)]));
+            }
         }
+        let [q, dq, ddq] = state.each_ref().map(|lanes| &lanes[..n]);
+        visit(MotionState { q, dq, ddq }, first, N_LANES.min(m - first));
     }
 }

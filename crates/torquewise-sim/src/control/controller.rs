@@ -8,6 +8,7 @@ use crate::control::reference::period;
 use crate::error::{Result, SimError, check_joints};
 use crate::state::State;
 use faer::Mat;
+use rayon::prelude::*;
 use torquewise_motion::Motion;
 use torquewise_motion::path::Path;
 
@@ -220,8 +221,8 @@ pub struct Runs {
     pub ran_away: Vec<(String, f64)>,
 }
 
-/// Lets each law, once, drive the plant along the same desired motion with the same gains, each on a
-/// thread of its own.
+/// Lets each law, once, drive the plant along the same desired motion with the same gains, in
+/// parallel.
 ///
 /// - `perfect`: whether controllers 1 and 2 also run with perfect knowledge of the plant
 /// - `bandwidth`: of the gains \[rad/s\], which are made for `known`
@@ -252,11 +253,7 @@ pub fn compare(
         let tracking = track(plant, law, known, &gains, wanted);
         (name.clone(), tracking.map(|tracking| Run { name, law, tracking }))
     };
-    let done: Vec<(String, Result<Run>)> = std::thread::scope(|scope| {
-        let running: Vec<_> = ways.into_iter().map(|way| scope.spawn(move || run(way))).collect();
-        let done = running.into_iter().map(std::thread::ScopedJoinHandle::join);
-        done.map(|done| done.unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
-    });
+    let done: Vec<(String, Result<Run>)> = ways.into_par_iter().map(run).collect();
     let (mut runs, mut ran_away) = (Vec::new(), Vec::new());
     for (name, done) in done {
         match done {

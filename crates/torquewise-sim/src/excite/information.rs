@@ -20,10 +20,7 @@ const ROUNDINGS: f64 = 1e-15;
 impl Information {
     /// Some rows known, and that no column is worth less than `ridge`.
     pub(crate) fn new(columns: usize, ridge: f64, known: &[Mat<f64>]) -> Self {
-        let mut gram = Mat::zeros(columns, columns);
-        for j in 0..columns {
-            gram[(j, j)] = ridge;
-        }
+        let mut gram = faer::Scale(ridge) * Mat::<f64>::identity(columns, columns);
         for rows in known {
             add_gram(&mut gram, rows.as_ref(), 1.0);
         }

@@ -8,12 +8,14 @@ use crate::state::State;
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use torquewise_model::FrictionTerm;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::library::energy_library_size;
 use torquewise_regression::design::Design;
 use torquewise_regression::samples::Samples;
 use torquewise_rigid::JointKind;
 use torquewise_stepwise::candidates::{Candidates, SIGNALS};
+use torquewise_stepwise::rows::fill_in;
 use torquewise_stepwise::{LibraryKind, Regression};
 
 /// Columns at most: a factorisation takes about a second then.
@@ -29,10 +31,10 @@ const REFERENCE: usize = 512;
 #[derive(Clone, Debug)]
 pub(crate) struct Library {
     design: Design,
-    /// Columns of energies asked for at standstill, then at uniform velocity (14)(15).
+    /// Columns asked for at standstill, then at uniform velocity (14)(15).
     offered: [Vec<usize>; 2],
-    /// Whether there are columns of offset, viscous and dry friction of each joint: 1, q̇ and sign(q̇).
-    friction: [bool; 3],
+    /// Offset of each joint, then viscous and dry friction: the last of all columns.
+    friction: Vec<FrictionTerm>,
     /// Root mean square of each column over states within the limits.
     scale: Vec<f64>,
     pub(crate) interaction: usize,
@@ -67,15 +69,13 @@ impl Library {
             return Err(SimError::TooManyColumns { columns, limit: MOST_COLUMNS });
         }
         let kind = LibraryKind::Energy { interaction: Some(order) };
-        let candidates = Candidates::new(kinds, kind, Regression::Stepwise, Vec::new())?;
-        let [gravity, coriolis, _] = candidates.offered;
-        let mut library = Self {
-            design: candidates.design,
-            offered: [gravity, coriolis],
-            friction: [true; 3],
-            scale: vec![1.0; columns],
-            interaction: order,
-        };
+        let laws = [FrictionLaw::Offset, FrictionLaw::Viscous, FrictionLaw::Coulomb { width: 0.0 }];
+        let of_law = |law| (0..n).map(move |joint| FrictionTerm::of_joint(n, joint, law));
+        let friction = laws.into_iter().flat_map(of_law).collect();
+        let Candidates { design, offered: [still, uniform, _], friction, .. } =
+            Candidates::new(kinds, kind, Regression::Stepwise, friction)?;
+        let (offered, scale) = ([still, uniform], vec![1.0; columns]);
+        let mut library = Self { design, offered, friction, scale, interaction: order };
         let values = library.rows(&reference(limits))?;
         library.scale = (0..columns)
             .map(|j| {
@@ -91,20 +91,18 @@ impl Library {
     }
 
     pub(crate) fn share(&self, stage: Stage) -> Self {
-        let [gravity, coriolis] = &self.offered;
-        let (energies, friction) = match stage {
-            Stage::Standstill { creep, .. } => (gravity.clone(), [true, false, creep]),
-            Stage::Uniform => ([&gravity[..], coriolis].concat(), [true; 3]),
+        let [still, uniform] = &self.offered;
+        let (all, n) = (self.n_columns(), self.design.n_equations());
+        let energies = all - self.friction.len();
+        let still_below = |end| still.iter().copied().filter(move |&column| column < end);
+        let columns: Vec<usize> = match stage {
+            Stage::Standstill { creep: true, .. } => still.clone(),
+            Stage::Standstill { creep: false, .. } => still_below(energies + n).collect(),
+            Stage::Uniform => still_below(energies).chain(uniform.iter().copied()).collect(),
             Stage::Variable => return self.clone(),
         };
-        let design = &self.design;
-        let first = design.n_columns();
-        let n = design.n_equations();
-        let laws = (0..3).filter(|&law| friction[law]);
-        let shafts = laws.flat_map(|law| (0..n).map(move |joint| first + law * n + joint));
-        let scale = energies.iter().copied().chain(shafts).map(|j| self.scale[j]).collect();
-        let design = design.subset(&energies);
-        Self { design, friction, scale, ..self.clone() }
+        let scale = columns.iter().map(|&column| self.scale[column]).collect();
+        Self { design: self.design.subset(&columns), scale, ..self.clone() }
     }
 
     pub(crate) fn rows_of<'a>(
@@ -119,29 +117,16 @@ impl Library {
     /// root of the seconds it stands for.
     pub(crate) fn rows(&self, states: &States) -> Result<Mat<f64>> {
         let (m, n, at) = (states.seconds.len(), self.design.n_equations(), &states.at);
-        let variables = Mat::from_fn(m, SIGNALS * n, |row, column| {
-            let State { q, dq, ddq } = &at[row];
-            [dq, ddq, q][column / n][column % n]
+        let variables = Mat::from_fn(m, SIGNALS * n + self.friction.len(), |row, column| {
+            let State { dq, ddq, .. } = &at[row];
+            [dq, ddq].get(column / n).map_or(0.0, |rates| rates[column % n])
         });
         let angles = Mat::from_fn(m, n, |row, joint| at[row].q[joint]);
-        let samples = Samples { angles, variables, responses: Mat::zeros(m, 0) };
-        let energies = self.design.columns(&samples)?;
+        let mut samples = Samples { angles, variables, responses: Mat::zeros(m, 0) };
+        fill_in(&mut samples, &self.friction);
         let mut rows = Mat::zeros(n * m, self.n_columns());
-        let first = self.design.n_columns();
-        for (joint, values) in energies.iter().enumerate() {
-            for j in 0..first {
-                let out = &mut rows.col_as_slice_mut(j)[joint * m..][..m];
-                out.copy_from_slice(values.col_as_slice(j));
-            }
-            let dry = FrictionLaw::Coulomb { width: 0.0 };
-            let laws = [FrictionLaw::Offset, FrictionLaw::Viscous, dry];
-            let used = laws.iter().zip(self.friction).filter(|(_, used)| *used);
-            for (place, (law, _)) in used.enumerate() {
-                let out = rows.col_as_slice_mut(first + place * n + joint);
-                for (row, out) in out[joint * m..][..m].iter_mut().enumerate() {
-                    *out = law.value(at[row].dq[joint]);
-                }
-            }
+        for (joint, values) in self.design.columns(&samples)?.iter().enumerate() {
+            rows.subrows_mut(joint * m, m).copy_from(values);
         }
         for (j, scale) in self.scale.iter().enumerate() {
             for (place, value) in rows.col_as_slice_mut(j).iter_mut().enumerate() {

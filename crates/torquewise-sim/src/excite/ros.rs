@@ -4,6 +4,7 @@ use crate::error::{Result, check_between};
 use crate::excite::recording::Planned;
 use crate::state::State;
 use torquewise_motion::Recording;
+use torquewise_motion::stats::whole;
 
 /// A point of a trajectory.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,11 +42,7 @@ pub fn waypoints(recording: &Planned, rate: f64) -> Result<Vec<Waypoint>> {
     for pair in breaks.windows(2) {
         let [from, to] = [pair[0], pair[1]];
         let steps = ((to - from) * rate).ceil().max(1.0);
-        let mut step = 0.0;
-        while step < steps {
-            add(from + (to - from) * step / steps);
-            step += 1.0;
-        }
+        (0..whole(steps)).for_each(|step| add(from + (to - from) * step as f64 / steps));
     }
     // At rest at home, for certain.
     add((recording.seconds * 1e9).ceil() / 1e9 + 1e-6);

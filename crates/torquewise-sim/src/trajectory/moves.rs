@@ -76,11 +76,11 @@ impl Moves {
         Self(moves)
     }
 
-    pub(crate) fn state_at(&self, t: f64, state: &mut State) {
-        let next = self.0.partition_point(|m| m.start <= t);
-        let Some(current) = self.0.get(next.saturating_sub(1)) else { return };
+    pub(crate) fn state_at(&self, t: f64) -> State {
+        // The first begins at 0.
+        let current = &self.0[self.0.partition_point(|m| m.start <= t) - 1];
         let progress = current.phases.progress(t - current.start);
-        *state = State::on_line(&current.from, &current.travel, progress);
+        State::on_line(&current.from, &current.travel, progress)
     }
 }
 

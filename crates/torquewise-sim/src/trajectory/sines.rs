@@ -49,16 +49,16 @@ impl Sines {
         Self(ranges.iter().map(draw_joint).collect())
     }
 
-    pub(crate) fn state_at(&self, t: f64, state: &mut State) {
-        for (i, (middle, sines)) in self.0.iter().enumerate() {
-            let (mut q, mut dq, mut ddq) = (*middle, 0.0, 0.0);
+    pub(crate) fn state_at(&self, t: f64) -> State {
+        State::of_joints(self.0.iter().map(|(middle, sines)| {
+            let [mut q, mut dq, mut ddq] = [*middle, 0.0, 0.0];
             for &Sine { amplitude, w, phase } in sines {
                 let (sin, cos) = (w * t + phase).sin_cos();
                 q += amplitude * sin;
                 dq += amplitude * w * cos;
                 ddq -= amplitude * w * w * sin;
             }
-            (state.q[i], state.dq[i], state.ddq[i]) = (q, dq, ddq);
-        }
+            [q, dq, ddq]
+        }))
     }
 }

@@ -68,23 +68,20 @@ impl Staged {
         staged
     }
 
-    pub(crate) fn state_at(&self, row: usize, state: &mut State) -> f64 {
-        let next = self.arcs.partition_point(|arc| arc.first_row <= row);
-        let Some(arc) = self.arcs.get(next.saturating_sub(1)) else { return 0.0 };
+    pub(crate) fn state_at(&self, row: usize) -> (f64, State) {
+        // The first begins at row 0.
+        let arc = &self.arcs[self.arcs.partition_point(|arc| arc.first_row <= row) - 1];
         let t = (row - arc.first_row) as f64 / self.rate;
-        for i in 0..state.q.len() {
-            let (q, dq, ddq) = (arc.from.q[i], arc.from.dq[i], arc.from.ddq[i]);
-            state.q[i] = q + t * (dq + t * ddq / 2.0);
-            state.dq[i] = dq + t * ddq;
-            state.ddq[i] = ddq;
-        }
-        arc.start + t
+        let of_joint = |i: usize| {
+            let [q, dq, ddq] = [arc.from.q[i], arc.from.dq[i], arc.from.ddq[i]];
+            [q + t * (dq + t * ddq / 2.0), dq + t * ddq, ddq]
+        };
+        (arc.start + t, State::of_joints((0..arc.from.q.len()).map(of_joint)))
     }
 
     fn next_start(&self, first_row: usize, q: &[f64]) -> f64 {
         let Some(last_row) = first_row.checked_sub(1) else { return 0.0 };
-        let mut end = State::at_rest(&vec![0.0; q.len()]);
-        let t = self.state_at(last_row, &mut end);
+        let (t, end) = self.state_at(last_row);
         let way = q.iter().zip(&end.q).map(|(to, from)| (to - from).abs()).fold(0.0, f64::max);
         t + (way / TRANSFER_SPEED).max(TRANSFER).max(GAP_ROWS / self.rate)
     }
