@@ -69,13 +69,12 @@ impl<'a> Trajectory<'a> {
         if raw.t.is_empty() {
             return Ok(Done::default());
         }
-        let (conditioner, noise) = match &mut self.filters {
-            Some(filters) => filters,
-            None => {
-                let plan = SignalPlan::new(&raw, self.settings)?;
-                let noise = self.noise.map(|noise| noise.lane(plan.clone()));
-                self.filters.insert((Conditioner::new(plan), noise))
-            }
+        let (conditioner, noise) = if let Some(filters) = &mut self.filters {
+            filters
+        } else {
+            let plan = SignalPlan::new(&raw, self.settings)?;
+            let noise = self.noise.map(|noise| noise.lane(plan.clone()));
+            self.filters.insert((Conditioner::new(plan), noise))
         };
         let noise = noise.as_mut().map_or_else(|| Ok(Vec::new()), |lane| lane.push(&raw))?;
         Ok(Done { motions: conditioner.push(raw)?, noise })

@@ -74,7 +74,7 @@ pub(crate) fn columns_at(geometry: &Geometry, rows: &ChainRows) -> Vec<JointColu
                 columns.col_mut(column).copy_from(rows.extras.col(beside).subrows(joint * m, m));
             }
         }
-        JointColumns { columns, places }
+        JointColumns { places, columns }
     };
     let mut all: Vec<JointColumns> = (0..n).map(loading).collect();
     each_four(n, rows.signals(), |state, first, count| {
