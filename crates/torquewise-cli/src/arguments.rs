@@ -68,9 +68,8 @@ impl RobotArguments {
 }
 
 fn direction(text: &str) -> Result<[f64; 3], String> {
-    let numbers: Vec<f64> = text.split(',').filter_map(|x| x.trim().parse().ok()).collect();
-    let finite = |numbers: &Vec<f64>| numbers.iter().all(|x: &f64| x.is_finite());
-    match Some(numbers).filter(finite).as_deref() {
+    let numbers = text.split(',').map(|x| x.trim().parse().ok().filter(|x: &f64| x.is_finite()));
+    match numbers.collect::<Option<Vec<f64>>>().as_deref() {
         Some(&[x, y, z]) if [x, y, z].iter().any(|x| *x != 0.0) => Ok([x, y, z]),
         _ => Err("expected three numbers, not all 0, such as 0,0,-1".to_owned()),
     }

@@ -7,7 +7,7 @@ use crate::estimate::{Linearisation, Sizes, Solved};
 use crate::excitation::Finding;
 use crate::prune::prune;
 use crate::reconstruction::{Progress, Reconstruction, Watch};
-use crate::torque_kind::torque_kind;
+use crate::torque_kind::{hardly_weighs, torque_kind, weightless};
 use crate::unseen::{HeldOut, HeldTo, Unseen, both_ways, geometric_mean};
 use crate::warning::Warning;
 use faer::Mat;
@@ -88,7 +88,11 @@ impl Fitted {
         };
         let noise = &solved.at.noise;
         Progress::Working.tell(watch)?;
-        let kind = torque_kind(&narrowed, (&survey.sample, &survey.dq_peak), seed, watch)?;
+        let kind = match torque_kind(&narrowed, (&survey.sample, &survey.dq_peak), seed, watch)? {
+            // Axes that were learned may lie so that gravity does next to nothing.
+            None if hardly_weighs(&model, &survey.sample)? => weightless(&survey, seed, watch),
+            kind => kind,
+        };
         warnings.extend(kind.map(Warning::Excitation));
         Progress::Working.tell(watch)?;
         warnings.extend(drifts(&model, &survey.sample)?.into_iter().map(Warning::Drift));

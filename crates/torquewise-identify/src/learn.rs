@@ -30,8 +30,6 @@ mod offers;
 #[derive(Clone, Debug)]
 pub(crate) struct Learned {
     pub(crate) chain: Chain,
-    /// RMS of what it leaves of each joint \[N·m\], all rows alike, n.
-    pub(crate) residual_rms: Vec<f64>,
     /// What was fitted: what stands beside the links, which of the geometry moved.
     pub(crate) spec: ChainSpec,
     /// Friction that was offered, where held-out rows chose more than the simplest of it.
@@ -299,7 +297,6 @@ impl<'a> ChainLearner<'a> {
         let rows = self.rows(&spec, LAST_ROWS)?;
         let chain = refine(&rows, chain, &spec.free, &spec.search, &searching(self.watch))?;
         let chain = self.exact(&mut spec, &rows, chain)?;
-        let residual_rms = residual_rms(&chain, &rows);
         let (laws, found) = (self.laws.clone(), self.found.clone());
         choices.extend((!offered.is_empty()).then(|| Choice {
             what: "friction as saved".to_owned(),
@@ -307,7 +304,7 @@ impl<'a> ChainLearner<'a> {
             rule: "errors of laws differ by little [E21]".to_owned(),
             from: Vec::new(),
         }));
-        Ok(Learned { chain, residual_rms, spec, offered, choices, laws, found })
+        Ok(Learned { chain, spec, offered, choices, laws, found })
     }
 
     /// The same chain with next to no ridge, here and from here on, where the ridge was all there was to

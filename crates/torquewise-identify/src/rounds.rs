@@ -82,12 +82,14 @@ impl<'a> Searched<'a> {
         let Self { survey, options, learned, at } = self;
         Progress::Refit.tell(watch)?;
         let (sizes, sample) = (Sizes::of(survey), thinned(&survey.sample, LAST_ROWS));
-        let at = refine(&sample, &at, &sizes, watch)?.widened(&learned.offered, &sample)?;
+        let (at, searched_part) = refine(&sample, &at, &sizes, watch)?;
+        let at = at.widened(&learned.offered, &sample)?;
         let mut passes = Passes::over_all(cut_for(at, survey.rows), MOST_PASSES);
         passes.may_release = options.geometry.is_none();
-        let Learned { residual_rms: searched_rms, choices, found, .. } = learned;
+        let Learned { choices, found, .. } = learned;
         let joints = survey.joints.clone();
-        Ok(Request { joints, passes, sizes, choices, found, searched_rms })
+        let searched_rms = Vec::new();
+        Ok(Request { joints, passes, sizes, choices, found, searched_part, searched_rms })
     }
 }
 
@@ -99,7 +101,9 @@ pub struct Request {
     pub(crate) sizes: Sizes,
     choices: Vec<Choice>,
     found: Option<GeometryFound>,
-    /// RMS of what the search left of each joint \[N·m\], n.
+    /// What the search left of each joint over what the chain of the first pass does, n.
+    searched_part: Vec<f64>,
+    /// The same \[N·m\], in the band of the logs; empty before their first pass.
     searched_rms: Vec<f64>,
 }
 
@@ -152,9 +156,13 @@ impl Request {
 
     /// Takes the step that a pass asks for, and asks for another; breaks where it is next to nothing.
     pub(crate) fn take(
-        self,
+        mut self,
         sums: &NormalSums,
     ) -> Result<ControlFlow<Fitted, Self>, IdentifyError> {
+        if self.searched_rms.is_empty() {
+            let left = self.searched_part.iter().zip(sums.residual_rms());
+            self.searched_rms = left.map(|(part, rms)| part * rms).collect();
+        }
         Ok(match self.passes.clone().take(sums, &self.sizes)? {
             ControlFlow::Continue(passes) => ControlFlow::Continue(Self { passes, ..self }),
             ControlFlow::Break(solved) => {

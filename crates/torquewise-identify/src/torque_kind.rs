@@ -6,9 +6,9 @@ use crate::learn::kinds::first_look;
 use crate::reconstruction::Watch;
 use crate::torque_sign::at_a_glance;
 use crate::unseen::{CHOICE_ROWS, HeldOut, Unseen, both_ways, geometric_mean};
-use faer::{Mat, MatRef};
+use faer::{ColRef, Mat, MatRef};
 use std::ops::Range;
-use torquewise_model::{Kind, Model, Term};
+use torquewise_model::{Kind, Model, Term, Torque};
 use torquewise_motion::Motion;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_rigid::feasible::Factored;
@@ -27,6 +27,9 @@ const WORTH: f64 = 0.9;
 const ALIKE: f64 = 1.1;
 /// Gravity makes this part of the columns of links on joints that turn, or all axes stand upright.
 const PULLED: f64 = 0.3;
+/// Gravity that varies by less than this part of the torque of every joint is hardly any: of arms
+/// whose currents show next to none it is 0.16.
+const HARDLY: f64 = 0.1;
 /// Gains and all other parameters are found anew so often at most, until no gain moves by this part.
 const ROUNDS: (usize, f64) = (30, 1e-4);
 /// A gain is held at that of the others where links load its joint by no more than a tenth of noise.
@@ -148,6 +151,19 @@ pub fn weightless(survey: &Survey, seed: u64, watch: Watch<'_>) -> Option<Findin
     }
     let at = at_a_glance((&survey.sample, &survey.dq_peak), seed, watch).ok()?;
     kind_at(&at, &survey.sample).ok()?.filter(|found| *found == Finding::Weightless)
+}
+
+/// Whether gravity hardly has a part in the torques of a model.
+pub(crate) fn hardly_weighs(model: &Model, sample: &Motion) -> Result<bool, IdentifyError> {
+    let motion = thinned(sample, ROWS);
+    let gravity = Torque::new(model).parts(&motion)?.gravity;
+    let tau = motion.require_tau()?;
+    let varies = |x: ColRef<'_, f64>| {
+        let mean = x.sum() / x.nrows().max(1) as f64;
+        x.iter().map(|x| (x - mean).powi(2)).sum::<f64>().sqrt()
+    };
+    let is_light = |joint| varies(gravity.col(joint)) <= HARDLY * varies(tau.col(joint));
+    Ok((0..model.n_joints()).all(is_light))
 }
 
 /// Whether the terms of a library hold gravity.
@@ -322,5 +338,31 @@ impl JointRows {
             Some(joint) if joint == row / m && (per[joint] - 1.0).abs() > 0.0 => loads[(row, 0)],
             Some(_) => 0.0,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::hardly_weighs;
+    use faer::Mat;
+    use torquewise_model::{EnergyTerm, Form, Model, Place, Term, Trig, Weighted};
+    use torquewise_motion::{Motion, Signals};
+
+    #[test]
+    fn gravity_that_is_next_to_nothing_of_the_torque_is_told() {
+        let wave = |scale: f64| Mat::from_fn(200, 1, |row, _| scale * (0.1 * row as f64).sin());
+        let t = (0..200).map(|row| 0.01 * f64::from(row)).collect();
+        let (q, dq, ddq) = (wave(1.0), wave(10.0), wave(-100.0));
+        let (joints, tau) = (vec!["joint1".to_owned()], Some(ddq.clone()));
+        let log = Motion::new(Signals { joints, t, q, dq, ddq, tau }).unwrap();
+        let of = |weight: f64| {
+            let function = Term::one(1).times(Trig::Cos, 0, 1, 1);
+            let potential = EnergyTerm { place: Place::Potential, function };
+            let form = Form::Energy(vec![Weighted::new(potential, weight)]);
+            Model { joints: vec!["joint1".into()], form, ..Model::default() }
+        };
+
+        assert!(hardly_weighs(&of(1.0), &log).unwrap());
+        assert!(!hardly_weighs(&of(50.0), &log).unwrap());
     }
 }

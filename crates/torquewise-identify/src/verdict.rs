@@ -104,13 +104,16 @@ fn graded(mut because: Vec<String>, doubts: Vec<String>, judged: &[Judged<'_>]) 
     Verdict { grade, because }
 }
 
-/// Errors of the joints whose torque changes, on the rows that judge: those held out, and all where a
-/// refit left more.
+/// Errors of the joints that move, if any does, and whose torque changes, on the rows that judge: those
+/// held out, and all where a refit left more.
 fn errors(found: &Reconstruction) -> [Judged<'_>; 2] {
-    let training = &found.model.training;
+    let (training, still) = (&found.model.training, found.survey.constant_joints());
+    let all_rest = still.len() == found.model.n_joints();
     let named = |errors: Vec<f64>| {
-        let named = found.model.joints.iter().zip(errors).zip(&training.torque_std);
-        named.filter(|(_, std)| **std > 0.0).map(|(named, _)| named).collect::<Vec<_>>()
+        let named = found.model.joints.iter().zip(errors).zip(&training.torque_std).enumerate();
+        let counts = |joint, std: f64| std > 0.0 && (all_rest || !still.contains(&joint));
+        let named = named.filter(|(joint, (_, std))| counts(*joint, **std));
+        named.map(|(_, (named, _))| named).collect::<Vec<_>>()
     };
     let held_out = named(training.held_out_errors().unwrap_or_default());
     let is_refit = found.warnings.iter().any(|own| matches!(own, Warning::Refit { .. }));

@@ -5,8 +5,12 @@ use crate::error::{LogError, Result};
 use crate::gaps::UsualStep;
 use crate::signal_rows::{Origin, SignalRows};
 use faer::Mat;
+use std::f64::consts::TAU;
 use torquewise_motion::signals::{Raw, Signal};
 use torquewise_motion::{BLOCK_ROWS, HALF_WINDOW, Motion, MotionError, Signals, derivative};
+
+/// A position that goes on by less \[rad\] before and after it jumps by a whole turn was wrapped.
+const MOST_STEP: f64 = 1.0;
 
 /// The blocks of one log file.
 ///
@@ -29,6 +33,9 @@ pub(crate) struct Blocks {
     /// The first value that was absurd: row of the file, name and value.
     pub(crate) first_absurd: Option<(u64, String, f64)>,
     columns: Vec<Vec<f64>>,
+    /// Of each joint the turns that were taken out of its position \[rad\], the position of the last row
+    /// and the step to it.
+    wrapped: Vec<[f64; 3]>,
     done: usize,
     known: usize,
     ended: bool,
@@ -52,6 +59,7 @@ impl Blocks {
             first_absurd: None,
             reach: if is_completed && !complete { HALF_WINDOW } else { 0 },
             columns,
+            wrapped: vec![[0.0, f64::NAN, 0.0]; joints.len()],
             done: 0,
             known: 0,
             ended: false,
@@ -154,8 +162,31 @@ impl Blocks {
             return Err(LogError::TimeOrder { place: self.rows.place(), t, before });
         }
         self.columns.iter_mut().zip(row).for_each(|(column, value)| column.push(*value));
+        if self.origins.last().is_some_and(|before| before.part != origin.part) {
+            self.wrapped.fill([0.0, f64::NAN, 0.0]);
+        }
+        self.unwrap_last();
         self.origins.push(origin);
         Ok(())
+    }
+
+    /// Takes whole turns out of the positions of the last row.
+    fn unwrap_last(&mut self) {
+        let Some(first) = self.rows.mapping.slot(Signal::Q) else { return };
+        let positions = self.columns[first..].iter_mut().filter_map(|column| column.last_mut());
+        for ([turns, last, step], q) in self.wrapped.iter_mut().zip(positions) {
+            if *turns != 0.0 {
+                *q += *turns;
+            }
+            let jump = *q - *last;
+            let whole = TAU * (jump / TAU).round();
+            if whole != 0.0 && (jump - whole).abs() < MOST_STEP && step.abs() < MOST_STEP {
+                self.rows.report.repairs.whole_turns += 1;
+                *turns -= whole;
+                *q -= whole;
+            }
+            (*last, *step) = (*q, *q - *last);
+        }
     }
 
     fn forget(&mut self, rows: usize) {

@@ -23,7 +23,7 @@ pub enum ModelError {
         "the model is of joints {}, the log of {}: it is a model of another arm",
         model.join(", "), log.join(", ")
     )]
-    #[diagnostic(help("rename the joints of the log if they are the same"))]
+    #[diagnostic(help("{}", as_of_model(model, log)))]
     JointNames { model: Vec<String>, log: Vec<String> },
     #[error("{what} has {found} entries, expected {expected}: one per joint")]
     Shape { what: &'static str, found: usize, expected: usize },
@@ -67,4 +67,13 @@ pub enum ModelError {
 
 pub(crate) fn expect(what: &'static str, found: usize, expected: usize) -> Result<(), ModelError> {
     if found == expected { Ok(()) } else { Err(ModelError::Shape { what, found, expected }) }
+}
+
+/// How joints of a log become those of a model.
+fn as_of_model(model: &[String], log: &[String]) -> &'static str {
+    if model.iter().all(|joint| log.contains(joint)) {
+        "they are the same in another order: give the columns of the log in that of the model"
+    } else {
+        "rename the joints of the log if they are the same"
+    }
 }

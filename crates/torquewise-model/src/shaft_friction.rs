@@ -59,6 +59,9 @@ pub struct ShaftFriction<'m> {
     shaft: &'m [f64],
 }
 
+/// Rows slower than so many half widths of the reversal of friction hardly count in a fit: a curve that
+/// bends below is not resolved.
+const SEEN: f64 = 3.0;
 /// What is left of the turn of a reversal after its travel.
 const LEFT: f64 = 0.1;
 /// Even steps in which a decay is looked for, and halvings of the step that it is in.
@@ -164,10 +167,17 @@ impl<'m> ShaftFriction<'m> {
         let excess = self.sum(|term| one(exponential(term).is_some())).resolved();
         let stiction = self.sum(|term| one(acts(term) && is_dry(term)));
         let viscous = self.sum(|term| one(acts(term) && term.law == FrictionLaw::Viscous));
+        let speed = excess.and_then(|_| self.decay(exponential, (-1.0_f64).exp(), 2));
+        let width = self.laws().fold(0.0_f64, |most, (_, term)| match term.law {
+            FrictionLaw::Coulomb { width } => most.max(width),
+            _ => most,
+        });
+        let is_seen = |speed: &Estimated| speed.value > SEEN * width;
+        let excess = excess.filter(|_| speed.as_ref().is_none_or(is_seen));
         Sliding {
             coulomb: self.sum(|term| one(acts(term) && is_coulomb(term))).positive(),
             stiction: excess.and_then(|_| stiction.positive()),
-            stribeck_speed: excess.and_then(|_| self.decay(exponential, (-1.0_f64).exp(), 2)),
+            stribeck_speed: speed.filter(is_seen),
             viscous: viscous.positive(),
         }
     }

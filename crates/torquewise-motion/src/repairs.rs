@@ -23,6 +23,8 @@ pub struct Repairs {
     pub too_short: u64,
     /// Values replaced since they were spikes, by signal: q, dq, ddq, tau.
     pub spikes: BTreeMap<String, u64>,
+    /// Jumps of positions by whole turns that were taken out: they were wrapped.
+    pub whole_turns: u64,
     /// Time stamps of late receipt that were put on the clock of the device.
     pub late_stamps: u64,
     /// Gaps of over two usual steps that were interpolated.
@@ -61,6 +63,7 @@ impl Repairs {
         self.held_rows += other.held_rows;
         self.too_short += other.too_short;
         other.spikes.iter().for_each(|(signal, &count)| self.add_spikes(signal, count));
+        self.whole_turns += other.whole_turns;
         self.late_stamps += other.late_stamps;
         self.gaps += other.gaps;
         self.longest_gap = self.longest_gap.max(other.longest_gap);
@@ -104,6 +107,7 @@ impl fmt::Display for Repairs {
         let longest = 1e3 * self.longest_gap;
         let repaired = told(&[
             (spikes, "spike", &format!("replaced ({})", by_signal.join(", "))),
+            (self.whole_turns, "jump", "of a position by whole turns taken out"),
             (self.gaps, "gap", &format!("bridged (the longest {longest:.1} ms)")),
             (self.late_stamps, "late time stamp", "put on the clock of the device"),
             (self.splits, "longer gap", "at which a log was split"),
@@ -121,7 +125,8 @@ mod tests {
     use super::Repairs;
 
     fn spoilt() -> Repairs {
-        let mut repairs = Repairs { repeated_stamps: 3, splits: 1, ..Repairs::default() };
+        let mut repairs =
+            Repairs { repeated_stamps: 3, whole_turns: 1, splits: 1, ..Repairs::default() };
         repairs.add_spikes("tau", 12);
         repairs.add_spikes("q", 0);
         repairs.add_gap(0.008);
@@ -144,7 +149,7 @@ mod tests {
         assert_eq!(
             spoilt().to_string(),
             "left out: 3 rows with the time stamp of the row before; repaired: 12 spikes replaced \
-             (tau 12), 1 gap bridged (the longest 8.0 ms), 1 longer gap at which a log was split"
+             (tau 12), 1 jump of a position by whole turns taken out, 1 gap bridged (the longest 8.0 ms), 1 longer gap at which a log was split"
         );
         assert!(Repairs::default().to_string().is_empty());
     }

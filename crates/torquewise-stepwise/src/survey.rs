@@ -50,7 +50,7 @@ const SIGNALS: usize = 4;
 /// From here on a number, in SI units, is that of a damaged file, not of an arm.
 const LARGEST: f64 = 1e9;
 /// A joint whose position changes by no more \[rad or m\] never moves.
-const AT_REST: f64 = 1e-3;
+pub const AT_REST: f64 = 1e-3;
 
 impl Survey {
     /// Whether its numbers may be those of an arm.

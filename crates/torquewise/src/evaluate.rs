@@ -136,7 +136,9 @@ pub fn evaluate_prepared(
     log: &Prepared,
     observer: Observer<'_>,
 ) -> Result<Evaluation> {
-    scored(model, &log.watched(observer, "predicting"), log.raw_torque()?)
+    let mut evaluation = scored(model, &log.watched(observer, "predicting"), log.raw_torque()?)?;
+    evaluation.warnings.extend(log.cut_off().iter().map(ToString::to_string));
+    Ok(evaluation)
 }
 
 /// Simulates windows of a log from their measured state with the measured torque, and says how far
@@ -171,6 +173,11 @@ pub(crate) fn interval<'a>(model: &'a Model, log: &dyn Recording) -> Result<Opti
         Err(error) => Err(error),
     }
 }
+
+/// Of the rows that a model was fitted to no joint leaves more than this many times what it left, and
+/// what rounding is of the spread of a torque.
+const MOST_LEFT: f64 = 1.1;
+const ROUNDING: f64 = 1e-6;
 
 /// What is said where a model is judged by its own log.
 const TRAINED: &str = "the model was fitted to these rows: what is left of them says nothing of \
@@ -217,7 +224,12 @@ fn scored(
     let still = joints.iter().filter(|joint| !joint.nrmse_percent.is_finite());
     let still = still
         .map(|joint| format!("the torque of {} never changes: look at its RMSE only", joint.name));
-    let is_trained = range.is_trained(model);
+    // The same motion under another torque is another log.
+    let left = model.training.residual_rms.iter().zip(&model.training.torque_std);
+    let is_left = |(joint, (rms, std)): (&JointEvaluation, (&f64, &f64))| {
+        joint.rmse <= MOST_LEFT * rms + ROUNDING * std
+    };
+    let is_trained = range.is_trained(model) && joints.iter().zip(left).all(is_left);
     let by_fit = model.training.verdict.clone().filter(|_| is_trained);
     let mut notes = range.warnings(model);
     notes.extend(is_trained.then(|| TRAINED.to_owned()));

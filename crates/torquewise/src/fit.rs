@@ -125,6 +125,11 @@ impl<'a> Fit<'a> {
         let mut fit = fit_at_best(log.prepare(rows)?, &plan, self.observer)?;
         let Some(log) = &fit.log else { return Ok(fit) };
         fit.found.model.training.filter = log.filter();
+        let is_cut_off =
+            |own: &Warning| matches!(own, Warning::Excitation(Finding::Clipped { .. }));
+        if !fit.found.warnings.iter().any(is_cut_off) {
+            fit.found.warnings.extend(log.cut_off().into_iter().map(Warning::Excitation));
+        }
         if log.logs().paths().len() > 1 {
             let watched = log.watched(self.observer, "comparing the logs");
             let at_odds = disagreements(&fit.found.model, &watched, &|k| log.file_of(k))?;

@@ -41,8 +41,8 @@ pub struct Inspection {
     pub recorded: Option<usize>,
     /// Whether it is filtered, for which a chain is fitted.
     pub is_filtered: bool,
-    /// What its torques seem to be, if not all of the torque.
-    pub torque_kind: Option<Finding>,
+    /// What its torques seem to be, if not all of the torque: without gravity, cut off.
+    pub torque: Vec<Finding>,
     repairs: BTreeMap<String, Repairs>,
 }
 
@@ -75,13 +75,13 @@ pub fn inspect(log: &Prepared, observer: Observer<'_>) -> Result<Inspection> {
     let signals = [("dq", logs.has_dq()), ("ddq", logs.has_ddq()), ("tau", logs.has_tau())];
     let missing = signals.into_iter().filter(|(_, present)| !present).map(|(name, _)| name);
     let look = |watch: Watch<'_>| Ok(weightless(&survey, 0, watch));
-    let torque_kind = if logs.has_tau() { timed(observer, look)?.0 } else { None };
+    let kind = if logs.has_tau() { timed(observer, look)?.0 } else { None };
     let filtered = log.conditioned().map(|own| &own.report);
     let whole = filtered.filter(|own| own.rows_out == survey.rows);
     Ok(Inspection {
         recorded: whole.map(|own| own.rows_in),
         is_filtered: filtered.is_some(),
-        torque_kind,
+        torque: kind.into_iter().chain(log.cut_off()).collect(),
         survey,
         patterns,
         counts,
@@ -130,7 +130,7 @@ impl Inspection {
         // A chain, which is fitted to other logs, needs no patterns.
         let is_stepwise = !self.is_filtered && self.survey.joints.len() <= MOST_WHOLE;
         let patterns = missing_patterns(&self.patterns.present).filter(|_| is_stepwise);
-        open.extend(self.torque_kind.clone().map(Warning::Excitation));
+        open.extend(self.torque.iter().cloned().map(Warning::Excitation));
         open.iter().map(ToString::to_string).chain(patterns).collect()
     }
 }

@@ -2,12 +2,12 @@
 
 use crate::observe::{Observer, Watched};
 use std::collections::BTreeMap;
-use torquewise_identify::excitation::list;
+use torquewise_identify::excitation::{Finding, list};
 use torquewise_logs::conditioned::RawLogs;
 use torquewise_logs::{ConditionedLogs, Logs};
 use torquewise_model::model::TrainingFilter;
 use torquewise_motion::repairs::counted;
-use torquewise_motion::signals::ConditionReport;
+use torquewise_motion::signals::{ConditionReport, SignalReport};
 use torquewise_motion::{Motion, ReadError, Recording, Repairs};
 
 /// Logs ready to be read.
@@ -97,9 +97,23 @@ impl Prepared {
         self.coarse_torques().into_iter().chain(own).collect()
     }
 
-    fn coarse_torques(&self) -> Option<String> {
+    /// Torques that a limit cut off as they were measured.
+    pub fn cut_off(&self) -> Vec<Finding> {
+        let cut_off = self.torques().filter(|torque| torque.is_cut_off());
+        let finding = |torque: &SignalReport| {
+            let (joint, share) = (torque.joint.clone(), torque.at_ends.0);
+            Finding::Clipped { joint, share }
+        };
+        cut_off.map(finding).collect()
+    }
+
+    fn torques(&self) -> impl Iterator<Item = &SignalReport> {
         let signals = self.report().into_iter().flat_map(|report| &report.signals);
-        let coarse = signals.filter(|signal| signal.signal == "tau" && signal.is_coarse());
+        signals.filter(|signal| signal.signal == "tau")
+    }
+
+    fn coarse_torques(&self) -> Option<String> {
+        let coarse = self.torques().filter(|torque| torque.is_coarse());
         let joints: Vec<String> = coarse.map(|signal| signal.joint.clone()).collect();
         (!joints.is_empty()).then(|| {
             format!(

@@ -111,7 +111,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     // An arm that is the model itself shows the control alone.
     let is_own = twin.as_ref() == Some(&model);
-    Ok(summary::outcome(arguments, &compared, is_own))
+    let mut outcome = summary::outcome(arguments, &compared, is_own);
+    let useless = model.training.useless();
+    outcome
+        .warnings
+        .extend(useless.map(|own| format!("the verdict of the fit of the model is {own}")));
+    Ok(outcome)
 }
 
 fn compare_all(arguments: &Arguments, model: &Model, plant: &Plant) -> Result<Compared> {

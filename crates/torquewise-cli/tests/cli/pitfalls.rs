@@ -5,6 +5,7 @@
 
 use crate::spoilt::{Table, assert_tells, assert_warns, noise};
 use crate::terminal::Terminal;
+use std::f64::consts::PI;
 
 const TORQUE_WORDS: [&str; 5] =
     ["does not follow", "falls as it", "gravity compensation", "few levels", "measured velocity"];
@@ -36,11 +37,18 @@ fn what_spoils_a_log_is_told() {
         _ => tau,
     };
     let still = Table::arm().with("q2", |_, _, _| 0.0).scaled(&["dq2", "ddq2"], 0.0);
-    let rpm = recorded.clone().scaled(&["dq1", "dq2"], 30.0 / std::f64::consts::PI);
+    let rpm = recorded.clone().scaled(&["dq1", "dq2"], 30.0 / PI);
     let off = &["the torque of joint2 does not follow its motion", "is its motor on"];
     let coarse = &["the torque of joint2 has few levels", "expect a poor fit"];
     let led = &["the torque of joint2 follows from the positions alone", "hand"];
-    let cases: [(Table, &[&str], &[&str]); 7] = [
+    let mut sorted = recorded.column("tau1");
+    sorted.sort_by(f64::total_cmp);
+    let (low, high) = (sorted[sorted.len() / 10], sorted[sorted.len() * 9 / 10]);
+    let cut = &["the torque of joint1 is at one of its ends in 20 % of its motion"];
+    let wrapped = |_: usize, q: f64, _: &[f64]| if q > 0.0 { q - PI } else { q + PI };
+    let cases: [(Table, &[&str], &[&str]); 9] = [
+        (with("tau1", &|_, tau, _| tau.clamp(low, high)), cut, &[]),
+        (with("q1", &wrapped), &[], &["jumps of a position by whole turns taken out"]),
         (with("t", &|row, t, _| t + 2e-3 * noise(row)), &[], &["made even: jitter"]),
         (with("tau1", &spikes), &[], &["tau of joint1: 3 outliers replaced"]),
         (rpm, &["measured velocity of joint1 and joint2 is 9.549 and 9.549 times"], &[]),
@@ -264,5 +272,10 @@ fn a_model_that_is_judged_by_its_own_rows_is_told_so() {
         let found = said.stderr.contains("says nothing of others");
         assert_eq!(found, is_told, "{line}: {}", said.stderr);
     }
+    // The same motion under other torques is another log.
+    terminal.write("turned.csv", &Table::of(&terminal, "log.csv").scaled(&["tau1"], -1.0).text());
+    let said = terminal.run("evaluate model.json turned.csv");
+    assert!(!said.stderr.contains("says nothing of others"), "{said:?}");
+    assert!(said.stdout.contains("verdict: unusable: test torque of joint1"), "{said:?}");
     terminal.refused("evaluate log.csv model.json", &["log.csv is a log, not a model"]);
 }

@@ -307,6 +307,7 @@ fn a_urdf_that_is_not_of_the_arm_is_refused_with_what_to_do() {
     for (line, word) in [
         ("fit log.csv --gravity 0,0,-1 -o x.json", "--urdf"),
         ("fit log.csv --urdf arm.urdf --gravity 0,0,0 -o x.json", "not all 0"),
+        ("fit log.csv --urdf arm.urdf --gravity 0,x,0,-1 -o x.json", "expected three numbers"),
         ("fit log.csv --urdf arm.urdf --library product -o x.json", "--urdf is not used by"),
     ] {
         terminal.misused(line, &[word]);

@@ -121,13 +121,16 @@ impl Passes {
 ///
 /// The search leaves inertial parameters that no arm has, and derivatives by the geometry that are
 /// those of such an arm: links are made physical before the geometry moves.
+///
+/// - returns: the chain, and what the search left of each joint over what it leaves, n
 pub(crate) fn refine(
     recording: &(impl Recording + ?Sized),
     start: &Linearisation,
     sizes: &Sizes,
     watch: Watch<'_>,
-) -> Result<Linearisation, IdentifyError> {
+) -> Result<(Linearisation, Vec<f64>), IdentifyError> {
     let sums = add_up(recording, start)?;
+    let (searched, mut left) = (sums.residual_rms(), Vec::new());
     let mut at = start.at(&Step::new(&sums, start, sizes).linear()?);
     for weighing in 0..WEIGHINGS[1] {
         let before = geometric_mean(&at.weights);
@@ -139,11 +142,13 @@ pub(crate) fn refine(
         at = loop {
             Progress::Working.tell(watch)?;
             let sums = add_up(recording, &passes.at)?;
+            left = sums.residual_rms();
             match passes.take(&sums, sizes)? {
                 ControlFlow::Continue(next) => passes = next,
                 ControlFlow::Break(solved) => break solved.at,
             }
         };
     }
-    Ok(at)
+    let part = |(searched, left): (&f64, &f64)| if *left > 0.0 { searched / left } else { 1.0 };
+    Ok((at, searched.iter().zip(&left).map(part).collect()))
 }

@@ -16,6 +16,7 @@ use torquewise_motion::Motion;
 use torquewise_rigid::search::{all_parameters, glance, refine};
 use torquewise_rigid::{Chain, ChainRows, Search};
 use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::survey::AT_REST;
 
 /// Travel \[m\] of a slide at most: a joint that goes farther is taken to turn. Arms with longer ones
 /// are told of them.
@@ -204,7 +205,9 @@ impl ChainLearner<'_> {
             let (low, high) = ends(q.col(joint).iter());
             high - low
         };
-        let short: Vec<usize> = (0..n).filter(|&joint| travel(joint) <= LONGEST_SLIDE).collect();
+        // One that rests is no slide that is found.
+        let is_short = |joint: &usize| (AT_REST..=LONGEST_SLIDE).contains(&travel(*joint));
+        let short: Vec<usize> = (0..n).filter(is_short).collect();
         if short.is_empty() {
             return Ok(FirstLook::default());
         }
@@ -235,9 +238,7 @@ impl ChainLearner<'_> {
         if alike != kinds && count(&alike) <= MOST_SLIDES && is_near(left(&alike)?) {
             kinds = alike;
         }
-        let may_slide = |joint: &usize| {
-            !kinds.slides(*joint) && 0.0 < travel(*joint) && travel(*joint) <= LEAST_RANGE
-        };
+        let may_slide = |joint: &usize| !kinds.slides(*joint) && travel(*joint) <= LEAST_RANGE;
         let may_slide = untold.iter().copied().filter(may_slide);
         let may_slide = may_slide.take(MOST_SLIDES.saturating_sub(count(&kinds)));
         let may_slide = may_slide.flat_map(|joint| sliding().map(move |kind| (joint, kind)));

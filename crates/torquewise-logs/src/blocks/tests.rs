@@ -4,6 +4,7 @@ use super::Blocks;
 use crate::csv_rows::tests::signal_rows;
 use crate::error::{LogError, Result};
 use faer::Mat;
+use std::f64::consts::TAU;
 use std::fmt::Write;
 use torquewise_motion::{Motion, derivative};
 
@@ -99,6 +100,32 @@ fn blocks_are_cut_at_multiples_of_the_block_length_from_each_gap() {
         assert_eq!(cuts, [(0, 1024), (0, 476), (1, 1024), (1, 476), (2, 1000)]);
         let stamps: Vec<_> = t.iter().map(|t| t.to_bits()).collect();
         assert_eq!(bits(&blocks, |block, row| block.t()[row]), stamps);
+    }
+}
+
+#[test]
+fn positions_that_were_wrapped_are_unwrapped_and_those_that_jump_otherwise_stay() {
+    let turns = |row: u32| 0.1 * f64::from(row) - 0.0004 * f64::from(row * row);
+    let log = |q: &dyn Fn(u32) -> f64| {
+        let row = |row: u32| format!("{:?},{:?},0,0\n", 0.01 * f64::from(row), q(row));
+        "t,q1,dq1,ddq1\n".to_owned() + &(0..300).map(row).collect::<String>()
+    };
+    let positions = |q: &dyn Fn(u32) -> f64| -> Vec<f64> {
+        let blocks = blocks(&log(q)).unwrap();
+        blocks.iter().flat_map(|(_, block)| block.q().col(0).iter().copied()).collect()
+    };
+    let wrapped = |row: u32| turns(row) - TAU * (turns(row) / TAU).round();
+
+    let read = positions(&wrapped);
+
+    for (row, q) in (0..300).zip(read) {
+        assert!((q - turns(row)).abs() < 1e-12, "{row}: {q}");
+    }
+    // In degrees each row may go on by as much; a shift that lasts is none of whole turns.
+    for own in [&|row: u32| 6.0 * f64::from(row), &|row: u32| if row < 150 { 0.0 } else { 4.0 }]
+        as [&dyn Fn(u32) -> f64; 2]
+    {
+        assert!(positions(own).into_iter().zip(0..).all(|(q, row)| (q - own(row)).abs() < 1e-12));
     }
 }
 

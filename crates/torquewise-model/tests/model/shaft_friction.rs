@@ -114,6 +114,14 @@ fn what_is_not_resolved_has_no_number() {
     // The law and the element together are 1.4 errors from zero.
     assert_eq!([sliding.coulomb, sliding.stiction, sliding.stribeck_speed], [None; 3]);
     assert_eq!(sliding.viscous, None);
+    // A curve that bends where rows no longer count, below three half widths of the reversal.
+    let bent = |width| {
+        only(&model(vec![both(FrictionLaw::Coulomb { width }, 3.0), both(stribeck(0.05), 1.2)]))
+    };
+    let [fast, slow] = [0.01, 0.02].map(|width| bent(width).forward);
+    assert!(fast.stiction.is_some() && fast.stribeck_speed.is_some());
+    assert_eq!([slow.stiction, slow.stribeck_speed], [None; 2]);
+    assert_near(slow.coulomb, 3.0, 0.01);
 }
 
 /// A chain whose covariance is that of its friction alone, L Lᵀ.

@@ -72,11 +72,22 @@ fn signal_reports(raw: &Raw, even: &Raw, dq: &Mat<f64>) -> Vec<SignalReport> {
         for (joint, name) in raw.joints.iter().enumerate() {
             let noise = white_noise(&even_columns[joint], &still[joint]);
             let quantisation = quantisation(&raw_columns[joint]);
-            let (signal, joint) = (signal.name(), name.clone());
-            reports.push(SignalReport { signal, joint, noise, quantisation });
+            let (signal, joint, at_ends) =
+                (signal.name(), name.clone(), at_ends(&raw_columns[joint]));
+            reports.push(SignalReport { signal, joint, noise, quantisation, at_ends });
         }
     }
     reports
+}
+
+/// Part of the values that equal the least or the largest, and runs of two and more of them.
+fn at_ends(x: &[f64]) -> (f64, usize) {
+    let [low, high] = [f64::min, f64::max].map(|pick| x.iter().copied().reduce(pick));
+    let is_end = |x: &f64| Some(*x) == low || Some(*x) == high;
+    let runs = x
+        .chunk_by(|a, b| a.to_bits() == b.to_bits())
+        .filter(|run| is_end(&run[0]) && run.len() > 1);
+    (x.iter().filter(|x| is_end(x)).count() as f64 / x.len().max(1) as f64, runs.count())
 }
 
 /// Lag of each joint's measured velocity, on rows thinned out as far as the filter allows, and

@@ -13,6 +13,12 @@ const COARSE_LEVELS: f64 = 32.0;
 /// A quantisation step of more than this share of the deviation is called coarse.
 const COARSE_SHARE: f64 = 0.1;
 
+/// A signal that is exactly at one of its ends in more than this part of its rows, in so many runs of
+/// them, was cut off there; one of fewer levels is there by itself.
+const MOST_AT_ENDS: f64 = 0.05;
+const LEAST_RUNS: usize = 3;
+const LEAST_LEVELS: f64 = 1000.0;
+
 /// What is known of one signal of one joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalReport {
@@ -25,6 +31,9 @@ pub struct SignalReport {
     pub noise: f64,
     /// The step its raw values are quantised to.
     pub quantisation: Option<Quantisation>,
+    /// Part of its raw rows that are exactly at its smallest or its largest value, and in how many runs
+    /// of two and more.
+    pub at_ends: (f64, usize),
 }
 
 impl SignalReport {
@@ -33,6 +42,13 @@ impl SignalReport {
         let coarse =
             |q: Quantisation| q.levels < COARSE_LEVELS || q.share_of_deviation > COARSE_SHARE;
         self.quantisation.is_some_and(coarse)
+    }
+
+    /// Whether a limit cut it off.
+    pub fn is_cut_off(&self) -> bool {
+        let (part, runs) = self.at_ends;
+        let is_fine = self.quantisation.is_none_or(|q| q.levels >= LEAST_LEVELS);
+        is_fine && part > MOST_AT_ENDS && runs >= LEAST_RUNS
     }
 }
 

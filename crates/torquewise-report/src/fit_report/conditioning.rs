@@ -31,7 +31,7 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
     if !total.is_none() {
         let each = training.conditioning.iter().map(|(log, repairs)| row(log, repairs));
         let left_out = ["spikes replaced", "repeated stamps", "held rows", "other rows left out"];
-        let moved = ["late stamps", "gaps bridged", "longest [ms]", "splits"];
+        let moved = ["late stamps", "turns taken out", "gaps bridged", "longest [ms]", "splits"];
         let numbers = left_out.into_iter().chain(moved).map(Heading::numbers);
         items.push(Item::Table(Table {
             caption: "What was repaired in the logs; the others needed no repair.".into(),
@@ -47,8 +47,8 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
 
 fn row(log: &str, repairs: &Repairs) -> Vec<Label> {
     let others = repairs.earlier_stamps + repairs.not_finite + repairs.absurd + repairs.too_short;
-    let (left_out, moved) =
-        ([repairs.repeated_stamps, repairs.held_rows, others], [repairs.late_stamps, repairs.gaps]);
+    let left_out = [repairs.repeated_stamps, repairs.held_rows, others];
+    let moved = [repairs.late_stamps, repairs.whole_turns, repairs.gaps];
     let counts = std::iter::once(repairs.spikes.values().sum()).chain(left_out).chain(moved);
     let mut cells: Vec<Label> = vec![log.into()];
     cells.extend(counts.map(|number| number.to_string().into()));
