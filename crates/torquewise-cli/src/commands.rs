@@ -32,8 +32,8 @@ use std::ffi::OsString;
 /// A LOG is a ROS 2 bag (.db3, .mcap) of JointState messages, or a .csv, .parquet, .npz or .mat
 /// file with the columns t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in SI units; dq and ddq may be
 /// missing, and joints counted from 0. A profile (--profile) tells of other columns and units. Exit
-/// codes: 0 done, also with warnings, 1 failed, 2 wrong usage, 3 the verdict on the model is
-/// `unusable`, or --strict and any warning.
+/// codes: 0 done, also with warnings, 1 failed, 2 wrong usage, 3 the verdict of a fit is `unusable`,
+/// or --strict and any warning.
 #[derive(Debug, Parser)]
 #[command(name = "torquewise", version, propagate_version = true)]
 pub(crate) struct CommandLine {

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use torquewise_motion::signals::{Raw, Signal};
 use torquewise_motion::{BLOCK_ROWS, HALF_WINDOW, Motion, MotionError, Signals, derivative};
 
-/// A position that goes on by less \[rad\] before and after it jumps by a whole turn was wrapped.
+/// A position that goes on by less \[rad\] before, as and after it jumps by a whole turn was wrapped.
 const MOST_STEP: f64 = 1.0;
 
 /// The blocks of one log file.
@@ -33,9 +33,9 @@ pub(crate) struct Blocks {
     /// The first value that was absurd: row of the file, name and value.
     pub(crate) first_absurd: Option<(u64, String, f64)>,
     columns: Vec<Vec<f64>>,
-    /// Of each joint the turns that were taken out of its position \[rad\], the position of the last row
-    /// and the step to it.
-    wrapped: Vec<[f64; 3]>,
+    /// Turns that were added to the position of each joint \[rad\], and rows since its file or part began.
+    turns: Vec<f64>,
+    run: usize,
     done: usize,
     known: usize,
     ended: bool,
@@ -59,7 +59,8 @@ impl Blocks {
             first_absurd: None,
             reach: if is_completed && !complete { HALF_WINDOW } else { 0 },
             columns,
-            wrapped: vec![[0.0, f64::NAN, 0.0]; joints.len()],
+            turns: vec![0.0; joints.len()],
+            run: 0,
             done: 0,
             known: 0,
             ended: false,
@@ -101,7 +102,7 @@ impl Blocks {
         if self.ended {
             return Ok(());
         }
-        let wanted = self.done + BLOCK_ROWS + self.reach + if self.screens { NEAR + 1 } else { 0 };
+        let wanted = self.done + BLOCK_ROWS + self.reach + NEAR + 1;
         let mut row = vec![0.0; self.columns.len()];
         while self.columns[0].len() < wanted && !self.at_end_of_file {
             match self.rows.next(&mut row)? {
@@ -129,7 +130,7 @@ impl Blocks {
     /// last ones, of which not all that stands beside them is known.
     fn screen(&mut self) {
         let all = self.columns[0].len();
-        let end = all.saturating_sub(if self.screens && !self.at_end_of_file { NEAR } else { 0 });
+        let end = all.saturating_sub(if self.at_end_of_file { 0 } else { NEAR });
         let mapping = &self.rows.mapping;
         let mut gone: Vec<usize> = Vec::new();
         for (place, column) in self.columns.iter().skip(1).enumerate() {
@@ -163,29 +164,31 @@ impl Blocks {
         }
         self.columns.iter_mut().zip(row).for_each(|(column, value)| column.push(*value));
         if self.origins.last().is_some_and(|before| before.part != origin.part) {
-            self.wrapped.fill([0.0, f64::NAN, 0.0]);
+            self.turns.fill(0.0);
+            self.run = 0;
         }
+        self.run += 1;
         self.unwrap_last();
         self.origins.push(origin);
         Ok(())
     }
 
-    /// Takes whole turns out of the positions of the last row.
+    /// Takes whole turns out of the positions of the last rows, once two more follow the one that was
+    /// wrapped: a spike goes back.
     fn unwrap_last(&mut self) {
         let Some(first) = self.rows.mapping.slot(Signal::Q) else { return };
-        let positions = self.columns[first..].iter_mut().filter_map(|column| column.last_mut());
-        for ([turns, last, step], q) in self.wrapped.iter_mut().zip(positions) {
-            if *turns != 0.0 {
+        for (turns, column) in self.turns.iter_mut().zip(&mut self.columns[first..]) {
+            if let Some(q) = column.last_mut().filter(|_| *turns != 0.0) {
                 *q += *turns;
             }
-            let jump = *q - *last;
-            let whole = TAU * (jump / TAU).round();
-            if whole != 0.0 && (jump - whole).abs() < MOST_STEP && step.abs() < MOST_STEP {
+            let [.., a, b, c, d, e] = column[..] else { continue };
+            let whole = TAU * ((c - b) / TAU).round();
+            let steps = [b - a, c - whole - b, d - c, e - d];
+            if self.run > 4 && whole != 0.0 && steps.iter().all(|step| step.abs() < MOST_STEP) {
                 self.rows.report.repairs.whole_turns += 1;
                 *turns -= whole;
-                *q -= whole;
+                column.iter_mut().rev().take(3).for_each(|q| *q -= whole);
             }
-            (*last, *step) = (*q, *q - *last);
         }
     }
 

@@ -130,12 +130,15 @@ impl<'a> Fit<'a> {
         if !fit.found.warnings.iter().any(is_cut_off) {
             fit.found.warnings.extend(log.cut_off().into_iter().map(Warning::Excitation));
         }
-        if log.logs().paths().len() > 1 {
+        let (repairs, is_single) = (log.repairs(), log.logs().paths().len() == 1);
+        if !is_single || repairs.values().any(|own| own.splits > 0) {
+            let stretch =
+                |k: usize| if is_single { format!("stretch {}", k + 1) } else { log.file_of(k) };
             let watched = log.watched(self.observer, "comparing the logs");
-            let at_odds = disagreements(&fit.found.model, &watched, &|k| log.file_of(k))?;
+            let at_odds = disagreements(&fit.found.model, &watched, &stretch)?;
             fit.found.warnings.extend(at_odds.into_iter().map(Warning::Disagreement));
         }
-        fit.found.model.training.conditioning = log.repairs();
+        fit.found.model.training.conditioning = repairs;
         Ok(fit)
     }
 }

@@ -121,10 +121,12 @@ fn positions_that_were_wrapped_are_unwrapped_and_those_that_jump_otherwise_stay(
     for (row, q) in (0..300).zip(read) {
         assert!((q - turns(row)).abs() < 1e-12, "{row}: {q}");
     }
-    // In degrees each row may go on by as much; a shift that lasts is none of whole turns.
-    for own in [&|row: u32| 6.0 * f64::from(row), &|row: u32| if row < 150 { 0.0 } else { 4.0 }]
-        as [&dyn Fn(u32) -> f64; 2]
-    {
+    // In degrees each row may go on by as much; a shift that lasts is none of whole turns, a spike goes back.
+    let others: [&dyn Fn(u32) -> f64; 3] =
+        [&|row| 6.0 * f64::from(row), &|row| if row < 150 { 0.0 } else { 4.0 }, &|row| {
+            if row == 150 { TAU } else { 0.0 }
+        }];
+    for own in others {
         assert!(positions(own).into_iter().zip(0..).all(|(q, row)| (q - own(row)).abs() < 1e-12));
     }
 }
