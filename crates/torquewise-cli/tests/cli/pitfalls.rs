@@ -212,6 +212,25 @@ fn motor_currents_need_gears_and_constants_and_a_wrong_sign_is_told() {
 // Torques.
 
 #[test]
+fn a_load_that_is_taken_up_within_a_log_is_told() {
+    let table = Table::simulated("planar-2 --motion sines --seconds 80 --rate 50 --seed 4");
+    let table = table.without(&["ddq1", "ddq2"]);
+    let half = table.rows.len() / 2;
+    let of_load = |row: usize, q: f64| if row < half { 0.0 } else { 2.0 * q.cos() };
+    let table = table
+        .with("t", |row, t, _| if row < half { t } else { t + 5.0 })
+        .with("tau1", |row, tau, q| tau + of_load(row, q[1]) + of_load(row, q[1] + q[2]))
+        .with("tau2", |row, tau, q| tau + of_load(row, q[1] + q[2]));
+    let terminal = Terminal::new();
+    terminal.write("log.csv", &table.text());
+
+    let said = terminal.run("fit log.csv -o model.json");
+
+    assert_eq!(said.code, 3, "{said:?}");
+    assert_warns(&said, &["stretch 1 and stretch 2 disagree about the gravity of joint1"]);
+}
+
+#[test]
 fn a_torque_that_never_changes_is_told() {
     let terminal = Terminal::new();
     terminal.write("off.csv", &Table::arm().with("tau2", |_, _, _| 0.0).text());
