@@ -173,7 +173,7 @@ impl Blocks {
         Ok(())
     }
 
-    /// Takes whole turns out of the positions of the last rows, once two more follow the one that was
+    /// Takes a whole turn out of the positions of the last rows, once two more follow the one that was
     /// wrapped: a spike goes back.
     fn unwrap_last(&mut self) {
         let Some(first) = self.rows.mapping.slot(Signal::Q) else { return };
@@ -182,9 +182,9 @@ impl Blocks {
                 *q += *turns;
             }
             let [.., a, b, c, d, e] = column[..] else { continue };
-            let whole = TAU * ((c - b) / TAU).round();
+            let whole = TAU.copysign(c - b);
             let steps = [b - a, c - whole - b, d - c, e - d];
-            if self.run > 4 && whole != 0.0 && steps.iter().all(|step| step.abs() < MOST_STEP) {
+            if self.run > 4 && steps.iter().all(|step| step.abs() < MOST_STEP) {
                 self.rows.report.repairs.whole_turns += 1;
                 *turns -= whole;
                 column.iter_mut().rev().take(3).for_each(|q| *q -= whole);

@@ -212,6 +212,28 @@ fn motor_currents_need_gears_and_constants_and_a_wrong_sign_is_told() {
 // Torques.
 
 #[test]
+fn a_fit_in_a_wider_band_than_its_search_is_not_called_a_poor_refit() {
+    let mut table = Table::simulated("scara-4 --seconds 30 --rate 200 --seed 3");
+    for joint in 1..=4 {
+        let speed = table.place(&format!("dq{joint}"));
+        let (name, largest) = (format!("tau{joint}"), |most: f64, tau: &f64| most.max(tau.abs()));
+        let size = table.column(&name).iter().fold(0.0, largest);
+        table = table.with(&name, |row, tau, values| {
+            let dq = values[speed];
+            tau + size * (0.1 * (dq / 0.02).tanh() + 0.07 * dq + 0.1 * noise(row + joint))
+        });
+        table = table.with(&format!("q{joint}"), |row, q, _| q + 6e-5 * noise(row + 7 * joint));
+        table = table.without(&[&format!("dq{joint}"), &format!("ddq{joint}")]);
+    }
+    let terminal = Terminal::new();
+    terminal.write("log.csv", &table.text());
+
+    let said = terminal.run("fit log.csv -o model.json");
+
+    assert!(said.code == 0 && !said.stderr.contains("the torque that the search left"), "{said:?}");
+}
+
+#[test]
 fn a_load_that_is_taken_up_within_a_log_is_told() {
     let table = Table::simulated("planar-2 --motion sines --seconds 80 --rate 50 --seed 4");
     let table = table.without(&["ddq1", "ddq2"]);
