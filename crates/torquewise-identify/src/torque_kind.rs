@@ -5,8 +5,8 @@ use crate::excitation::Finding;
 use crate::learn::kinds::first_look;
 use crate::reconstruction::Watch;
 use crate::torque_sign::at_a_glance;
-use crate::unseen::{CHOICE_ROWS, HeldOut, Unseen, both_ways, geometric_mean};
-use faer::{ColRef, Mat, MatRef};
+use crate::unseen::{CHOICE_ROWS, HeldOut, Unseen, both_ways, geometric_mean, variance};
+use faer::{Mat, MatRef};
 use std::ops::Range;
 use torquewise_model::{Kind, Model, Term, Torque};
 use torquewise_motion::Motion;
@@ -155,15 +155,10 @@ pub fn weightless(survey: &Survey, seed: u64, watch: Watch<'_>) -> Option<Findin
 
 /// Whether gravity hardly has a part in the torques of a model.
 pub(crate) fn hardly_weighs(model: &Model, sample: &Motion) -> Result<bool, IdentifyError> {
-    let motion = thinned(sample, ROWS);
-    let gravity = Torque::new(model).parts(&motion)?.gravity;
-    let tau = motion.require_tau()?;
-    let varies = |x: ColRef<'_, f64>| {
-        let mean = x.sum() / x.nrows().max(1) as f64;
-        x.iter().map(|x| (x - mean).powi(2)).sum::<f64>().sqrt()
-    };
-    let is_light = |joint| varies(gravity.col(joint)) <= HARDLY * varies(tau.col(joint));
-    Ok((0..model.n_joints()).all(is_light))
+    let gravity = Torque::new(model).parts(&thinned(sample, ROWS))?.gravity;
+    let mut torque = model.training.torque_std.iter().enumerate();
+    let most = |std: f64| (HARDLY * std).powi(2).max(f64::MIN_POSITIVE);
+    Ok(torque.all(|(joint, std)| variance(&gravity, joint) <= most(*std)))
 }
 
 /// Whether the terms of a library hold gravity.
@@ -345,7 +340,7 @@ impl JointRows {
 mod tests {
     use super::hardly_weighs;
     use faer::Mat;
-    use torquewise_model::{EnergyTerm, Form, Model, Place, Term, Trig, Weighted};
+    use torquewise_model::{EnergyTerm, Form, Model, Place, Term, Training, Trig, Weighted};
     use torquewise_motion::{Motion, Signals};
 
     #[test]
@@ -359,7 +354,9 @@ mod tests {
             let function = Term::one(1).times(Trig::Cos, 0, 1, 1);
             let potential = EnergyTerm { place: Place::Potential, function };
             let form = Form::Energy(vec![Weighted::new(potential, weight)]);
-            Model { joints: vec!["joint1".into()], form, ..Model::default() }
+            let training =
+                Training { torque_std: vec![0.5_f64.sqrt() * 100.0], ..Training::default() };
+            Model { joints: vec!["joint1".into()], form, training, ..Model::default() }
         };
 
         assert!(hardly_weighs(&of(1.0), &log).unwrap());

@@ -320,7 +320,7 @@ fn solved_without((gram, right): &Sums, around: &[Sums], ridge: f64) -> Option<V
     around.iter().map(without).collect()
 }
 
-fn variance(x: &Mat<f64>, column: usize) -> f64 {
+pub(crate) fn variance(x: &Mat<f64>, column: usize) -> f64 {
     let m = x.nrows() as f64;
     let mean = x.col(column).sum() / m;
     let squares: f64 = x.col(column).iter().map(|x| (x - mean).powi(2)).sum();
