@@ -1,6 +1,7 @@
 //! Joints whose gravity differs from log to log.
 
 use crate::clustered::Stretches;
+use crate::verdict::HALF;
 use std::fmt;
 use std::ops::RangeInclusive;
 use torquewise_model::{Model, Torque};
@@ -76,7 +77,7 @@ pub fn disagreements(
         let Some(place) = logs.place(log_of(trajectory)) else { return Ok(()) };
         logs.add(place, &path.follow(trajectory, block))
     })?;
-    Ok(logs.compared(&model.joints))
+    Ok(logs.compared(model))
 }
 
 /// Speeds above which dry friction is there \[rad/s\], n.
@@ -119,9 +120,16 @@ impl Logs {
         Ok(())
     }
 
-    fn compared(&self, joints: &[String]) -> Vec<Disagreement> {
+    fn compared(&self, model: &Model) -> Vec<Disagreement> {
         let mut found: Vec<Disagreement> = Vec::new();
-        for (joint, name) in joints.iter().enumerate() {
+        let training = &model.training;
+        let parts = training.residual_rms.iter().zip(&training.torque_std);
+        // What is missed of a torque that follows the model but little says nothing of its gravity.
+        let follows: Vec<bool> = parts.map(|(rms, std)| *rms < HALF * std).collect();
+        for (joint, name) in model.joints.iter().enumerate() {
+            if follows.get(joint) == Some(&false) {
+                continue;
+            }
             let slopes = self.each.iter().enumerate();
             let slopes: Vec<(usize, Slope)> = slopes
                 .filter_map(|(log, (_, own))| Some((log, slope(&own[joint], self.slow[joint])?)))
@@ -142,22 +150,26 @@ impl Logs {
     }
 }
 
-/// The two slopes that differ by most errors, if they differ enough.
+/// The two slopes that differ by most errors, if they differ enough, and no third that is known as well
+/// lies between them, told from neither: what changes little by little is no load that was taken up.
 fn most_apart(slopes: &[(usize, Slope)]) -> Option<[(usize, Slope); 2]> {
     let pairs = slopes
         .iter()
         .enumerate()
         .flat_map(|(place, one)| slopes[place + 1..].iter().map(move |other| [*one, *other]));
-    let errors = |[(_, a), (_, b)]: &[(usize, Slope); 2]| {
-        (a.value - b.value).abs() / a.error.hypot(b.error).max(f64::MIN_POSITIVE)
-    };
+    let errors = |[(_, a), (_, b)]: &[(usize, Slope); 2]| a.errors_from(b);
     pairs
         .filter(|pair| {
             let [(_, a), (_, b)] = pair;
+            let is_between = |(_, own): &(usize, Slope)| {
+                own.error <= a.error.max(b.error)
+                    && [a, b].iter().all(|end| own.errors_from(end) <= LEAST_ERRORS)
+            };
             DIFFERENCE.contains(&(a.value - b.value).abs())
                 && a.size.min(b.size) > LEAST_SIZE * a.size.max(b.size)
                 && a.share.max(b.share) > LEAST_SHARE
                 && errors(pair) > LEAST_ERRORS
+                && !slopes.iter().any(is_between)
         })
         .max_by(|one, other| errors(one).total_cmp(&errors(other)))
 }
@@ -171,6 +183,13 @@ struct Slope {
     share: f64,
     /// Mean square of what the other columns leave of gravity itself.
     size: f64,
+}
+
+impl Slope {
+    /// By how many standard errors of both it differs from another.
+    fn errors_from(&self, other: &Self) -> f64 {
+        (self.value - other.value).abs() / self.error.hypot(other.error).max(f64::MIN_POSITIVE)
+    }
 }
 
 /// `None` if gravity hardly changes, or too little was recorded; or the joint is at rest, RMS slower than
@@ -244,6 +263,18 @@ mod tests {
             assert!((slope.value - 0.07).abs() < 5.0 * slope.error + 1e-7, "{slope:?}");
             assert!(batches.all().count() <= MOST_BATCHES);
         }
+    }
+
+    #[test]
+    fn what_changes_little_by_little_from_log_to_log_is_no_load() {
+        let with = |value, error| Slope { value, error, share: 0.9, size: 1.0 };
+
+        let both = [(0, with(0.0, 0.02)), (1, with(0.2, 0.02))];
+        assert!(most_apart(&both).is_some());
+        assert!(most_apart(&[both[0], both[1], (2, with(0.19, 0.02))]).is_some());
+        assert!(most_apart(&[both[0], both[1], (2, with(0.1, 0.02))]).is_none());
+        // A log that says little is no witness.
+        assert!(most_apart(&[both[0], both[1], (2, with(0.1, 0.1))]).is_some());
     }
 
     #[test]

@@ -46,10 +46,8 @@ const LEAST_SPEED: f64 = 0.2;
 const LEAST_ACCELERATION: f64 = 0.5;
 /// Part of the rows that a peak exceeds: one start or stop tells little.
 const PEAK: f64 = 0.99;
-/// A direction with fewer of the moving rows than this is missing.
+/// A direction with less of the way than this is missing.
 const LEAST_SHARE: f64 = 0.05;
-/// A joint moves where it is faster than this part of its peak speed.
-const MOVING: f64 = 0.03;
 /// Speeds of higher correlation are one motion.
 const MOST_CORRELATION: f64 = 0.98;
 /// A torque that position explains but for this share is no measurement of a moving joint.
@@ -69,9 +67,7 @@ pub fn findings(survey: &Survey) -> Vec<Finding> {
         (0..motion.n_joints()).filter(|joint| !still.contains(joint)).collect();
     let mut found = Vec::new();
     let peaks: Vec<[f64; 2]> = joints.iter().map(|&joint| peaks(survey, joint)).collect();
-    for (&joint, [peak, _]) in joints.iter().zip(&peaks) {
-        found.extend(of_joint(survey, joint, *peak));
-    }
+    joints.iter().for_each(|&joint| found.extend(of_joint(survey, joint)));
     let lame = |derivative: usize, least: f64| {
         let each = joints.iter().zip(&peaks).map(|(&joint, peaks)| (joint, peaks[derivative]));
         let (lame, peaks): (Vec<usize>, Vec<f64>) = each.filter(|(_, peak)| *peak < least).unzip();
@@ -118,8 +114,7 @@ fn together(survey: &Survey, joints: &[usize]) -> Vec<Finding> {
         .collect()
 }
 
-/// - `peak`: speed that it hardly ever exceeds \[rad/s\]
-fn of_joint(survey: &Survey, joint: usize, peak: f64) -> Vec<Finding> {
+fn of_joint(survey: &Survey, joint: usize) -> Vec<Finding> {
     let name = || survey.joints[joint].clone();
     let mut found = Vec::new();
     let [low, high] = survey.q_range[joint];
@@ -127,8 +122,8 @@ fn of_joint(survey: &Survey, joint: usize, peak: f64) -> Vec<Finding> {
         found.push(Finding::Range { joint: name(), range: high - low });
     }
     let speeds = survey.sample.dq().col(joint);
-    let count = |way: f64| speeds.iter().filter(|dq| way * **dq > MOVING * peak).count() as f64;
-    let (forward, backward) = (count(1.0), count(-1.0));
+    let [forward, backward] =
+        [1.0, -1.0].map(|way| speeds.iter().map(|dq| (way * dq).max(0.0)).sum::<f64>());
     if forward.min(backward) < LEAST_SHARE * (forward + backward) {
         found.push(Finding::OneWay { joint: name(), forward: forward > backward });
     }
@@ -335,6 +330,25 @@ mod tests {
         assert!(led_by_hand.iter().all(|finding| matches!(finding, Finding::Commanded { .. })));
         let step = log([(1.0, 3.0, 0.0), (0.8, 3.0, 0.0)], |[q, dq, ddq]| q + dq + ddq);
         assert!(matches!(&of(&step)[..], [Finding::Together { .. }]));
+    }
+
+    #[test]
+    fn a_joint_that_moves_one_way_only_is_named_and_not_one_that_creeps_while_it_rests() {
+        let both = log([(1.0, 3.0, 0.0), (0.8, 4.3, 1.0)], |[q, dq, ddq]| q + dq + ddq);
+        let said = |dq: &dyn Fn(usize, f64) -> f64| {
+            let mut signals = both.clone().into_signals();
+            signals
+                .dq
+                .col_mut(1)
+                .iter_mut()
+                .enumerate()
+                .for_each(|(row, own)| *own = dq(row, *own));
+            let found = of(&Motion::new(signals).unwrap());
+            found.iter().any(|own| matches!(own, Finding::OneWay { forward: false, .. }))
+        };
+
+        assert!(said(&|_, dq| -dq.abs()));
+        assert!(!said(&|row, dq| if row < 300 { dq } else { -1e-3 }));
     }
 
     #[test]

@@ -122,7 +122,8 @@ fn untold(mut told: Vec<usize>, names: &[String], warnings: &[Warning]) -> Vec<u
 /// less over its own rows than over others, and parameters err by as much more (E22).
 fn discrepancy(training: &Training) -> f64 {
     let unseen = training.unseen_rms();
-    let pairs = unseen.iter().zip(&training.residual_rms);
+    // What was held out of a torque that never changes is judged by nothing.
+    let pairs = unseen.iter().zip(&training.residual_rms).filter(|(unseen, _)| **unseen > 0.0);
     let ratios = pairs.map(|(unseen, residual)| unseen / residual.max(f64::MIN_POSITIVE));
     geometric_mean(&ratios.collect::<Vec<_>>())
 }

@@ -198,18 +198,12 @@ impl<'a> ChainLearner<'a> {
         let drive = columns(&spec.drive, &motion, spec.gravity.as_ref());
         let tau = motion.require_tau()?;
         let rows = ChainRows::new([motion.q(), motion.dq(), motion.ddq(), tau], &drive)?;
-        let is_measured: Vec<bool> =
-            (0..motion.n_joints()).map(|joint| rows.deviation_of(joint) > 0.0).collect();
         // Where a joint moves, its friction has one direction.
         let moves =
             |row, joint: usize| motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.width[joint];
         let is_certain = |row, joint| !spec.has_friction() || moves(row, joint);
-        let share = |row, joint: usize| match (is_measured[joint], is_certain(row, joint)) {
-            (true, true) => 1.0,
-            (true, false) => WEIGHT_AT_REST,
-            (false, _) => 0.0,
-        };
-        Ok(rows.with_shares(share))
+        let share = |row, joint| if is_certain(row, joint) { 1.0 } else { WEIGHT_AT_REST };
+        Ok(rows.measured().with_shares(share))
     }
 
     /// Whether the friction of no joint is more than dry and viscous.

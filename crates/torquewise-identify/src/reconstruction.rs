@@ -1,7 +1,7 @@
 //! The result of a fit: what was found, how, and the warnings.
 
 use crate::clipped::clipped;
-use crate::excitation::Finding;
+use crate::excitation::{Finding, LEAST_RANGE};
 use crate::library_errors::held_out_rms;
 use crate::residual_shape::shapes;
 use crate::rough::doubtful;
@@ -101,8 +101,13 @@ impl Reconstruction {
         if is_clipped || missed.is_empty() && !self.has_negative_inertia()? {
             return Ok(());
         }
-        // What shows the friction of its own shaft is that joint's torque.
-        let doubtful = doubtful(&self.survey.sample);
+        // What shows the friction of its own shaft is that joint's torque; of a joint that hardly moves
+        // no torque is told.
+        let ranges = self.survey.q_range.iter().map(|[low, high]| high - low);
+        let ranges: Vec<f64> = ranges.collect();
+        let moves = |joint: &usize| ranges[*joint] >= LEAST_RANGE;
+        let mut doubtful = doubtful(&self.survey.sample);
+        doubtful.retain(moves);
         if let Ok(Some(pair)) = swapped(&self.survey.sample, (&missed, &doubtful), seed, watch) {
             let joints = pair.map(|joint| self.survey.joints[joint].clone());
             self.accuse(Finding::Swapped { joints });
@@ -111,7 +116,8 @@ impl Reconstruction {
         if !doubtful.is_empty() {
             // An arm of which no chain is found, for rows or joints, has nothing to compare with.
             let Ok(chain) = chain(&self.survey) else { return Ok(()) };
-            let lost = beyond(LOST).into_iter().filter(|joint| !doubtful.contains(joint));
+            let is_lost = |joint: &usize| moves(joint) && !doubtful.contains(joint);
+            let lost = beyond(LOST).into_iter().filter(is_lost);
             let in_doubt: Vec<usize> =
                 doubtful.iter().copied().chain(lost).take(MOST_IN_DOUBT).collect();
             let wrong = chain.wrong_signs(&self.survey.sample, &in_doubt, watch)?;
@@ -127,6 +133,7 @@ impl Reconstruction {
             }
         }
         if grave(&self.warnings).is_empty() {
+            let missed: Vec<usize> = missed.into_iter().filter(moves).collect();
             let shapes = shapes(&self.model, &self.survey.sample, &missed)?;
             self.warnings.extend(shapes.into_iter().map(Warning::Shape));
         }

@@ -1,8 +1,9 @@
 //! A rough linear model of each joint, good for any arm: does its torque follow its motion, and show
 //! its friction?
 
+use crate::unseen::spread;
 use faer::linalg::solvers::Solve;
-use faer::{ColRef, Mat, Side};
+use faer::{Col, ColRef, Mat, Side};
 use torquewise_motion::Motion;
 use torquewise_stepwise::survey::thinned;
 
@@ -41,12 +42,15 @@ pub(crate) fn doubtful(motion: &Motion) -> Vec<usize> {
         let (left, coefficients) = fit(&motion, joint, own)?;
         let load =
             |row: usize| -> f64 { own.iter().zip(&coefficients).map(|(x, b)| x[row] * b).sum() };
-        let power: f64 = own[0].iter().enumerate().map(|(row, dq)| load(row) * dq).sum();
+        let load = Col::from_fn(motion.n_rows(), load);
+        let power: f64 = own[0].iter().zip(load.iter()).map(|(dq, load)| load * dq).sum();
+        // What is larger than the torque is what columns that are alike make up between them.
+        let is_friction = spread(load.as_ref()) <= spread(motion.tau()?.col(joint));
         let others = (0..n).filter(|other| *other != joint);
         let with_others =
             others.filter_map(|other| fit(&motion, joint, frictions[other].as_ref()?));
         let least = with_others.map(|(left, _)| left).fold((1.0 - SEEN) * without, f64::min);
-        Some(left < least && power > 0.0)
+        Some(left < least && power > 0.0 && is_friction)
     };
     let changes = |joint: usize| {
         let is_other = |tau: ColRef<'_, f64>| tau.iter().any(|own| (own - tau[0]).abs() > 0.0);

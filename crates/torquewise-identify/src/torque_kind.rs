@@ -5,7 +5,7 @@ use crate::excitation::Finding;
 use crate::learn::kinds::first_look;
 use crate::reconstruction::Watch;
 use crate::torque_sign::at_a_glance;
-use crate::unseen::{CHOICE_ROWS, HeldOut, Unseen, both_ways, geometric_mean, variance};
+use crate::unseen::{CHOICE_ROWS, HeldOut, Unseen, both_ways, geometric_mean, spread};
 use faer::{Mat, MatRef};
 use std::ops::Range;
 use torquewise_model::{Kind, Model, Term, Torque};
@@ -156,9 +156,9 @@ pub fn weightless(survey: &Survey, seed: u64, watch: Watch<'_>) -> Option<Findin
 /// Whether gravity hardly has a part in the torques of a model.
 pub(crate) fn hardly_weighs(model: &Model, sample: &Motion) -> Result<bool, IdentifyError> {
     let gravity = Torque::new(model).parts(&thinned(sample, ROWS))?.gravity;
-    let mut torque = model.training.torque_std.iter().enumerate();
-    let most = |std: f64| (HARDLY * std).powi(2).max(f64::MIN_POSITIVE);
-    Ok(torque.all(|(joint, std)| variance(&gravity, joint) <= most(*std)))
+    let torque = model.training.torque_std.iter().enumerate();
+    let mut changing = torque.filter(|(_, std)| **std > 0.0);
+    Ok(changing.all(|(joint, std)| spread(gravity.col(joint)) <= HARDLY * std))
 }
 
 /// Whether the terms of a library hold gravity.

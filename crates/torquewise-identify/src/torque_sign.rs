@@ -306,7 +306,7 @@ fn joints_of(signs: u32) -> impl Iterator<Item = usize> {
 
 fn rows(motion: &Motion, extras: &[Mat<f64>]) -> Result<ChainRows, IdentifyError> {
     let signals = [motion.q(), motion.dq(), motion.ddq(), motion.require_tau()?];
-    Ok(ChainRows::new(signals, extras)?)
+    Ok(ChainRows::new(signals, extras)?.measured())
 }
 
 /// Shafts that several joints turn, as they are with one of them turned round.

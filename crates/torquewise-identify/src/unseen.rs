@@ -4,9 +4,10 @@ use crate::drift::logs;
 use crate::estimate::{LEAST_RESIDUAL, Linearisation};
 use crate::regions::Regions;
 use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use faer::{ColRef, Mat, Side};
 use rayon::prelude::*;
 use torquewise_motion::Motion;
+use torquewise_rigid::rows::spread_above_rounding;
 use torquewise_stepwise::error::IdentifyError;
 
 mod physical;
@@ -35,7 +36,8 @@ pub(crate) struct Errors {
     parts: Vec<Vec<f64>>,
     /// Share of each block in the rows.
     shares: Vec<f64>,
-    /// Standard deviation of the torque of each joint \[N·m\], n.
+    /// Standard deviation of the torque of each joint \[N·m\], n; 0 of one that never changes, which
+    /// is judged by nothing.
     spread: Vec<f64>,
 }
 
@@ -56,15 +58,21 @@ impl Errors {
 
     /// The geometric mean of the joints.
     pub(crate) fn all(&self) -> f64 {
-        geometric_mean(&self.by_joint())
+        geometric_mean(&self.changing(self.by_joint().into_iter()))
+    }
+
+    /// Those of the joints whose torque changes.
+    fn changing(&self, all: impl Iterator<Item = f64>) -> Vec<f64> {
+        let pairs = all.zip(&self.spread);
+        pairs.filter(|(_, spread)| **spread > 0.0).map(|(own, _)| own).collect()
     }
 
     /// Geometric mean of the joints in each block; next to nothing counts as nothing, so that no
     /// choice is made by rounding.
     pub(crate) fn by_block(&self) -> Vec<f64> {
         let root = |square: &f64| square.sqrt().max(LEAST_RESIDUAL);
-        let roots = |block: &Vec<f64>| block.iter().map(root).collect::<Vec<_>>();
-        self.parts.iter().map(|block| geometric_mean(&roots(block))).collect()
+        let mean = |block: &Vec<f64>| geometric_mean(&self.changing(block.iter().map(root)));
+        self.parts.iter().map(mean).collect()
     }
 }
 
@@ -251,10 +259,10 @@ impl<'a> Unseen<'a> {
     fn measured(&self, solved: &[Vec<Mat<f64>>], active: &[usize]) -> Vec<Option<Errors>> {
         let (m, n) =
             (self.joints.first().map_or(0, |joint| joint.weights.len()), self.joints.len());
-        let variances = |(_, target): &Target<'_>| -> Vec<f64> {
-            (0..n).map(|joint| variance(target, joint)).collect()
+        let spreads = |(_, target): &Target<'_>| -> Vec<f64> {
+            (0..n).map(|joint| spread(target.col(joint))).collect()
         };
-        let variances: Vec<Vec<f64>> = self.targets.iter().map(variances).collect();
+        let spreads: Vec<Vec<f64>> = self.targets.iter().map(spreads).collect();
         // Mean squares over the variance of each ridge and target, blocks by joints.
         let none = vec![vec![0.0; n]; self.blocks.len()];
         let mut parts = vec![vec![none; self.targets.len()]; solved.len()];
@@ -273,22 +281,22 @@ impl<'a> Unseen<'a> {
                             (target[(row, joint)] - x / weights[row]).powi(2)
                         };
                         let mean = left.map(square).sum::<f64>() / block.rows.len() as f64;
-                        parts[k][b][joint] = mean / variances[k][joint];
+                        let spread = spreads[k][joint];
+                        parts[k][b][joint] = if spread > 0.0 { mean / spread.powi(2) } else { 0.0 };
                     }
                 }
             }
         }
         let shares: Vec<f64> =
             self.blocks.iter().map(|block| block.rows.len() as f64 / m as f64).collect();
-        let of = |(k, variances): (usize, &Vec<f64>)| -> Option<Errors> {
-            let spread: Vec<f64> = variances.iter().map(|variance| variance.sqrt()).collect();
+        let of = |(k, spread): (usize, &Vec<f64>)| -> Option<Errors> {
             let errors = parts.iter().map(|parts| {
                 let (parts, shares, spread) = (parts[k].clone(), shares.clone(), spread.clone());
                 Errors { parts, shares, spread }
             });
             errors.min_by(|a, b| a.all().total_cmp(&b.all()))
         };
-        variances.iter().enumerate().map(of).collect()
+        spreads.iter().enumerate().map(of).collect()
     }
 }
 
@@ -320,11 +328,12 @@ fn solved_without((gram, right): &Sums, around: &[Sums], ridge: f64) -> Option<V
     around.iter().map(without).collect()
 }
 
-pub(crate) fn variance(x: &Mat<f64>, column: usize) -> f64 {
+/// Standard deviation, 0 where it is rounding.
+pub(crate) fn spread(x: ColRef<'_, f64>) -> f64 {
     let m = x.nrows() as f64;
-    let mean = x.col(column).sum() / m;
-    let squares: f64 = x.col(column).iter().map(|x| (x - mean).powi(2)).sum();
-    (squares / m).max(f64::MIN_POSITIVE)
+    let mean = x.sum() / m;
+    let squares: f64 = x.iter().map(|x| (x - mean).powi(2)).sum();
+    spread_above_rounding((squares / m).sqrt(), mean)
 }
 
 #[cfg(test)]

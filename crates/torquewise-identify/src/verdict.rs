@@ -16,7 +16,7 @@ const GOOD: f64 = 0.1;
 /// From here a prediction is hardly better than the mean: four fifths of the squares are left.
 const USELESS: f64 = 0.9;
 /// A model that misses this part of the spread in the mean of the joints is of no use.
-const HALF: f64 = 0.5;
+pub(crate) const HALF: f64 = 0.5;
 
 /// Percentage of the torque of a test that believable 95 % intervals hold in the mean of the joints.
 const HELD: f64 = 80.0;

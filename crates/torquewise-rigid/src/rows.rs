@@ -99,9 +99,17 @@ impl ChainRows {
     pub fn with_shares(mut self, share: impl Fn(usize, usize) -> f64) -> Self {
         let m = self.len();
         for (k, out) in self.shares.iter_mut().enumerate() {
-            *out = share(k % m, k / m).clamp(0.0, 1.0);
+            *out *= share(k % m, k / m).clamp(0.0, 1.0);
         }
         self
+    }
+
+    /// The same rows, of which those of a joint whose torque never changes, as where none was measured,
+    /// count nothing.
+    pub fn measured(self) -> Self {
+        let changes: Vec<bool> =
+            (0..self.n_joints()).map(|joint| self.deviation_of(joint) > 0.0).collect();
+        self.with_shares(|_, joint| f64::from(u8::from(changes[joint])))
     }
 
     /// What each equation counts: its share over the noise of its joint, m·n.

@@ -69,7 +69,8 @@ impl Linearisation {
         rest: Vec<f64>,
     ) -> Self {
         let (chosen, robot, free) = (drive.len(), None, Vec::new());
-        let per = |rms: &f64| 1.0 / rms.max(f64::MIN_POSITIVE);
+        // Of a torque that was not measured nothing is left.
+        let per = |rms: &f64| if *rms > 0.0 { 1.0 / rms } else { 0.0 };
         Self {
             structure: Structure { drive, chosen, robot, free, rest },
             geometry: chain.geometry.clone(),

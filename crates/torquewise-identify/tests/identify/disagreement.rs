@@ -104,6 +104,10 @@ fn one_log_agrees_with_itself_though_it_has_gaps_and_one_without_torque_is_refus
 
     assert_eq!(disagreements(&model, &logs[..], &|_| "one".into()).unwrap(), []);
     assert_ne!(disagreements(&model, &logs[..], &|k| k.to_string()).unwrap(), []);
+    // Of a torque that the model does not follow, gravity is not told.
+    let mut missed = model.clone();
+    missed.training.residual_rms.clone_from(&model.training.torque_std);
+    assert_eq!(disagreements(&missed, &logs[..], &|k| k.to_string()).unwrap(), []);
     let [bare, _] = logs.map(Motion::into_signals);
     let without = Motion::new(Signals { tau: None, ..bare }).unwrap();
     assert!(disagreements(&model, &without, &|_| String::new()).is_err());

@@ -1,5 +1,7 @@
 //! Torques of the wrong sign are named, one and all.
-use crate::support::{chain, deviation, fit, motion, normals, percent, with_torque};
+use crate::support::{
+    State, chain, deviation, executed, fit, motion, normals, percent, states_of, with_torque,
+};
 use faer::Mat;
 use torquewise_identify::excitation::Finding;
 use torquewise_identify::plan::{ChainOptions, FrictionKind};
@@ -53,6 +55,22 @@ fn of_a_wrist_the_torque_that_is_turned_is_named_and_no_other() {
     }
 }
 
+#[test]
+fn of_a_joint_that_hardly_moves_no_sign_is_told() {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let slow = |mut state: State| {
+        state.iter_mut().for_each(|signal| signal[2] *= 0.02);
+        state
+    };
+    let log = motion(&arm, MotionKind::Sines, 40.0, 50.0, 1);
+    let states: Vec<State> = states_of(&log).into_iter().map(slow).collect();
+    let turned = with_torque(executed(&arm, log.t().to_vec(), &states), |_, tau| tau[2] = -tau[2]);
+
+    let found = findings(&turned, &Plan::default());
+
+    assert!(!found.iter().any(|own| matches!(own, Finding::WrongSign { .. })), "{found:?}");
+}
+
 /// As of a wrist whose torque is little but friction, which then drives it.
 #[test]
 fn of_torques_that_are_little_but_friction_those_that_are_turned_or_swapped_are_named() {
@@ -91,15 +109,19 @@ fn a_torque_that_never_changes_leaves_the_others_as_they_are() {
         let spoilt = with_torque(log(1), |_, tau| unmeasured.iter().for_each(|k| tau[*k] = value));
         fit(&spoilt, &chain(FrictionKind::Linear))
     };
-    for value in [0.0, 0.3] {
-        let found = said(&[2], value);
+    let weighs = with_torque(log(1), |_, tau| tau[2] = 0.0);
+    assert_eq!(weightless(&survey(&weighs).unwrap(), 1, UNWATCHED), None);
+    for (unmeasured, value) in [(&[2][..], 0.0), (&[2], 0.3), (&[0, 2], 0.0)] {
+        let found = said(unmeasured, value);
 
+        let roots = found.model.chain.as_ref().unwrap().covariance_root.iter().flatten();
+        assert!(roots.into_iter().all(|root| root.is_finite()));
         let constant = Warning::ConstantTorque { joint: arm.joints()[2].clone() };
         assert!(found.warnings.contains(&constant), "{:?}", found.warnings);
         let others = |own: &Warning| matches!(own, Warning::Excitation(_) | Warning::Refit { .. });
         assert!(!found.warnings.iter().any(others), "{:?}", found.warnings);
         let errors = percent(&found.model, &log(2));
-        assert!(errors[..2].iter().all(|error| *error < 1.0), "{errors:?}");
+        assert!(errors[unmeasured.len() - 1..2].iter().all(|error| *error < 1.0), "{errors:?}");
         assert_ne!(judge(&found).grade, Grade::Good);
     }
     let constant = said(&[0, 1, 2], 0.0).warnings.into_iter();
