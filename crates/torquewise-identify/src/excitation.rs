@@ -65,9 +65,9 @@ pub fn findings(survey: &Survey) -> Vec<Finding> {
     let still = survey.constant_joints();
     let joints: Vec<usize> =
         (0..motion.n_joints()).filter(|joint| !still.contains(joint)).collect();
-    let mut found = Vec::new();
     let peaks: Vec<[f64; 2]> = joints.iter().map(|&joint| peaks(survey, joint)).collect();
-    joints.iter().for_each(|&joint| found.extend(of_joint(survey, joint)));
+    let mut found: Vec<Finding> =
+        joints.iter().flat_map(|&joint| of_joint(survey, joint)).collect();
     let lame = |derivative: usize, least: f64| {
         let each = joints.iter().zip(&peaks).map(|(&joint, peaks)| (joint, peaks[derivative]));
         let (lame, peaks): (Vec<usize>, Vec<f64>) = each.filter(|(_, peak)| *peak < least).unzip();

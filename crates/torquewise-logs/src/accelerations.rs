@@ -14,6 +14,8 @@ const LEAST: f64 = 0.7;
 const LEAST_SLOPES: usize = 100;
 /// Gains of velocities against slopes; beyond, rows are not as far apart as their stamps say.
 const GAINS: RangeInclusive<f64> = 0.5..=2.0;
+/// Rates over slopes that filters of a robot may explain.
+pub const LEAST_GAIN: f64 = 0.8;
 /// Slopes and rates count up to so many times the upper tenth of those of a joint that are not zero.
 const MOST: f64 = 2.0;
 
@@ -44,19 +46,19 @@ impl Pairs {
         }
     }
 
-    /// Correlation and gain of slopes and rates that are cut off at some times the upper tenth of their joint, so that a few
-    /// wrong numbers count little. Nothing where there are too few slopes.
+    /// Correlation and gain of slopes and rates, both made smaller where one is beyond some times the upper
+    /// tenth of its joint, so that a few wrong numbers count little. Nothing where there are too few slopes.
     fn correlation_and_gain(&self) -> Option<[f64; 2]> {
         let (mut slopes, mut rates, mut products) = (0.0, 0.0, 0.0);
         for pairs in &self.0 {
-            let most = |of: usize| {
+            let most = [0, 1].map(|of| {
                 let sizes = pairs.iter().map(|pair| pair[of].abs());
                 let mut sizes: Vec<f64> = sizes.filter(|size| *size > 0.0).collect();
                 MOST * quantile(&mut sizes, 0.9)
-            };
-            let most = [most(0), most(1)];
+            });
             for pair in pairs {
-                let [slope, rate] = [0, 1].map(|k| pair[k].clamp(-most[k], most[k]));
+                let [own, other] = [0, 1].map(|k| most[k] / pair[k].abs());
+                let [slope, rate] = pair.map(|x| x * own.min(other).min(1.0));
                 slopes += slope * slope;
                 rates += rate * rate;
                 products += slope * rate;
@@ -81,18 +83,23 @@ impl Accelerations {
         self.rows >= ROWS
     }
 
-    /// Where velocities are slopes: rows that are no path or of an arm at rest, and stamps that are none
-    /// of the rows, tell nothing.
-    pub(crate) fn correlation(&self) -> Option<f64> {
+    /// Correlation and gain where velocities are slopes: rows that are no path or of an arm at rest, and
+    /// stamps that are none of the rows, tell nothing.
+    pub(crate) fn agreement(&self) -> Option<[f64; 2]> {
         let is_slope =
             |[correlation, gain]: &[f64; 2]| *correlation >= LEAST && GAINS.contains(gain);
         self.velocity.correlation_and_gain().filter(is_slope)?;
-        self.acceleration.correlation_and_gain().map(|[correlation, _]| correlation)
+        self.acceleration.correlation_and_gain()
     }
 
-    /// The largest correlation of several files, where none has accelerations that follow.
-    pub(crate) fn odd(files: impl Iterator<Item = Option<f64>>) -> Option<f64> {
-        files.flatten().reduce(f64::max).filter(|correlation| *correlation < LEAST)
+    /// Correlation and gain of the file whose accelerations follow best, where these are no slopes.
+    pub(crate) fn odd(files: impl Iterator<Item = Option<[f64; 2]>>) -> Option<[f64; 2]> {
+        let best = files.flatten().max_by(|a, b| a[0].total_cmp(&b[0]));
+        best.filter(|[correlation, gain]| {
+            // Noise in slopes lowers the gain, by the square of the correlation at most.
+            let least = LEAST_GAIN * correlation.powi(2);
+            *correlation < LEAST || !(least..=1.0 / LEAST_GAIN).contains(gain)
+        })
     }
 }
 
@@ -123,21 +130,29 @@ mod tests {
     }
 
     #[test]
-    fn noise_commands_and_columns_that_were_never_filled_are_told_from_measured_accelerations() {
-        let odd = |seen: Accelerations| Accelerations::odd([seen.correlation()].into_iter());
+    fn noise_commands_other_factors_and_empty_columns_are_told_from_measured_accelerations() {
+        let odd = |seen: Accelerations| Accelerations::odd([seen.agreement()].into_iter());
         let measured = |row, t: f64| 3.0 * (3.0 * t).cos() + 3.0 * noise(row);
 
         assert_eq!(odd(sine(measured)), None);
         assert!(odd(sine(|row, t| measured(row, t) + 30.0 * noise(row + 1))).is_some());
-        assert!(odd(sine(|_, t| measured(0, t - 1.0))).is_some_and(|found| found < 0.0));
-        assert_eq!(odd(sine(|_, _| 0.0)), Some(0.0));
+        assert!(odd(sine(|_, t| measured(0, t - 1.0))).is_some_and(|found| found[0] < 0.0));
+        assert_eq!(odd(sine(|_, _| 0.0)), Some([0.0, 0.0]));
+        // Low-passed, of another unit, and right beside noisy velocities.
+        for (factor, late) in [(0.4, 0.1), (57.3, 0.0)] {
+            let [_, gain] = odd(sine(|row, t| factor * measured(row, t - late))).unwrap();
+            assert!((gain / factor - 1.0).abs() < 0.1, "{gain}");
+        }
+        let rough = |row, t: f64| [-t.cos(), t.sin() + 0.1 * noise(row), t.cos()];
+        assert!(seen(rough).agreement().is_some_and(|[_, gain]| gain < LEAST_GAIN));
+        assert_eq!(odd(seen(rough)), None);
         // Rows that are no path.
         assert_eq!(odd(seen(|row, _| [1, 2, 3].map(|k| noise(k * row)))), None);
         // One row in ten of a log, the stamps of them all.
         let thinned = |row, t: f64| [-(30.0 * t).cos() / 3.0, (30.0 * t).sin(), noise(row)];
         assert_eq!(odd(seen(thinned)), None);
         // One file whose accelerations follow keeps those of all.
-        let files = [sine(|_, _| 0.0), sine(measured)].map(|file| file.correlation());
+        let files = [sine(|_, _| 0.0), sine(measured)].map(|file| file.agreement());
         assert_eq!(Accelerations::odd(files.into_iter()), None);
     }
 
@@ -145,7 +160,7 @@ mod tests {
     fn joints_at_rest_tell_nothing() {
         let still = |row: usize, _| [0.0, 2e-3 * noise(row), 5e-2 * noise(row + 1)];
         let mut seen = sine(|_, t| 3.0 * (3.0 * t).cos());
-        let own = seen.correlation();
+        let own = seen.agreement();
         for _ in 0..6 {
             let Accelerations { velocity, acceleration, .. } = self::seen(still);
             seen.velocity.0.extend(velocity.0);
@@ -154,8 +169,8 @@ mod tests {
         let mut odd = sine(|_, t| -3.0 * (3.0 * t).cos());
         odd.acceleration.0.push(vec![[0.0, 0.0]; 20_000]);
 
-        assert!(own.zip(seen.correlation()).is_some_and(|(own, all)| own > 0.99 && all > 0.95));
-        assert!(odd.correlation().is_some_and(|found| found < -0.9));
+        assert!(own.zip(seen.agreement()).is_some_and(|(own, all)| own[0] > 0.99 && all[0] > 0.95));
+        assert!(odd.agreement().is_some_and(|[found, _]| found < -0.9));
     }
 
     #[test]
@@ -169,7 +184,7 @@ mod tests {
         let of_value = seen(|row, t| [position(t), value(row, t), 3.0 * (3.0 * t).cos()]);
 
         for file in [of_rate, of_value] {
-            assert!(file.correlation().is_some_and(|found| found > 0.8));
+            assert!(file.agreement().is_some_and(|[found, _]| found > 0.8));
         }
     }
 }

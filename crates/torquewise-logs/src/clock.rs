@@ -99,10 +99,19 @@ fn moving(q: &[Vec<f64>]) -> Vec<bool> {
     moving
 }
 
+/// Velocities become means over what was held: differences of held positions are zero in between.
 fn without_held(block: &Raw, most: usize, state: &mut Held) -> Raw {
     let repeated = repeated(block, state);
     let is_held = |row: &usize| (1..=most).contains(&repeated[*row]);
-    block.select(&(0..block.t.len()).filter(|row| !is_held(row)).collect::<Vec<_>>())
+    let rows: Vec<usize> = (0..block.t.len()).filter(|row| !is_held(row)).collect();
+    let mut kept = block.select(&rows);
+    let velocities = kept.signals[Signal::Dq as usize].iter_mut().flatten();
+    for (own, all) in velocities.zip(block.of(Signal::Dq)) {
+        let ends = rows.iter().skip(1).copied().chain([all.len()]);
+        let runs = rows.iter().zip(ends).map(|(&begin, end)| &all[begin..end]);
+        *own = runs.map(|run| run.iter().sum::<f64>() / run.len() as f64).collect();
+    }
+    kept
 }
 
 /// Stamps on the line of least squares through those around them, between gaps.

@@ -276,6 +276,10 @@ impl Cutter<'_> {
 
 fn signals(logs: &Logs, trajectory: usize, source: MotionError) -> LogError {
     let file = logs.file_of(trajectory).map(Path::to_owned).unwrap_or_default();
-    let doubts = logs.unit_doubts().into_iter().flat_map(|own| ["; ".to_owned(), own]).collect();
+    let back = logs.report().repairs.earlier_stamps;
+    let what = "rows left out, as they are earlier than a row before";
+    let back = (back > 0).then(|| format!("; {what}: {back} (sort the rows by time)"));
+    let doubts = logs.unit_doubts().into_iter().flat_map(|own| ["; ".to_owned(), own]);
+    let doubts = doubts.chain(back).collect();
     LogError::Signals { file, trajectory: trajectory + 1, doubts, source }
 }

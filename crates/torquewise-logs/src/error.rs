@@ -153,7 +153,7 @@ pub enum LogError {
     #[diagnostic(help("read logs of one arm together"))]
     JointCount { file: PathBuf, found: usize, first: PathBuf, expected: usize },
     #[error("{} has no torque", file.display())]
-    #[diagnostic(help("record columns tau1…taun, or in a bag the effort of JointState"))]
+    #[diagnostic(help("record columns tau1…taun, in a bag effort, or see what inspect suggests"))]
     NoTorque { file: PathBuf },
     #[error("{} is to hold torque, but the motion has none", file.display())]
     #[diagnostic(help("leave tau out of its contents"))]

@@ -68,6 +68,7 @@ mod sink;
 mod parquet_sink;
 pub mod table;
 
+pub use accelerations::LEAST_GAIN;
 pub use conditioned::ConditionedLogs;
 pub use error::{LogError, RowPlace};
 pub use format::{is_bag, is_log};

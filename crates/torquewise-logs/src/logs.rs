@@ -29,8 +29,8 @@ pub struct Logs {
     sources: Vec<Source>,
     paths: Vec<PathBuf>,
     joints: Vec<String>,
-    /// Correlation of accelerations that were left out, as they do not follow from velocities.
-    odd_ddq: Option<f64>,
+    /// Correlation and gain of accelerations that were left out, as they do not follow from velocities.
+    odd_ddq: Option<[f64; 2]>,
     /// Of the last complete reading of each file.
     readings: Arc<Mutex<Vec<Reading>>>,
 }
@@ -105,7 +105,7 @@ impl Logs {
                     let Some((_, block)) = blocks.next(Blocks::block).ok()? else { break };
                     seen.add(&block);
                 }
-                seen.correlation()
+                seen.agreement()
             };
             logs.odd_ddq = Accelerations::odd(logs.sources.iter().map(seen));
             if logs.odd_ddq.is_some() {
@@ -223,10 +223,11 @@ impl Logs {
         let clocks = self.sources.iter().zip(readings.iter());
         let clocks = clocks.filter_map(|(source, own)| source.clock_doubt(own.usual_step?));
         let torque = self.sources.iter().find_map(|source| source.torque_doubt);
-        let odd = self.odd_ddq.map(|found| {
+        let odd = self.odd_ddq.map(|[correlation, gain]| {
             format!(
                 "the recorded accelerations do not follow from the recorded velocities (correlation \
-                 {found:.2}), as noisy or commanded ones do not: they are left out, and derived"
+                 {correlation:.2}, {gain:.2} times their slopes), as noise, commands and other units do \
+                 not: they are left out, and derived"
             )
         });
         torque.map(str::to_owned).into_iter().chain(odd).chain(clocks).collect()

@@ -51,12 +51,14 @@ pub fn suggest(files: &[LogInput]) -> Result<Suggestion> {
     for (signal, own) in &found.signals {
         values.insert(*signal, measure::columns(file, &own.columns)?);
     }
+    let mut time = measure::columns(file, found.time.as_slice())?;
     let (mut beside, mut apart) = (Vec::<(String, PathBuf)>::new(), Vec::new());
     for other in others {
-        let mut own = guess::families(other, named_rows(other)?.names()).signals;
+        let own = guess::families(other, named_rows(other)?.names());
+        let (clock, mut own) = (own.time.filter(|_| found.time.is_none()), own.signals);
         let is_another = found.get(Signal::Q).is_some() && own.contains_key(&Signal::Q);
         own.retain(|signal, _| !is_another && found.get(*signal).is_none());
-        if own.is_empty() {
+        if is_another || (own.is_empty() && clock.is_none()) {
             let what = if is_another {
                 "is another log: read it with the same profile"
             } else {
@@ -72,13 +74,16 @@ pub fn suggest(files: &[LogInput]) -> Result<Suggestion> {
         let name = std::iter::once(stem.clone()).chain(numbered).find(is_free).unwrap_or_default();
         let near = other.file_name().filter(|_| other.parent() == file.parent());
         let path = near.map(PathBuf::from).or_else(|| std::path::absolute(&**other).ok());
+        if let Some(clock) = clock {
+            found.time = Some(format!("{name}.{clock}"));
+            time = measure::columns(other, &[clock])?;
+        }
         for (signal, own) in own {
             values.insert(signal, measure::columns(other, &own.columns)?);
             found.signals.insert(signal, own.of_file(&name));
         }
         beside.push((name, path.unwrap_or_default()));
     }
-    let time = measure::columns(file, found.time.as_slice())?;
     let measured = measure::measure(time.first().map(Vec::as_slice), &values);
     let mut suggestion = text::of_columns(&found, &measured, &beside);
     suggestion.reasons.extend(apart);

@@ -4,7 +4,7 @@ use crate::observe::{Observer, Watched};
 use std::collections::BTreeMap;
 use torquewise_identify::excitation::{Finding, list};
 use torquewise_logs::conditioned::RawLogs;
-use torquewise_logs::{ConditionedLogs, Logs};
+use torquewise_logs::{ConditionedLogs, LEAST_GAIN, Logs};
 use torquewise_model::model::TrainingFilter;
 use torquewise_motion::repairs::counted;
 use torquewise_motion::signals::{ConditionReport, SignalReport};
@@ -141,9 +141,6 @@ impl Prepared {
         })
     }
 }
-
-/// Velocities over slopes that filters of a robot may explain.
-const LEAST_GAIN: f64 = 0.8;
 
 fn dropped(logs: &Logs) -> Option<String> {
     let report = logs.report();

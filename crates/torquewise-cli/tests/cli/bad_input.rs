@@ -44,7 +44,7 @@ fn a_log_that_is_wrong_is_refused_by_every_command_that_reads_torque() {
 }
 
 #[test]
-fn logs_without_torque_or_of_five_rows_cannot_be_fitted_or_judged() {
+fn logs_without_torque_unsorted_or_of_five_rows_cannot_be_fitted_or_judged() {
     let terminal = Terminal::with_model();
     let log = terminal.read("log.csv");
     let bare = log.replace("tau1", "current1").replace("tau2", "current2");
@@ -60,6 +60,12 @@ fn logs_without_torque_or_of_five_rows_cannot_be_fitted_or_judged() {
     ] {
         terminal.refused(line, &["bare.csv has no torque", "record columns tau1"]);
     }
+    assert!(terminal.run("inspect bare.csv").stdout.contains("[tau]\ncolumns = \"current\""));
+    let mut back: Vec<&str> = log.lines().collect();
+    back[1..].reverse();
+    terminal.write("back.csv", &back.join("\n"));
+    let told = ["earlier than a row before: ", "(sort the rows by time)", "rows are too few"];
+    terminal.refused("fit back.csv --repair --filter 5 -o out.json", &told);
     terminal.refused("fit few.csv -o out.json", &["5 rows", "at least 50", "longer"]);
     assert_eq!(terminal.json("inspect few.csv")["rows"], 5, "but they can be looked at");
 }

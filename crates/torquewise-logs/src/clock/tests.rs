@@ -1,6 +1,6 @@
 //! Clocks with known faults: each is found and mended, and a sound clock is left alone.
 
-use super::{ClockLane, ClockRepair, Raw};
+use super::{ClockLane, ClockRepair, Raw, Signal};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use torquewise_motion::Repairs;
@@ -69,14 +69,20 @@ fn stamps_of_late_receipt_are_put_on_the_clock_of_the_device() {
 }
 
 #[test]
-fn rows_that_a_fast_logger_repeats_are_left_out() {
+fn rows_that_a_fast_logger_repeats_are_left_out_and_velocities_of_them_are_slopes() {
     // The device samples every second, or every tenth, time that the logger writes.
     for run in [2, 10] {
         let held: Vec<f64> = (0..3_000).map(|row: u32| STEP * f64::from(row - row % run)).collect();
-        let log = block(even(3_000), &held);
+        let mut log = block(even(3_000), &held);
+        let q = log.of(Signal::Q)[0].clone();
+        let step = |row: usize| (q[row] - q[row.saturating_sub(1)]) / STEP;
+        log.signals[1] = Some(vec![(0..3_000).map(step).collect()]);
 
         let (mended, repairs) = mended(&log, &[]);
 
+        let slopes = mended.of(Signal::Q)[0].windows(2).map(|q| (q[1] - q[0]) / STEP);
+        let velocities = mended.of(Signal::Dq)[0][1..].iter().map(|dq| f64::from(run) * dq);
+        assert!(slopes.zip(velocities).all(|(slope, dq)| (slope - dq).abs() < 1e-9));
         let kept = 3_000 / u64::from(run);
         assert_eq!((mended.t.len() as u64, repairs.held_rows), (kept, 3_000 - kept));
         assert!((mended.t[1] - mended.t[0] - f64::from(run) * STEP).abs() < 1e-12);

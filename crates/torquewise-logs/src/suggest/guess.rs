@@ -9,10 +9,14 @@ use torquewise_motion::signals::Signal;
 const WORDS: [(Option<Signal>, &str); 5] = [
     (None, "t time timestamp stamp clock"),
     (Some(Signal::Q), "q pos position positions angle angles theta qp qpos"),
-    (Some(Signal::Dq), "dq qd qv vel velocity velocities speed omega qvel"),
-    (Some(Signal::Ddq), "ddq qdd qa acc accel acceleration"),
+    (Some(Signal::Dq), "dq qd qv qdot vel velocity velocities speed omega qvel"),
+    (Some(Signal::Ddq), "ddq qdd qa qddot acc accel acceleration"),
     (Some(Signal::Tau), "tau torque torques effort efforts moment trq current currents cur curr"),
 ];
+
+/// Words that others are put before without a space, as in `jointtorque`; and the dots of derivatives.
+const LAST: &str = "position velocity acceleration torque torques effort current currents";
+const DOTS: [(Option<Signal>, &str); 2] = [(Some(Signal::Dq), "dot"), (Some(Signal::Ddq), "ddot")];
 
 const CURRENT: &str = "current currents cur curr";
 const DEGREES: &str = "deg degrees degree";
@@ -125,7 +129,7 @@ fn grouped(names: &[String]) -> Vec<(String, Vec<String>)> {
 fn names_joint(name: &str, word: &str) -> bool {
     let mut all = words(name).into_iter();
     let begins = all.next().is_some_and(|first| first == word) && all.len() > 0;
-    let lists = [MEASURED, NOT_MEASURED, CURRENT, DEGREES];
+    let lists = [MEASURED, "filtered raw", NOT_MEASURED, CURRENT, DEGREES];
     begins && !all.any(|own| lists.into_iter().any(|list| is_in(&own, list)))
 }
 
@@ -149,10 +153,11 @@ fn family(mut columns: Vec<String>, key: &str, word: &str) -> Family {
     let first = columns.first().cloned().unwrap_or_default();
     let all = words(&first);
     let counted = |list: &str| all.iter().filter(|word| is_in(word, list)).count();
-    // What was wanted or worked out comes after anything else.
-    let score = if counted(NOT_MEASURED) > 0 { 0 } else { 1 + counted(MEASURED) };
+    // What was wanted, as derivatives of qd, or worked out comes last, a current after a torque.
+    let is_current = counted(CURRENT) > 0 || is_in(word, CURRENT);
+    let is_wanted = counted(NOT_MEASURED) > 0 || (word.ends_with("dot") && counted("qd") > 0);
+    let score = if is_wanted { 0 } else { 1 + counted(MEASURED) + usize::from(!is_current) };
     let (prefix, told_by) = (from_one.then(|| key.to_owned()), word.to_owned());
-    let is_current = counted(CURRENT) > 0;
     let is_degrees = counted(DEGREES) > 0 || parted(&first).1.contains('°');
     Family { columns, prefix, told_by, is_current, is_degrees, score }
 }
@@ -188,10 +193,15 @@ fn is_in(word: &str, list: &str) -> bool {
     list.split(' ').any(|own| own == word)
 }
 
-/// The signal that a name means, none of the clock, and the word that tells; the first that does.
+/// The signal that a name means, none of the clock, and the word that tells: the first that does, but
+/// `q_dot` is a velocity.
 fn meaning(words: &[String]) -> Option<(Option<Signal>, &'static str)> {
     let known = |(signal, all): (_, &'static str)| all.split(' ').map(move |word| (signal, word));
-    words.iter().find_map(|word| WORDS.into_iter().flat_map(known).find(|(_, own)| own == word))
+    let is = |word: &str, own| word == own || (is_in(own, LAST) && word.ends_with(own));
+    let told = |word: &String| WORDS.into_iter().flat_map(known).find(|(_, own)| is(word, own));
+    let found = words.iter().find_map(told)?;
+    let dots = DOTS.into_iter().find(|(_, dots)| words.iter().any(|word| word == dots));
+    Some(dots.filter(|_| matches!(found.0, Some(Signal::Q | Signal::Dq))).unwrap_or(found))
 }
 
 fn words(name: &str) -> Vec<String> {

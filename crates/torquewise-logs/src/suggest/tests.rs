@@ -124,6 +124,22 @@ fn joints_named_within_columns_are_found_and_columns_that_mean_nothing_give_a_dr
 }
 
 #[test]
+fn dots_make_a_derivative_of_a_position_and_torque_may_be_the_end_of_a_word() {
+    let header = "t,q_ddot1,q_dot1,q_filtered1,qd_dot1,motorcurrent1,jointtorque1";
+    let (_folder, file) = log("run.csv", header, 500, |k| {
+        let (q, dq) = wave(0.01 * k);
+        vec![0.01 * k, -9.0 * q, dq, q, dq, 1.0, k]
+    });
+
+    let toml = readable(&file).0.toml;
+
+    let named = ["q_filtered", "q_dot", "q_ddot", "jointtorque"].map(|name| format!("\"{name}\""));
+    let found: Vec<_> = toml.lines().filter_map(|line| line.strip_prefix("columns = ")).collect();
+    assert_eq!(found, named, "{toml}");
+    assert!(toml.contains("joints = [\"joint1\"]"), "{toml}");
+}
+
+#[test]
 fn what_no_file_tells_is_left_to_be_filled_in() {
     let header = "pos1,pos2,current1,current2";
     let (_folder, file) = log("run.csv", header, 100, |k| vec![k, 50.0, 2.0, 2.0]);
@@ -143,20 +159,22 @@ fn what_no_file_tells_is_left_to_be_filled_in() {
 }
 
 #[test]
-fn files_beside_a_log_are_measured_and_numbered() {
+fn files_beside_a_log_are_measured_and_numbered_and_may_hold_its_clock() {
     let folder = tempfile::tempdir().unwrap();
     let of = |name: &str| folder.path().join(name);
     for sub in ["a", "b"] {
         std::fs::create_dir(of(sub)).unwrap();
     }
-    write(&of("log.csv"), "t,torque1", 400, |k| vec![0.005 * k, 1.0]);
+    write(&of("log.csv"), "torque1", 400, |_| vec![1.0]);
+    write(&of("clock.csv"), "t", 400, |k| vec![0.005 * k]);
     write(&of("a/more.csv"), "position1", 400, |k| vec![60.0 * wave(0.005 * k).0]);
     write(&of("b/more.csv"), "velocity1", 400, |k| vec![wave(0.005 * k).1]);
 
-    let files = ["log.csv", "a/more.csv", "b/more.csv"].map(|name| of(name).into());
+    let files = ["log.csv", "clock.csv", "a/more.csv", "b/more.csv"].map(|name| of(name).into());
     let profile = Profile::from_toml(&suggest(&files).unwrap().toml).unwrap();
 
-    assert_eq!(profile.beside.keys().collect::<Vec<_>>(), ["more", "more_2"]);
+    assert_eq!(profile.beside.keys().collect::<Vec<_>>(), ["clock", "more", "more_2"]);
+    assert_eq!(profile.t.unwrap().column, "clock.t");
     assert_eq!(profile.q.unwrap().unit.as_deref(), Some("deg"));
     // Measured against the slopes of positions in another file.
     assert_eq!(profile.dq.unwrap().unit.as_deref(), Some("rad/s"));

@@ -48,7 +48,8 @@ impl SignalReport {
     pub fn is_cut_off(&self) -> bool {
         let (part, runs) = self.at_ends;
         let is_fine = self.quantisation.is_none_or(|q| q.levels >= LEAST_LEVELS);
-        is_fine && part > MOST_AT_ENDS && runs >= LEAST_RUNS
+        // A signal that is at its ends in all rows has two values.
+        is_fine && part > MOST_AT_ENDS && part < 1.0 && runs >= LEAST_RUNS
     }
 }
 

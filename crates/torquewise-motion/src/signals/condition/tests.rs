@@ -135,7 +135,7 @@ fn rows_are_thinned_and_ends_dropped_unless_all_are_wanted() {
 }
 
 #[test]
-fn a_coarse_current_is_told() {
+fn a_coarse_current_is_told_and_one_of_two_values_is_not_cut_off() {
     let mut raw = measure(&BAD);
     for tau in torque_of(&mut raw) {
         *tau = (*tau / 4.0).round() * 4.0;
@@ -146,6 +146,9 @@ fn a_coarse_current_is_told() {
     let coarse = report.signals.iter().filter(|s| s.is_coarse()).map(|s| s.signal);
     assert_eq!(coarse.collect::<Vec<_>>(), ["tau"]);
     assert!(report.to_string().contains("tau of arm_1 is quantised to 4.000e0"));
+    *torque_of(&mut raw) = (0..BAD.n).map(|row| (row % 9).min(1) as f64).collect();
+    let report = condition(&raw, &Conditioning::default()).unwrap().report;
+    assert!(report.signals.iter().all(|s| !s.is_cut_off()));
 }
 
 #[test]
