@@ -1,6 +1,6 @@
 //! Torques of the wrong sign are named, one and all.
 use crate::support::{
-    State, chain, deviation, executed, fit, motion, normals, percent, states_of, with_torque,
+    chain, deviation, executed, fit, motion, normals, percent, states_of, with_torque,
 };
 use faer::Mat;
 use torquewise_identify::excitation::Finding;
@@ -58,12 +58,11 @@ fn of_a_wrist_the_torque_that_is_turned_is_named_and_no_other() {
 #[test]
 fn of_a_joint_that_hardly_moves_no_sign_is_told() {
     let arm = Arm::builtin("puma560-3").unwrap();
-    let slow = |mut state: State| {
-        state.iter_mut().for_each(|signal| signal[2] *= 0.02);
-        state
-    };
     let log = motion(&arm, MotionKind::Sines, 40.0, 50.0, 1);
-    let states: Vec<State> = states_of(&log).into_iter().map(slow).collect();
+    let mut states = states_of(&log);
+    for signal in states.iter_mut().flatten() {
+        signal[2] *= 0.02;
+    }
     let turned = with_torque(executed(&arm, log.t().to_vec(), &states), |_, tau| tau[2] = -tau[2]);
 
     let found = findings(&turned, &Plan::default());
