@@ -40,7 +40,7 @@ pub(crate) fn contacts<'py>(
     let free = free.map(|free| free.log.clone());
     let (rows, thresholds, found) = work(py, progress, move |observer| {
         let mut rows: Vec<f64> = Vec::new();
-        let (thresholds, found) = torquewise::external::contacts(
+        let (thresholds, found, _) = torquewise::external::contacts(
             &model,
             &log,
             free.as_ref(),

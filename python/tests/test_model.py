@@ -34,6 +34,8 @@ def test_frames_with_default_columns_are_rows_of_states(model):
     assert np.array_equal(model.torque(frame(q), frame(dq), frame(ddq)), model.torque(q, dq, ddq))
     assert np.array_equal(model.mass_matrix(frame(q)), model.mass_matrix(q))
     assert np.array_equal(model.gravity(frame(q).astype(np.float32)), model.gravity(q.astype("f4")))
+    with pytest.raises(ValueError, match="named columns, which would be taken by their place"):
+        model.torque(frame(q, columns=["q2", "q1"]), dq, ddq)
 
 
 @pytest.mark.parametrize("method", ["torque", "parts", "interval"])

@@ -92,7 +92,8 @@ pub fn text(model: &Model, selection: &Selection) -> String {
         ));
     } else {
         left_out += also;
-        let shafts = ShaftFriction::all(model);
+        let shown = selection.has_part(Kind::Friction);
+        let shafts = if shown { ShaftFriction::all(model) } else { Vec::new() };
         for (joint, equation) in &torques {
             lines.push(String::new());
             lines.push(format!("{} = [{}]", equation.name, model.joints[*joint]));

@@ -5,7 +5,8 @@ use crate::log::{Log, Prepared, Rows};
 use crate::observe::Observer;
 use torquewise_identify::contacts::external_torques;
 use torquewise_model::Model;
-use torquewise_motion::ReadError;
+use torquewise_motion::signals::Signal;
+use torquewise_motion::{ReadError, Repairs};
 
 pub use torquewise_identify::contacts::{Contact, ContactDetector, Thresholds};
 
@@ -28,7 +29,8 @@ impl Default for ExternalOptions {
 /// settles, and its thresholds there \[N·m\], n each.
 pub type SeeRow<'a> = dyn FnMut(f64, &[f64], &[f64]) -> Result<(), ReadError> + 'a;
 
-/// External torque of a log, row by row, and the contacts that it shows.
+/// External torque of a log, row by row, the contacts that it shows, and how many torques the filter took
+/// for spikes, as which a short blow counts.
 ///
 /// - `free`: a log of the same arm that nothing touches, which sets the thresholds; without, the log
 ///   itself sets them, contacts being the exception
@@ -43,7 +45,7 @@ pub fn contacts(
     options: ExternalOptions,
     observer: Observer<'_>,
     see: &mut SeeRow<'_>,
-) -> Result<(Thresholds, Vec<Contact>)> {
+) -> Result<(Thresholds, Vec<Contact>, u64)> {
     let prepared = |log: &Log| -> Result<Prepared> {
         model.check_joints(log.joints())?;
         log.files.require_tau()?;
@@ -68,5 +70,7 @@ pub fn contacts(
         detector.take(row.t, row.torque, &most);
         see(row.t, row.torque, &most)
     })?;
-    Ok((thresholds, detector.contacts().to_vec()))
+    let repairs: Repairs = rows.repairs().values().sum();
+    let spikes = repairs.spikes.get(Signal::Tau.name()).copied().unwrap_or_default();
+    Ok((thresholds, detector.contacts().to_vec(), spikes))
 }

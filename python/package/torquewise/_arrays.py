@@ -23,6 +23,11 @@ def states(values: Any) -> NDArray[np.float64]:
     if np.ma.is_masked(values):
         place = np.argwhere(np.ma.getmaskarray(values))[0].tolist()
         raise ValueError(f"the value at {place} is masked: fill it or leave the state out")
+    if any(isinstance(name, str) for name in getattr(values, "columns", ())):
+        raise ValueError(
+            "a frame of named columns, which would be taken by their place: give "
+            "`frame[names].to_numpy()`, the names in the order of the joints"
+        )
     try:
         found = numbers(values)
     except ValueError as error:

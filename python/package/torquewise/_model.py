@@ -227,6 +227,8 @@ class Model(Exported):
         All of them are physical. They are what a simulator randomises a robot by, and what errors are
         propagated with; a model of a library has no covariance to draw from.
         """
+        if count < 1 or seed < 0:
+            raise ValueError(f"expected one model or more and no seed below 0: {count}, {seed}")
         files, _ = self._files("json", samples=count, seed=seed)
         return [type(self).from_json(text.decode()) for text in files.values()]
 

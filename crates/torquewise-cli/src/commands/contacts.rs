@@ -72,7 +72,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut table = TableWriter::create(&staged(&arguments.output)?, &columns)?;
     let mut rows = 0;
     let mut curves = vec![<[Growing; 3]>::default(); model.n_joints()];
-    let (thresholds, found) =
+    let (thresholds, found, spikes) =
         contacts(&model, &log, free.as_ref(), options, &watch(), &mut |t, external, most| {
             if external.iter().any(|x| x.is_nan()) {
                 return Ok(());
@@ -85,7 +85,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             Ok(table.append(&row.chunks(1).map(Values::Numbers).collect::<Vec<_>>())?)
         })?;
     table.finish()?;
-    let mut outcome = outcome(arguments, &model, (&thresholds, &found), rows);
+    let mut outcome = outcome(arguments, &model, (&thresholds, &found), [rows, spikes]);
     if let Some(file) = &arguments.figure {
         let charts = charts(curves, &model);
         write_whole(file, &chart_figure("External torque", &charts, 2)?)?;
@@ -109,7 +109,7 @@ fn outcome(
     arguments: &Arguments,
     model: &Model,
     (thresholds, found): (&Thresholds, &[Contact]),
-    rows: usize,
+    [rows, spikes]: [u64; 2],
 ) -> Outcome {
     let mut table = Table::new(["threshold [N·m]", "in motion", "at rest"]);
     let both = thresholds.torque.iter().zip(&thresholds.at_rest);
@@ -142,6 +142,12 @@ fn outcome(
     let (seen, needed) = (thresholds.seconds, 3600.0 / thresholds.false_alarms_per_hour);
     let few = || format!("{seen:.0} s were seen for thresholds, {needed:.0} s have a false alarm");
     let note = (seen < needed).then(few);
+    let blows = || {
+        format!(
+            "spikes of torque that were replaced: {spikes}; blows of a few rows are replaced alike, look \
+             for these by --filter none"
+        )
+    };
     let file = arguments.output.display().to_string();
     text.extend([format!("\nexternal torque: {file} ({rows} rows)\n")]);
     let json = json!({
@@ -155,7 +161,9 @@ fn outcome(
         "rows": rows,
         "file": file,
     });
-    let (warnings, notes) = (unseen(arguments, blind), note.into_iter().collect());
+    let mut warnings = unseen(arguments, blind);
+    warnings.extend((spikes > 0).then(blows));
+    let notes = note.into_iter().collect();
     Outcome { text, json, warnings, notes, ..Outcome::default() }
 }
 

@@ -10,6 +10,7 @@ use crate::score_table;
 use crate::signal_arguments::SignalArguments;
 use clap::Args;
 use std::path::PathBuf;
+use torquewise::Grade;
 use torquewise::evaluate::{evaluate_prepared, prepare, rollouts};
 use torquewise::summary::all_repairs;
 
@@ -51,6 +52,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         scores = scores.with_rollouts(rollouts(&model, &log, &horizons, samples)?);
     }
     let repairs = log.repairs();
+    let verdict = &scores.verdict;
+    let unusable = (verdict.grade == Grade::Unusable).then(|| verdict.to_string());
     let mut json = object(&scores);
     json["conditioning"] = all_repairs(&repairs);
     Ok(Outcome {
@@ -64,7 +67,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             conditioning::text(&repairs)
         ),
         json,
-        warnings: scores.warnings.into_iter().chain(log.warnings()).collect(),
+        warnings: unusable.into_iter().chain(scores.warnings).chain(log.warnings()).collect(),
         notes: scores.notes,
         ..Outcome::default()
     })

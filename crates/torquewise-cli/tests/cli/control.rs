@@ -97,4 +97,6 @@ fn what_cannot_be_controlled_is_refused() {
     refused("--arm planar-2 --delay 0.05 --bandwidth 200", &["runs away", "lower its bandwidth"]);
     refused("--arm planar-2 -o model.json", &["read by this command"]);
     refused("--arm planar-2 --plot plot.png", &["expected .svg"]);
+    let line = "control model.json --arm planar-2 --trajectory sines --period 1";
+    terminal.misused(line, &["--period", "are of periodic motion"]);
 }

@@ -52,6 +52,19 @@ fn patterns_are_always_three_in_the_same_order() {
 }
 
 #[test]
+fn a_model_that_is_unusable_by_a_log_is_a_warning_of_evaluate() {
+    let terminal = Terminal::with_model();
+    let turned = Table::of(&terminal, "log.csv").scaled(&["tau1", "tau2"], -1.0);
+    terminal.write("turned.csv", &turned.text());
+
+    let said = terminal.run("evaluate model.json turned.csv --strict");
+
+    assert_eq!(said.code, 3);
+    assert!(said.stderr.contains("warning: unusable: "), "{}", said.stderr);
+    assert_eq!(terminal.run("evaluate model.json log.csv --strict").code, 0);
+}
+
+#[test]
 fn fit_counts_candidates_and_active_terms() {
     let terminal = Terminal::with_log();
 

@@ -349,6 +349,16 @@ fn a_push_is_found_when_and_where_it_was() {
     assert_eq!(calm["contacts"].as_array().unwrap().len(), 0, "{calm}");
     assert_eq!(calm["blind"].as_array().unwrap().len(), 0, "{calm}");
 
+    // A blow of a row passes for a spike of the torque, where the log is filtered.
+    let blow = |row: usize, tau: f64, _: &[f64]| if row == 950 { tau - 60.0 } else { tau };
+    let bare = ["dq1", "dq2", "ddq1", "ddq2"];
+    let blown = Table::of(&terminal, "calm.csv").without(&bare).with("tau2", blow);
+    terminal.write("blown.csv", &blown.text());
+    let line = "contacts arm.json blown.csv --free free.csv -o external.csv";
+    let said = terminal.run(&format!("{line} --filter 20")).stderr;
+    assert!(said.contains("replaced: 1; blows of a few rows are replaced alike"), "{said}");
+    assert!(!terminal.run(&format!("{line} --filter none")).stderr.contains("blows"));
+
     // Thresholds of motion in which somebody shakes the arm leave its joint blind.
     let shake = |_: usize, tau: f64, row: &[f64]| tau + 60.0 * (6.0 * row[0]).sin().signum();
     let shaken = Table::of(&terminal, "free.csv").with("tau2", shake);

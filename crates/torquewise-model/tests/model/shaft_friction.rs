@@ -5,7 +5,7 @@ use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::print::{friction_tables, text};
 use torquewise_model::selection::Selection;
 use torquewise_model::shaft_friction::{Estimated, FrictionParameters, ShaftFriction};
-use torquewise_model::{Form, FrictionTerm, Model, RigidChain, Weighted};
+use torquewise_model::{Form, FrictionTerm, Kind, Model, RigidChain, Weighted};
 
 const DRY: FrictionLaw = FrictionLaw::Coulomb { width: 0.01 };
 
@@ -244,6 +244,8 @@ fn a_table_names_every_shaft_and_leaves_out_what_none_has() {
     assert_eq!(friction_tables(&model(vec![])), Vec::<Vec<Vec<String>>>::new());
     let equations = text(&rubbing, &Selection::default());
     assert!(equations.contains("  + F2(dq2)\n  - 0.3500 ± 0.0050 * tanh"), "{equations}");
+    let gravity = Selection { part: Some(Kind::Gravity), ..Selection::default() };
+    assert!(!text(&rubbing, &gravity).contains("F2("));
     let (_, laws) = equations.split_once("\n\nF2(dq2) = [knee]\n").unwrap();
     assert_eq!(laws.lines().take_while(|line| line.starts_with("  + ")).count(), 3, "{laws}");
     assert!(laws.contains("  + 0.500 ± 0.010 * tanh(") && laws.contains(" [dq2 < 0]\n"), "{laws}");

@@ -65,7 +65,9 @@ pub(crate) fn next(findings: &Findings<'_>) -> Section {
     };
     let uses = vec![
         format!("{judge}: torquewise evaluate {model} LOG."),
-        format!("Write the model as C code for a controller: torquewise export {model} --to c."),
+        format!(
+            "Write the model as C code for a controller: torquewise export {model} --to c -o arm.c."
+        ),
     ];
     let items = [(Tone::Warning, warnings), (Tone::Note, remarks), (Tone::Good, uses)];
     let items = items.into_iter().filter_map(|(tone, lines)| callout(tone, lines)).collect();

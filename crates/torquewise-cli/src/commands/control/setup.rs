@@ -1,7 +1,7 @@
 //! The plant and the desired motion of `control`, from the command line.
 
 use crate::arguments::{Word, choice};
-use crate::error::Result;
+use crate::error::{CliError, Result};
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::control::{Actuator, Periodic, Plant, Sensors, each, periodic};
@@ -52,7 +52,15 @@ impl MotionArguments {
         let Self { seconds, rate, seed, period, speed, acceleration, .. } = *self;
         Ok(match self.trajectory {
             None => periodic(arm, &Periodic { seconds, period, rate, speed, acceleration, seed })?,
-            Some(kind) => simulate(arm, &MotionPlan { kind, seconds, rate, seed })?.motion,
+            Some(kind) => {
+                let given = Periodic { period, speed, acceleration, ..Periodic::default() };
+                if given != Periodic::default() {
+                    let what = "--period, --speed and --acceleration are of periodic motion: leave \
+                                them out, or --trajectory";
+                    return Err(CliError::Usage(what.to_owned()));
+                }
+                simulate(arm, &MotionPlan { kind, seconds, rate, seed })?.motion
+            }
         })
     }
 }
