@@ -117,9 +117,9 @@ fn together(survey: &Survey, joints: &[usize]) -> Vec<Finding> {
 fn of_joint(survey: &Survey, joint: usize) -> Vec<Finding> {
     let name = || survey.joints[joint].clone();
     let mut found = Vec::new();
-    let [low, high] = survey.q_range[joint];
-    if high - low < LEAST_RANGE {
-        found.push(Finding::Range { joint: name(), range: high - low });
+    let range = survey.range(joint);
+    if range < LEAST_RANGE {
+        found.push(Finding::Range { joint: name(), range });
     }
     let speeds = survey.sample.dq().col(joint);
     let [forward, backward] =
@@ -337,12 +337,9 @@ mod tests {
         let both = log([(1.0, 3.0, 0.0), (0.8, 4.3, 1.0)], |[q, dq, ddq]| q + dq + ddq);
         let said = |dq: &dyn Fn(usize, f64) -> f64| {
             let mut signals = both.clone().into_signals();
-            signals
-                .dq
-                .col_mut(1)
-                .iter_mut()
-                .enumerate()
-                .for_each(|(row, own)| *own = dq(row, *own));
+            for (row, own) in signals.dq.col_mut(1).iter_mut().enumerate() {
+                *own = dq(row, *own);
+            }
             let found = of(&Motion::new(signals).unwrap());
             found.iter().any(|own| matches!(own, Finding::OneWay { forward: false, .. }))
         };

@@ -103,8 +103,8 @@ impl Reconstruction {
         }
         // What shows the friction of its own shaft is that joint's torque; of a joint that hardly moves
         // no torque is told.
-        let ranges = self.survey.q_range.iter().map(|[low, high]| high - low);
-        let ranges: Vec<f64> = ranges.collect();
+        let ranges: Vec<f64> =
+            (0..self.survey.joints.len()).map(|joint| self.survey.range(joint)).collect();
         let moves = |joint: &usize| ranges[*joint] >= LEAST_RANGE;
         let mut doubtful = doubtful(&self.survey.sample);
         doubtful.retain(moves);

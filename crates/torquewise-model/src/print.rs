@@ -92,8 +92,7 @@ pub fn text(model: &Model, selection: &Selection) -> String {
         ));
     } else {
         left_out += also;
-        let shown = selection.has_part(Kind::Friction);
-        let shafts = if shown { ShaftFriction::all(model) } else { Vec::new() };
+        let shafts = ShaftFriction::all(model);
         for (joint, equation) in &torques {
             lines.push(String::new());
             lines.push(format!("{} = [{}]", equation.name, model.joints[*joint]));
@@ -103,10 +102,9 @@ pub fn text(model: &Model, selection: &Selection) -> String {
             lines.extend(equation.terms.iter().map(|w| line(w, &w.term.name())));
             if !equation.friction.is_empty() {
                 lines.push("  friction:".into());
+                let own = |shaft| friction_lines(shaft, *joint, &equation.friction);
+                lines.extend(shafts.iter().flat_map(own));
             }
-            let friction =
-                shafts.iter().flat_map(|shaft| friction_lines(shaft, *joint, &equation.friction));
-            lines.extend(friction);
         }
     }
     if selection.has_part(Kind::Friction) {

@@ -90,13 +90,15 @@ impl Survey {
         if self.seconds > 0.0 { steps as f64 / self.seconds } else { 0.0 }
     }
 
+    /// How far a joint moves \[rad or m\].
+    pub fn range(&self, joint: usize) -> f64 {
+        let [low, high] = self.q_range[joint];
+        high - low
+    }
+
     /// Joints whose position never changes, but for quanta of an encoder.
     pub fn constant_joints(&self) -> Vec<usize> {
-        let still = |joint: &usize| {
-            let [low, high] = self.q_range[*joint];
-            high - low <= AT_REST
-        };
-        (0..self.joints.len()).filter(still).collect()
+        (0..self.joints.len()).filter(|&joint| self.range(joint) <= AT_REST).collect()
     }
 }
 
