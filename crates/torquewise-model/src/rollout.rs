@@ -1,22 +1,22 @@
 //! Rollouts: simulation from a measured state with the measured torque (E23).
 
+mod window;
+
+pub use window::{SeeStep, Window, windows};
+
 use crate::error::ModelError;
 use crate::friction::{FrictionLaw, FrictionTerm};
 use crate::model::{Model, Weighted};
 use crate::torque::Torque;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::Serialize;
 use torquewise_motion::path::Path;
-use torquewise_motion::{LARGEST, ReadError, Recording};
+use torquewise_motion::{ReadError, Recording};
 
-/// Longest step \[s\].
-const STEP: f64 = 1e-3;
-/// Windows of a trajectory at most.
-const WINDOWS: usize = 200;
-/// Rows farther apart than so many usual steps are not of one window.
-const GAP: f64 = 1.5;
 /// Rounds in which friction and speed at the end of a step are made to agree, at most, and the change
 /// \[rad/s\] below which they do.
 const ROUNDS: usize = 50;
@@ -45,6 +45,46 @@ pub struct Drift {
     /// well be, n; where such arms were given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub covered: Option<Vec<f64>>,
+}
+
+/// Arms that a model may as well be, and what is not known of the motion that they are held against.
+#[derive(Clone, Debug)]
+pub struct Others {
+    /// The arms.
+    pub models: Vec<Model>,
+    /// Deviation of the noise in the rows of q \[rad\] and q̇ \[rad/s\], n each.
+    pub noise: [Vec<f64>; 2],
+    /// Seed of that noise.
+    pub seed: u64,
+}
+
+impl Others {
+    /// Where the torques of the arms seem to lead.
+    fn ends(
+        &self,
+        arms: &[Torque],
+        window: &Window<'_>,
+        horizons: &[f64],
+    ) -> Result<Vec<Ends>, ModelError> {
+        let mut random = ChaCha8Rng::seed_from_u64(self.seed);
+        random.set_stream(window.first as u64);
+        let of = |arm| window.other(arm, &self.noise, horizons, &mut random);
+        arms.iter()
+            .map(of)
+            .map(|ends| or_away(ends, [horizons.len(), self.noise[0].len()]))
+            .collect()
+    }
+}
+
+/// Positions of all joints at each horizon.
+type Ends = Vec<Vec<f64>>;
+
+/// Ends at no number of an arm whose inertia is next to nothing in some direction.
+fn or_away(ends: Result<Ends, ModelError>, [count, n]: [usize; 2]) -> Result<Ends, ModelError> {
+    match ends {
+        Err(ModelError::NoInertia) => Ok(vec![vec![f64::NAN; n]; count]),
+        ends => ends,
+    }
 }
 
 /// Where a simulated arm is.
@@ -151,169 +191,24 @@ fn secant(term: &FrictionTerm, path: &Path, dq: &[f64], seconds: f64) -> [f64; 2
     [0.0, term.at_speed(near) / near]
 }
 
-/// Rows of one trajectory without gaps.
-#[derive(Default)]
-struct Rows {
-    t: Vec<f64>,
-    q: Vec<Vec<f64>>,
-    dq: Vec<Vec<f64>>,
-    tau: Vec<Vec<f64>>,
-}
-
-impl Rows {
-    /// A signal at a time after a row, on the line to the next.
-    fn between(&self, x: &[Vec<f64>], row: usize, t: f64) -> Vec<f64> {
-        let Some(next) = x.get(row + 1) else { return x[row].clone() };
-        let share = (t - self.t[row]) / (self.t[row + 1] - self.t[row]);
-        x[row].iter().zip(next).map(|(a, b)| a + share * (b - a)).collect()
-    }
-
-    /// The last row at a time or before, from a row on.
-    fn before(&self, mut row: usize, t: f64) -> usize {
-        while row + 2 < self.t.len() && self.t[row + 1] <= t {
-            row += 1;
-        }
-        row
-    }
-
-    /// Windows of some length \[s\].
-    fn windows(&self, mut path: Path, longest: f64) -> Vec<Window<'_>> {
-        let [first, .., last] = self.t[..] else { return Vec::new() };
-        let apart = (0.5 * longest).max((last - first - longest) / WINDOWS as f64);
-        let (mut windows, mut next) = (Vec::new(), first);
-        for (row, q) in self.q.iter().enumerate() {
-            path.step(q);
-            if self.t[row] >= next && self.t[row] + longest <= last {
-                windows.push(Window { rows: self, path: path.clone(), first: row });
-                next = self.t[row] + apart;
-            }
-        }
-        windows
-    }
-
-    /// Whether a row goes on after those that are here.
-    fn goes_on(&self, t: f64) -> bool {
-        match self.t[..] {
-            [] => true,
-            [before] => t > before,
-            [first, second, ..] => {
-                let since = t - self.t[self.t.len() - 1];
-                since > 0.0 && since < GAP * (second - first)
-            }
-        }
-    }
-}
-
-/// A stretch of a trajectory that can be simulated: from a measured state on, with measured torque.
-pub struct Window<'r> {
-    rows: &'r Rows,
-    path: Path,
-    first: usize,
-}
-
-/// What is shown each step of a simulation: the arm after it, and how long it took \[s\].
-pub type SeeStep<'s> = dyn FnMut(&Moving, f64) + 's;
-
-impl Window<'_> {
-    /// Where it leads at each horizon \[s\], ascending; q, n each.
-    ///
-    /// # Errors
-    /// As [`Torque::step`].
-    pub fn simulated(
-        &self,
-        torque: &Torque,
-        horizons: &[f64],
-        see: &mut SeeStep<'_>,
-    ) -> Result<Vec<Vec<f64>>, ModelError> {
-        let Self { rows, path, first } = self;
-        let (path, dq) = (path.clone(), rows.dq[*first].clone());
-        let mut arm = Moving { path, ddq: vec![0.0; dq.len()], dq };
-        let (mut row, mut t) = (*first, rows.t[*first]);
-        let mut reached = Vec::new();
-        for horizon in horizons {
-            let end = rows.t[*first] + horizon;
-            while t < end - 0.01 * STEP {
-                let seconds = STEP.min(end - t);
-                let middle = t + 0.5 * seconds;
-                row = rows.before(row, middle);
-                torque.step(&mut arm, &rows.between(&rows.tau, row, middle), seconds)?;
-                see(&arm, seconds);
-                t += seconds;
-            }
-            reached.push(arm.path.q().to_vec());
-        }
-        Ok(reached)
-    }
-
-    /// Where the arm was after some time \[s\]; q, n.
-    pub fn measured(&self, after: f64) -> Vec<f64> {
-        let t = self.rows.t[self.first] + after;
-        self.rows.between(&self.rows.q, self.rows.before(self.first, t), t)
-    }
-
-    /// Whether a simulated joint was faster than any is, or ends at no number.
-    fn ran_away(&self, end: &[f64], after: f64) -> bool {
-        let may_be = |(end, start): (&f64, &f64)| (end - start).abs() <= LARGEST[1] * after;
-        !end.iter().zip(&self.rows.q[self.first]).all(may_be)
-    }
-
-    /// Where it would be at the velocity that it had; q, n.
-    fn held(&self, after: f64) -> Vec<f64> {
-        let state = self.rows.q[self.first].iter().zip(&self.rows.dq[self.first]);
-        state.map(|(q, dq)| q + after * dq).collect()
-    }
-}
-
-/// Hands over windows all over a recording, those of a stretch without gaps together; they begin
-/// half their length apart or more.
-///
-/// - `longest`: their length \[s\]
-///
-/// # Errors
-/// The reader's message; [`ModelError`] if the recording is of another arm or without torque.
-pub fn windows(
-    model: &Model,
-    recording: &(impl Recording + ?Sized),
-    longest: f64,
-    take: &mut dyn FnMut(&[Window<'_>]) -> Result<(), ReadError>,
-) -> Result<(), ReadError> {
-    model.check_joints(recording.joints())?;
-    let path = Torque::new(model).path();
-    let (mut rows, mut own) = (Rows::default(), None);
-    recording.read(&mut |trajectory, block| {
-        for row in 0..block.n_rows() {
-            if own != Some(trajectory) || !rows.goes_on(block.t()[row]) {
-                take(&std::mem::take(&mut rows).windows(path.clone(), longest))?;
-                own = Some(trajectory);
-            }
-            let of = |x: faer::MatRef<'_, f64>| x.row(row).iter().copied().collect::<Vec<f64>>();
-            rows.tau.push(of(block.require_tau()?));
-            rows.t.push(block.t()[row]);
-            rows.q.push(of(block.q()));
-            rows.dq.push(of(block.dq()));
-        }
-        Ok(())
-    })?;
-    take(&rows.windows(path, longest))
-}
-
 /// Simulates windows all over a recording from their first measured state with the measured torque,
 /// and compares where they end with where the arm was.
 ///
-/// - `others`: arms that the model may as well be, whose band is held against the measured ends
+/// - `others`: whose band is held against the measured ends
 /// - `horizons`: times from the start of a window \[s\], ascending
 ///
 /// # Errors
 /// As of [`windows`].
 pub fn drifts(
     model: &Model,
-    others: &[Model],
+    others: Option<&Others>,
     recording: &(impl Recording + ?Sized),
     horizons: &[f64],
 ) -> Result<Vec<Drift>, ReadError> {
     let Some(&longest) = horizons.last() else { return Ok(Vec::new()) };
     let torque = Torque::new(model);
-    let others: Vec<Torque> = others.iter().map(Torque::new).collect();
+    let arms: Vec<Torque> =
+        others.iter().flat_map(|own| own.models.iter().map(Torque::new)).collect();
     let n = model.n_joints();
     let begun = |&horizon_s: &f64| Drift {
         horizon_s,
@@ -321,20 +216,15 @@ pub fn drifts(
         hold_rms_rad: vec![0.0; n],
         windows: 0,
         ran_away: 0,
-        covered: (!others.is_empty()).then(|| vec![0.0; n]),
+        covered: others.map(|_| vec![0.0; n]),
     };
     // Sums of squares and counts first, means of them in the end.
     let mut drifts: Vec<Drift> = horizons.iter().map(begun).collect();
     windows(model, recording, longest, &mut |windows| {
         let ends = |window: &Window<'_>| {
-            let of = |torque| window.simulated(torque, horizons, &mut |_, _| ());
-            // An arm whose inertia is next to nothing in some direction runs away.
-            let of = |torque| match of(torque) {
-                Err(ModelError::NoInertia) => Ok(vec![vec![f64::NAN; n]; horizons.len()]),
-                ends => ends,
-            };
-            let others = others.iter().map(of).collect::<Result<Vec<_>, ModelError>>()?;
-            Ok((of(&torque)?, others))
+            let others = others.map(|own| own.ends(&arms, window, horizons)).transpose()?;
+            let own = window.simulated(&torque, horizons, &mut |_, _| ());
+            Ok((or_away(own, [horizons.len(), n])?, others.unwrap_or_default()))
         };
         let ends = windows.par_iter().map(ends).collect::<Result<Vec<_>, ModelError>>()?;
         for (window, (ends, others)) in windows.iter().zip(ends) {

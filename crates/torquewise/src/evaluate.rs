@@ -10,8 +10,9 @@ use serde_json::json;
 use torquewise_identify::score::{JointScore, score, score_along};
 use torquewise_identify::verdict::{Verdict, judge_by};
 use torquewise_model::Model;
-use torquewise_model::rollout::{self, Drift};
+use torquewise_model::rollout::{self, Drift, Others};
 use torquewise_motion::{Motion, Recording};
+use torquewise_stepwise::NoiseFloor;
 
 /// Errors of a model on a log, joint by joint.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -146,7 +147,7 @@ pub fn evaluate_prepared(
 /// velocity (E23).
 ///
 /// - `samples`: number and seed of arms that are drawn from what the log of the model does not tell,
-///   in whose band measured ends should lie
+///   and of the noise of the states they start from, in whose band measured ends should lie
 ///
 /// # Errors
 /// As [`evaluate_prepared`]; a setting that cannot be, a model whose inertia is not positive, samples
@@ -157,8 +158,35 @@ pub fn rollouts(
     horizons: &[f64],
     samples: Option<(usize, u64)>,
 ) -> Result<Vec<Drift>> {
-    let drawn = samples.map(|(count, seed)| torquewise_identify::samples(model, count, seed));
-    Ok(rollout::drifts(model, &drawn.transpose()?.unwrap_or_default(), log.rows(), horizons)?)
+    let others = |(count, seed)| -> Result<Others> {
+        let models = torquewise_identify::samples(model, count, seed)?;
+        Ok(Others { models, noise: noise_of(log.rows(), seed)?, seed })
+    };
+    let others = samples.map(others).transpose()?;
+    Ok(rollout::drifts(model, others.as_ref(), log.rows(), horizons)?)
+}
+
+/// Noise in q and q̇ of the rows of a log, filtered or not; n each.
+fn noise_of(log: &dyn Recording, seed: u64) -> Result<[Vec<f64>; 2]> {
+    let n = log.joints().len();
+    let (mut squares, mut rows) = (vec![[0.0; 2]; n], 0_usize);
+    for own in 0..log.n_logs() {
+        let is_filtered = log.read_log_with_noise(own, seed, &mut |_, _, noise| {
+            rows += noise.n_rows();
+            for (joint, squares) in squares.iter_mut().enumerate() {
+                for (sum, signal) in squares.iter_mut().zip([noise.q(), noise.dq()]) {
+                    *sum += signal.col(joint).squared_norm_l2();
+                }
+            }
+            Ok(())
+        })?;
+        if !is_filtered {
+            let NoiseFloor { q, dq, .. } = NoiseFloor::of(log)?;
+            return Ok([q, dq]);
+        }
+    }
+    let rms = |k: usize| squares.iter().map(|own| (own[k] / rows.max(1) as f64).sqrt()).collect();
+    Ok([rms(0), rms(1)])
 }
 
 /// Percentage of torques that bounds are for, and rows of which it is counted, about.

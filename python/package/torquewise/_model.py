@@ -164,8 +164,8 @@ class Model(Exported):
         """How far windows of a log drift that are simulated from their measured state.
 
         The arm moves by the measured torque; `horizons` are times since the measured state [s].
-        With `samples`, so many arms of :meth:`samples` are simulated too, and `covered` says how often
-        the measured arm ends in their band.
+        With `samples`, so many arms of :meth:`samples` are simulated too, started with the noise of the
+        measured state, and `covered` says how often the measured arm ends in their band.
         """
         log = read_log(log, **options)
         times = sorted(np.atleast_1d(np.asarray(horizons, dtype=float)).tolist())

@@ -28,8 +28,8 @@ pub(crate) struct Arguments {
         num_args = 0..=1)]
     #[arg(value_parser = fitting(|s: &f64| *s > 0.0 && s.is_finite(), "give seconds above 0"))]
     rollout: Option<Vec<f64>>,
-    /// Draw so many arms from the covariance of the model, simulate them too, and print how many of
-    /// the windows end in the band of 90 % of them
+    /// Draw so many arms from the covariance of the model, simulate them too, with the noise of the
+    /// measured state, and print how many of the windows end in the band of 90 % of them
     #[arg(long, value_name = "N", requires = "rollout")]
     #[arg(value_parser = fitting(|count: &usize| (2..=10_000).contains(count), "give 2 to 10000"))]
     samples: Option<usize>,

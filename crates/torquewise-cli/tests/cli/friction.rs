@@ -136,6 +136,13 @@ fn evaluate_simulates_windows_of_the_log() {
         |log: &str| terminal.run(&format!("evaluate chain.json {log} --rollout 0.5")).stderr;
     assert!(drifts("pushed.csv").contains("note: simulated, the drift of joint1"));
     assert!(!drifts("test.csv").contains("simulated, the drift"));
+    terminal.done("simulate planar-2 -o noisy.csv --seconds 30 --rate 50 --seed 3 --case 2");
+    terminal.run("fit noisy.csv -o noisy.json --library chain --friction none");
+    let found =
+        &terminal.json("evaluate noisy.json noisy.csv --rollout 0.2 --samples 50")["rollout"];
+    for share in numbers(&found[0]["covered"]) {
+        assert!((0.8..0.98).contains(&share), "{found}");
+    }
     terminal.misused("evaluate chain.json test.csv --rollout 0.5,-1", &["--rollout", "above 0"]);
 }
 

@@ -24,7 +24,7 @@ pub(super) fn drifts_of(
     recording: &(impl Recording + ?Sized),
     at: &Linearisation,
 ) -> Result<Vec<Drift>, IdentifyError> {
-    Ok(drifts(&movable(at, recording.joints()), &[], recording, &HORIZONS)?)
+    Ok(drifts(&movable(at, recording.joints()), None, recording, &HORIZONS)?)
 }
 
 /// Adds up the normal equations of where windows end, an instant for each horizon; a window whose

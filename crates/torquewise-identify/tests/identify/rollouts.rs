@@ -37,7 +37,7 @@ fn inertia_that_accelerations_say_too_small_is_mended_by_rollouts() {
     let [plain, refined] = [None, Some(Refine::Rollout)].map(|way| learned(&log, way).unwrap());
 
     let drift = |model: &Model| -> f64 {
-        let found = drifts(model, &[], &other, &[0.5]).unwrap();
+        let found = drifts(model, None, &other, &[0.5]).unwrap();
         found[0].rms_drift_rad.iter().map(|rms| rms * rms).sum::<f64>().sqrt()
     };
     let missed =

@@ -1,9 +1,12 @@
 //! Rollouts against closed forms of one joint with friction, and whole windows.
 
 use crate::friction::{EXACT, model, weighted};
-use faer::Mat;
+use faer::{Mat, MatRef};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use torquewise_model::friction::FrictionLaw;
-use torquewise_model::rollout::{Moving, drifts};
+use torquewise_model::rollout::{Moving, Others, drifts};
 use torquewise_model::{FrictionTerm, Model, Torque};
 use torquewise_motion::{Motion, Signals};
 
@@ -43,33 +46,75 @@ fn dry_friction_stops_a_joint_and_holds_it() {
     }
 }
 
-/// A motion of two joints that obeys a model.
-fn obeying(model: &Model) -> Result<Motion, Box<dyn std::error::Error>> {
-    let (rows, of) = (2_000, |row: usize| 1e-3 * row as f64);
-    let signal = |f: &dyn Fn(f64) -> f64| Mat::from_fn(rows, 2, |row, _| f(of(row)));
-    let signals = Signals {
-        joints: model.joints.clone(),
-        t: (0..rows).map(of).collect(),
-        q: signal(&|t| (3.0 * t).sin()),
-        dq: signal(&|t| 3.0 * (3.0 * t).cos()),
-        ddq: signal(&|t| -9.0 * (3.0 * t).sin()),
-        tau: None,
-    };
-    let motion = Motion::new(signals.clone())?;
-    let tau = Some(Torque::new(model).over(&motion)?);
-    Ok(Motion::new(Signals { tau, ..signals })?)
+/// A motion of two joints that obeys a model, of all times \[s\] at which torque is recorded.
+fn obeying(model: &Model, rows: usize, seconds: f64, way: &dyn Fn(f64) -> [f64; 3]) -> Motion {
+    let of = |row: usize| seconds * row as f64;
+    let signal = |k: usize| Mat::from_fn(rows, 2, |row, _| way(of(row))[k]);
+    let [q, dq, ddq] = [0, 1, 2].map(signal);
+    let t = (0..rows).map(of).collect();
+    let signals = Signals { joints: model.joints.clone(), t, q, dq, ddq, tau: None };
+    let motion = Motion::new(signals.clone()).expect("a sound motion");
+    let tau = Some(Torque::new(model).over(&motion).expect("the same joints"));
+    Motion::new(Signals { tau, ..signals }).expect("a sound motion")
+}
+
+/// Share of the windows of some length \[s\] in which the second joint ends in the band of some arms.
+fn covered(motion: &Motion, long: f64, viscous: &[f64], noise: [Vec<f64>; 2]) -> f64 {
+    let arm = |viscous: &f64| knee(FrictionLaw::Viscous, *viscous);
+    let others = Others { models: viscous.iter().map(arm).collect(), noise, seed: 1 };
+    let found = drifts(&arm(&0.4), Some(&others), motion, &[long]).unwrap();
+    found[0].covered.clone().unwrap()[1]
+}
+
+fn no_noise() -> [Vec<f64>; 2] {
+    [vec![0.0; 2], vec![0.0; 2]]
+}
+
+fn wave(t: f64) -> [f64; 3] {
+    let (sin, cos) = (3.0 * t).sin_cos();
+    [sin, 3.0 * cos, -9.0 * sin]
 }
 
 #[test]
 fn measured_ends_lie_in_the_band_of_arms_around_the_true_one_alone() {
-    let arm = |viscous| knee(FrictionLaw::Viscous, viscous);
-    let motion = obeying(&arm(0.4)).unwrap();
-    let share = |around: [f64; 5]| {
-        let found = drifts(&arm(0.4), &around.map(arm), &motion, &[0.5]).unwrap();
-        found[0].covered.clone().unwrap()
-    };
+    let motion = obeying(&knee(FrictionLaw::Viscous, 0.4), 2_000, 1e-3, &wave);
 
-    // Friction of the second joint alone.
-    assert!(share([0.2, 0.3, 0.4, 0.5, 0.6])[1] > 0.99);
-    assert!(share([0.6, 0.7, 0.8, 0.9, 1.0])[1] < 0.01);
+    assert!(covered(&motion, 0.5, &[0.2, 0.3, 0.4, 0.5, 0.6], no_noise()) > 0.99);
+    assert!(covered(&motion, 0.5, &[0.6, 0.7, 0.8, 0.9, 1.0], no_noise()) < 0.01);
+}
+
+#[test]
+fn the_band_knows_the_noise_of_measured_states() {
+    let clean = obeying(&knee(FrictionLaw::Viscous, 0.4), 5_000, 1e-3, &wave);
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    let mut noisy = |x: MatRef<'_, f64>, deviation: f64| {
+        Mat::from_fn(x.nrows(), 2, |row, joint| {
+            let unit: f64 = StandardNormal.sample(&mut random);
+            x[(row, joint)] + deviation * unit
+        })
+    };
+    let (q, dq) = (noisy(clean.q(), 1e-3), noisy(clean.dq(), 2e-2));
+    let motion = Motion::new(Signals { q, dq, ..clean.into_signals() }).unwrap();
+
+    assert!(covered(&motion, 0.1, &[0.4; 50], no_noise()) < 0.01);
+    let share = covered(&motion, 0.1, &[0.4; 50], [vec![1e-3; 2], vec![2e-2; 2]]);
+    assert!((0.8..0.98).contains(&share), "{share}");
+}
+
+#[test]
+fn the_band_knows_that_torques_jump_between_rows() {
+    // 4 rad/s² for a time, then as much the other way, that rows do not fall on.
+    let turn = 0.173_205;
+    let way = |t: f64| {
+        let (count, since) = ((t / turn).floor(), t % turn);
+        let sign = if count % 2.0 == 0.0 { 4.0 } else { -4.0 };
+        let speed = if sign > 0.0 { sign * since } else { 4.0 * turn + sign * since };
+        let gone = if sign > 0.0 { 0.0 } else { 4.0 * turn * since };
+        [2.0 * turn * turn * count + gone + 0.5 * sign * since * since, speed, sign]
+    };
+    let motion = obeying(&knee(FrictionLaw::Viscous, 0.4), 2_000, 1e-2, &way);
+
+    let share = covered(&motion, 0.5, &[0.4; 50], no_noise());
+
+    assert!((0.8..0.98).contains(&share), "{share}");
 }
