@@ -296,6 +296,8 @@ def test_samples_are_other_arms_that_the_log_allows(chain):
     for count, seed in [(0, 1), (-1, 1), (3, -1)]:
         with pytest.raises(ValueError, match="one model or more"):
             chain.samples(count, seed=seed)
+    with pytest.raises(ValueError, match="no number below 0"):
+        chain.export("twins", to="json", samples=-1)
     drawn = chain.samples(3, seed=1)
 
     assert drawn == chain.samples(3, seed=1) and len({own.to_json() for own in drawn}) == 3

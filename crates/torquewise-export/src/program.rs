@@ -260,8 +260,12 @@ impl Program {
         }
         remarks.extend((1..).zip(q_range.iter().zip(dq_peak)).map(|(joint, (q, peak))| {
             let [low, high, peak] = [q[0], q[1], *peak].map(number);
-            format!("  q{joint} from {low} to {high}, |dq{joint}| up to {peak}")
+            let unit = self.kinds.of(joint - 1).unit;
+            format!("  q{joint} from {low} to {high} {unit}, |dq{joint}| up to {peak} {unit}/s")
         }));
+        if !self.kinds.all_turn() {
+            remarks.push("Of joints that slide read m for rad, and N for N m.".to_owned());
+        }
         let derived = "Derived from measurements: bound what it commands before it drives an arm.";
         remarks.push(derived.to_owned());
         remarks

@@ -8,7 +8,7 @@ use faer::Mat;
 use nalgebra::Vector3;
 use serde::Serialize;
 use torquewise_model::shaft_friction::Estimated;
-use torquewise_model::{LinkFrame, Model, ModelError, RigidChain};
+use torquewise_model::{LinkFrame, Model, ModelError, RigidChain, number};
 use torquewise_motion::Recording;
 use torquewise_rigid::feasible::{Quadratic, curvature};
 use torquewise_rigid::geometry::Placement;
@@ -41,6 +41,8 @@ pub struct Payload {
     pub disagreement: f64,
     /// The link on which a load explains significantly more: as a URDF calls it, or its joint.
     pub elsewhere: Option<String>,
+    /// Mass \[kg\] that the log seems to lack, where gravity says that it is lighter than the model.
+    pub lighter: Option<f64>,
     /// RMS of what the model without it leaves of the torque of each joint \[N·m\], n.
     pub residual_without: Vec<f64>,
     /// The same with it.
@@ -177,6 +179,7 @@ impl Payload {
             inertia: std::array::from_fn(|k| central[4 + k]),
             rows: pass.rows,
             disagreement,
+            lighter: pass.lighter(),
             elsewhere: Pass::better(passes, link).map(|link| name(link).clone()),
             residual_without: rms(&pass.squares),
             residual_with: rms(&with.squares),
@@ -194,6 +197,14 @@ impl Payload {
         if self.of_useless {
             let said = "the model is unusable by the verdict of its fit, and so may the load be";
             hints.push(said.to_owned());
+        }
+        if let Some(mass) = self.lighter {
+            hints.push(format!(
+                "gravity says that the log is {} kg lighter than the model: no load is found on it; \
+                 the model may hold a tool or a load that the arm no longer carries",
+                number(mass)
+            ));
+            return hints;
         }
         if let Some(link) = &self.elsewhere {
             hints.push(format!(

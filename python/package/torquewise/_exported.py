@@ -76,6 +76,8 @@ class Exported(_core.Model):
         told
             How far up the caller is who is warned of a model that should move no arm; 0 for nobody.
         """
+        if min(options.get("samples") or 0, options.get("seed") or 0) < 0:
+            raise ValueError("samples, seed: expected no number below 0")
         text = None if onto is None else Path(onto).read_text()
         lock = list(options.pop("lock", None) or ())
         files, left_out, flaws = self._export(to, name, onto=text, lock=lock, **options)

@@ -13,6 +13,7 @@ use std::path::PathBuf;
 use torquewise::external::{Contact, ExternalOptions, Thresholds, contacts};
 use torquewise::logs::{Column, TableWriter, Values};
 use torquewise::model::{Model, number};
+use torquewise::motion::repairs::counted;
 use torquewise::report::chart_figure;
 use torquewise::report::html::{Chart, Growing, Series};
 
@@ -117,12 +118,12 @@ fn outcome(
         table.row(name, [number(*most), number(*rest)]);
     }
     let mut text = format!(
-        "thresholds for {} false alarms an hour, from {:.0} s of {}\n\n{}\n{} contacts\n",
+        "thresholds for {} false alarms an hour, from {:.0} s of {}\n\n{}\n{}\n",
         number(thresholds.false_alarms_per_hour),
         thresholds.seconds,
         if arguments.free.is_empty() { "these logs" } else { "free motion" },
         table.text(),
-        found.len()
+        counted(found.len() as u64, "contact", "found")
     );
     if !found.is_empty() {
         let mut table =

@@ -216,6 +216,8 @@ fn a_load_is_weighed_and_added_to_a_model_of_its_own() {
     let nothing = terminal.run("payload arm.json log.csv --strict");
     assert_eq!(nothing.code, 3, "{nothing:?}");
     assert!(nothing.stderr.contains("the mass is not told from zero"), "{nothing:?}");
+    let said = terminal.run("payload both.json log.csv").stderr;
+    assert!(said.contains("log is 0.50") && said.lines().count() == 1, "{said}");
 }
 
 #[test]
@@ -345,6 +347,7 @@ fn a_push_is_found_when_and_where_it_was() {
     let columns = "t,tau_external1,tau_external2,threshold1,threshold2\n";
     assert!(terminal.read("external.csv").starts_with(columns));
     assert!(terminal.read("external.svg").contains("threshold"));
+    assert!(terminal.run(line).stdout.contains("\n1 contact found\n"));
     let calm = terminal.json("residuals arm.json calm.csv --free free.csv -o calm_external.csv");
     assert_eq!(calm["contacts"].as_array().unwrap().len(), 0, "{calm}");
     assert_eq!(calm["blind"].as_array().unwrap().len(), 0, "{calm}");

@@ -197,6 +197,16 @@ fn bare_links(mut model: Model) -> Model {
 }
 
 #[test]
+fn friction_that_a_file_does_not_hold_is_told_in_the_units_of_its_joint() {
+    let model = sliding(3, false, 11);
+    let told = to_urdf(&model, "").unwrap().left_out.join("; ");
+
+    let [turn, slide, _] = &model.joints[..] else { unreachable!("three joints") };
+    assert!(told.contains(&format!(" N·m of {turn}, ")), "{told}");
+    assert!(told.contains(&format!(" N of {slide}, ")), "{told}");
+}
+
+#[test]
 fn a_urdf_whose_axes_lie_elsewhere_is_refused() {
     let model = bare(chain(3, false, 11));
     let text = to_urdf(&model, "").unwrap().text;

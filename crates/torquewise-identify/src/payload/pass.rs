@@ -23,7 +23,7 @@ const NOMINAL: (f64, f64) = (0.05, 1e-3);
 /// Levers of a load whose mass gravity does not tell \[m\]: the longest, the ratio of two, and their
 /// number.
 const LEVERS: (f64, f64, i32) = (1.0, 0.7, 14);
-/// A load is elsewhere where it explains more by so many standard errors.
+/// A load is elsewhere, or the log lighter than the model, by more than so many standard errors.
 const ELSEWHERE: f64 = 4.0;
 /// How much more than by all rows a known centre is held.
 const HELD: f64 = 1e3;
@@ -185,9 +185,15 @@ impl Pass {
         scatter(self.stretches().map(|own| score(&own, ColRef::from_slice(load).as_mat())))
     }
 
-    /// Loads that may well be, of the first moment that gravity says: of the mass that it says, or where
-    /// it says none, of those that have it at some lever.
-    fn likely(&self, information: &Mat<f64>, right: &[f64]) -> Vec<[f64; PER_BODY]> {
+    /// By how much the log is lighter than the model \[kg\], if it significantly is.
+    pub(super) fn lighter(&self) -> Option<f64> {
+        let NormalEquations { gram, cross, .. } = self.total();
+        let (found, uncertain) = self.weighed(&gram, cross.col_as_slice(0));
+        (found[0] < -ELSEWHERE * uncertain).then_some(-found[0])
+    }
+
+    /// Mass and first moment that gravity says, positive or not, and the error of the mass \[kg\].
+    fn weighed(&self, information: &Mat<f64>, right: &[f64]) -> (Vec<f64>, f64) {
         // Gravity tells mass and first moment; a little of each keeps what it does not tell at zero.
         let ridge = |k: usize| 1e-9 * information[(k, k)] + 1e-12 * information[(0, 0)] + 1e-30;
         let first =
@@ -199,6 +205,13 @@ impl Pass {
             let scatter = self.scatter(&found).submatrix(0, 0, 4, 4).to_owned();
             uncertain = factor.sandwiched(&scatter)[(0, 0)].max(0.0).sqrt();
         }
+        (found, uncertain)
+    }
+
+    /// Loads that may well be, of the first moment that gravity says: of the mass that it says, or where
+    /// it says none, of those that have it at some lever.
+    fn likely(&self, information: &Mat<f64>, right: &[f64]) -> Vec<[f64; PER_BODY]> {
+        let (found, uncertain) = self.weighed(information, right);
         let moment = Vector3::new(found[1], found[2], found[3]);
         let of = |mass: f64| {
             let mass = mass.max(NOMINAL.1);
