@@ -186,14 +186,21 @@ impl Pass {
     }
 
     /// By how much the log is lighter than the model \[kg\], if it significantly is.
-    pub(super) fn lighter(&self) -> Option<f64> {
+    ///
+    /// - `arm`: what the uncertain arm makes of the scores, 10×10
+    pub(super) fn lighter(&self, arm: &Mat<f64>) -> Option<f64> {
         let NormalEquations { gram, cross, .. } = self.total();
-        let (found, uncertain) = self.weighed(&gram, cross.col_as_slice(0));
+        let (found, uncertain) = self.weighed(&gram, cross.col_as_slice(0), Some(arm));
         (found[0] < -ELSEWHERE * uncertain).then_some(-found[0])
     }
 
     /// Mass and first moment that gravity says, positive or not, and the error of the mass \[kg\].
-    fn weighed(&self, information: &Mat<f64>, right: &[f64]) -> (Vec<f64>, f64) {
+    fn weighed(
+        &self,
+        information: &Mat<f64>,
+        right: &[f64],
+        arm: Option<&Mat<f64>>,
+    ) -> (Vec<f64>, f64) {
         // Gravity tells mass and first moment; a little of each keeps what it does not tell at zero.
         let ridge = |k: usize| 1e-9 * information[(k, k)] + 1e-12 * information[(0, 0)] + 1e-30;
         let first =
@@ -202,7 +209,9 @@ impl Pass {
         let mut uncertain = 0.0;
         if let Ok(factor) = Factored::new(first) {
             found[..4].copy_from_slice(&factor.solve(&right[..4]));
-            let scatter = self.scatter(&found).submatrix(0, 0, 4, 4).to_owned();
+            let own = self.scatter(&found);
+            let scatter = arm.map_or_else(|| own.clone(), |arm| &own + arm);
+            let scatter = scatter.submatrix(0, 0, 4, 4).to_owned();
             uncertain = factor.sandwiched(&scatter)[(0, 0)].max(0.0).sqrt();
         }
         (found, uncertain)
@@ -211,7 +220,7 @@ impl Pass {
     /// Loads that may well be, of the first moment that gravity says: of the mass that it says, or where
     /// it says none, of those that have it at some lever.
     fn likely(&self, information: &Mat<f64>, right: &[f64]) -> Vec<[f64; PER_BODY]> {
-        let (found, uncertain) = self.weighed(information, right);
+        let (found, uncertain) = self.weighed(information, right, None);
         let moment = Vector3::new(found[1], found[2], found[3]);
         let of = |mass: f64| {
             let mass = mass.max(NOMINAL.1);
