@@ -149,6 +149,9 @@ def test_a_load_is_weighed(chain):
 
     assert found.mass == pytest.approx(1.0, rel=0.02)
     assert found.to_frame().loc["mass [kg]", "value"] == found.mass
+    assert found.lighter is None
+    bare = torquewise.payload(found.model, free, filter="none")
+    assert bare.lighter == pytest.approx(1.0, rel=0.02) and "lighter" in bare.hints[0]
     assert np.allclose(found.center, center, atol=5e-3)
     assert max(found.residual_with) < max(found.residual_without)
     assert np.allclose(

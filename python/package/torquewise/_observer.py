@@ -112,6 +112,8 @@ class Payload:
     """What joints say of it apart, over what their errors allow: errors are scaled by it."""
     elsewhere: str | None
     """The link on which a load explains significantly more."""
+    lighter: float | None
+    """What the log seems to lack [kg], where gravity says that it is lighter than the model."""
     residual_without: NDArray[np.float64]
     """RMS of what is left of the torque of each joint without the load [N·m]."""
     residual_with: NDArray[np.float64]
@@ -168,6 +170,7 @@ def payload(
         rows=found["rows"],
         disagreement=found["disagreement"],
         elsewhere=found["elsewhere"],
+        lighter=found["lighter"],
         residual_without=np.array(found["residual_without"]),
         residual_with=np.array(found["residual_with"]),
         hints=hints,
