@@ -68,11 +68,9 @@ impl Others {
     ) -> Result<Vec<Ends>, ModelError> {
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);
         random.set_stream(window.first as u64);
-        let of = |arm| window.other(arm, &self.noise, horizons, &mut random);
-        arms.iter()
-            .map(of)
-            .map(|ends| or_away(ends, [horizons.len(), self.noise[0].len()]))
-            .collect()
+        let sizes = [horizons.len(), self.noise[0].len()];
+        let mut of = |arm| window.other(arm, &self.noise, horizons, &mut random);
+        arms.iter().map(|arm| or_away(of(arm), sizes)).collect()
     }
 }
 
