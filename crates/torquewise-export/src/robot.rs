@@ -300,12 +300,16 @@ fn within_log(
 /// How much of the friction of each joint a file does not hold, in words.
 fn lost_friction(model: &Model, lost: &[f64]) -> Option<String> {
     let kinds = model.kinds();
-    let named = model.joints.iter().zip(lost).enumerate();
-    let named = named.filter(|(_, (_, lost))| **lost > LEAST_LOST);
-    let words = |(joint, (name, lost)): (usize, (&String, &f64))| {
-        format!("{} {} of {name}", number(*lost), kinds.of(joint).effort_unit)
+    let words = |joint: usize| {
+        format!(
+            "{} {} of {}",
+            number(lost[joint]),
+            kinds.of(joint).effort_unit,
+            model.joints[joint]
+        )
     };
-    let lost: Vec<String> = named.map(words).collect();
+    let joints = (0..lost.len()).filter(|&joint| lost[joint] > LEAST_LOST);
+    let lost: Vec<String> = joints.map(words).collect();
     (!lost.is_empty())
         .then(|| format!("friction of {} (RMS within the range of the log)", lost.join(", ")))
 }

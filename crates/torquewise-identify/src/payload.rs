@@ -162,8 +162,7 @@ impl Payload {
         let seen = |joint: usize| seen(&with, joint, counts[joint]);
         let disagreement = pass.disagreement(&solution, &seen);
         let own = factor.sandwiched(&middle) * faer::Scale(disagreement.powi(2));
-        let of_arm =
-            if is_uncertain { chain.covariance_of(&arm) } else { Mat::zeros(PER_BODY, PER_BODY) };
+        let of_arm = is_uncertain.then(|| chain.covariance_of(&arm));
         let mut covariance = own.clone();
         if is_uncertain {
             covariance += chain.covariance_of(&followed) * faer::Scale(disagreement.powi(2));
@@ -181,7 +180,7 @@ impl Payload {
             inertia: std::array::from_fn(|k| central[4 + k]),
             rows: pass.rows,
             disagreement,
-            lighter: pass.lighter(&of_arm),
+            lighter: pass.lighter(of_arm.as_ref()),
             elsewhere: Pass::better(passes, link).map(|link| name(link).clone()),
             residual_without: rms(&pass.squares),
             residual_with: rms(&with.squares),

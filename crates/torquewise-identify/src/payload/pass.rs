@@ -188,9 +188,9 @@ impl Pass {
     /// By how much the log is lighter than the model \[kg\], if it significantly is.
     ///
     /// - `arm`: what the uncertain arm makes of the scores, 10×10
-    pub(super) fn lighter(&self, arm: &Mat<f64>) -> Option<f64> {
+    pub(super) fn lighter(&self, arm: Option<&Mat<f64>>) -> Option<f64> {
         let NormalEquations { gram, cross, .. } = self.total();
-        let (found, uncertain) = self.weighed(&gram, cross.col_as_slice(0), Some(arm));
+        let (found, uncertain) = self.weighed(&gram, cross.col_as_slice(0), arm);
         (found[0] < -ELSEWHERE * uncertain).then_some(-found[0])
     }
 
@@ -209,8 +209,10 @@ impl Pass {
         let mut uncertain = 0.0;
         if let Ok(factor) = Factored::new(first) {
             found[..4].copy_from_slice(&factor.solve(&right[..4]));
-            let own = self.scatter(&found);
-            let scatter = arm.map_or_else(|| own.clone(), |arm| &own + arm);
+            let mut scatter = self.scatter(&found);
+            if let Some(arm) = arm {
+                scatter += arm;
+            }
             let scatter = scatter.submatrix(0, 0, 4, 4).to_owned();
             uncertain = factor.sandwiched(&scatter)[(0, 0)].max(0.0).sqrt();
         }
