@@ -70,7 +70,7 @@ impl Summary {
         options: Option<&Bound<'py, PyDict>>,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let seed = self.sums.settings().patterns.seed;
+        let seed = self.sums.settings.patterns.seed;
         let options = fit_options(options, self.sums.joints(), seed)?;
         let sums = self.sums.clone();
         let solved = work(py, progress, move |observer| solve_sums(sums, &options, observer))?;
@@ -89,7 +89,7 @@ impl Summary {
     /// Logs summed up.
     #[getter]
     fn logs(&self) -> usize {
-        self.sums.logs()
+        self.sums.logs
     }
 
     /// Joint names, base to tip.
@@ -116,7 +116,7 @@ impl Summary {
     }
 
     fn __repr__(&self) -> String {
-        format!("Summary({} rows of {} logs)", self.sums.rows(), self.sums.logs())
+        format!("Summary({} rows of {} logs)", self.sums.rows(), self.sums.logs)
     }
 }
 

@@ -23,8 +23,8 @@ pub(crate) fn read_request(file: &Path) -> Result<Request> {
 pub(crate) fn write_moments(file: &Path, summary: &Summary) -> Result<Outcome> {
     let bytes = summary.to_bytes()?;
     write_whole(file, &bytes)?;
-    let settings = summary.settings();
-    let (rows, logs, request) = (summary.rows(), summary.logs(), summary.request());
+    let settings = &summary.settings;
+    let (rows, logs, request) = (summary.rows(), summary.logs, summary.request());
     let next = request.map_or_else(String::new, |request| format!(", {}", request.name()));
     let text = format!(
         "{rows} rows of {logs} logs{next}\nmoments: {} ({:.1} MB)\n",

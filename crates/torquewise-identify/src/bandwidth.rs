@@ -90,7 +90,7 @@ pub fn tune<L: RawRecording>(
             }
             survey => survey?,
         };
-        let (of_logs, is_second) = ((summary.settings().filtered, plan.seed), before.is_some());
+        let (of_logs, is_second) = ((summary.settings.filtered, plan.seed), before.is_some());
         let searched = Searched::of(&survey, options, of_logs, before, watch)?;
         let Some(grid) = Grid::of(logs, &searched.at, watch)? else {
             let request = searched.refined(watch)?;

@@ -2,6 +2,7 @@
 
 use crate::drive_terms::{DriveTerm, Gravity};
 use crate::learn::residual_rms;
+use crate::unseen::geometric_mean;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_rigid::search::SearchWatch;
@@ -60,9 +61,9 @@ pub(crate) fn error(chain: &Chain, held: &ChainRows, all: &ChainRows) -> f64 {
     let parts: Vec<f64> = errors
         .map(|(joint, rms)| (rms, all.deviation_of(joint)))
         .filter(|(_, spread)| *spread > 0.0)
-        .map(|(rms, spread)| (rms / spread).max(LEAST_ERROR).ln())
+        .map(|(rms, spread)| (rms / spread).max(LEAST_ERROR))
         .collect();
-    (parts.iter().sum::<f64>() / parts.len().max(1) as f64).exp()
+    geometric_mean(&parts)
 }
 
 /// Makes a choice and its record; a gain below a part is not worth it.

@@ -18,8 +18,6 @@ use torquewise_stepwise::patterns::Patterns;
 /// An even sample of a log, measured and predicted.
 #[derive(Clone, Debug)]
 pub struct Trace {
-    /// Rows of the log each sampled row stands for.
-    pub stride: usize,
     /// The sampled rows, with the measured torque.
     pub motion: Motion,
     /// τ̂ \[N·m\], rows × n.
@@ -102,7 +100,8 @@ struct Look<'m> {
     trajectory: usize,
     stride: usize,
     rows: usize,
-    sampled: Vec<(Vec<f64>, Pattern)>,
+    /// Rows alone, τ̂, the ways since the last reversals, patterns.
+    sampled: Vec<(Motion, Vec<f64>, Vec<f64>, Pattern)>,
     histograms: Vec<Histogram>,
     /// Per joint: the last residuals, newest first, and sums of products at each lag.
     recent: Vec<VecDeque<f64>>,
@@ -154,14 +153,8 @@ impl<'m> Look<'m> {
                 self.add_residual(joint, tau[(row, joint)] - tau_hat[(row, joint)]);
             }
             if self.rows.is_multiple_of(self.stride) {
-                let signals = [block.q(), block.dq(), block.ddq(), tau, tau_hat.as_ref()];
-                let values = signals
-                    .into_iter()
-                    .flat_map(|x| (0..x.ncols()).map(move |joint| x[(row, joint)]));
-                let remembered = block.memory().into_iter().flat_map(|memory| memory.row(row));
-                let values = std::iter::once(block.t()[row]).chain(values);
-                let values = values.chain(since).chain(remembered);
-                self.sampled.push((values.collect(), labels[row]));
+                let tau_hat = tau_hat.row(row).iter().copied().collect();
+                self.sampled.push((block.select(&[row]), tau_hat, since, labels[row]));
             }
             self.rows += 1;
         }
@@ -182,38 +175,29 @@ impl<'m> Look<'m> {
     }
 
     fn finish(self, scores: Scores) -> Result<Diagnosis, IdentifyError> {
-        let model = self.model;
-        let n = model.n_joints();
-        let columns = |first: usize, count: usize| {
-            Mat::from_fn(self.sampled.len(), count, |row, j| self.sampled[row].0[first + j])
-        };
-        let signal = |place: usize| columns(1 + place * n, n);
-        let travels = model.travels();
-        let states = columns(1 + 6 * n, travels.len() * n);
-        let motion = Motion::new(torquewise_motion::Signals {
-            joints: model.joints.clone(),
-            t: self.sampled.iter().map(|(values, _)| values[0]).collect(),
-            q: signal(0),
-            dq: signal(1),
-            ddq: signal(2),
-            tau: Some(signal(3)),
-        })?
-        .with_memory(Some(Memory::new(travels, states)));
+        let (model, rows, n) = (self.model, self.sampled.len(), self.model.n_joints());
+        let remembered = self.sampled.iter().map(|(motion, ..)| {
+            motion.memory().into_iter().flat_map(|memory| memory.row(0)).collect::<Vec<f64>>()
+        });
+        let (travels, remembered) = (model.travels(), remembered.collect::<Vec<_>>());
+        let states = Mat::from_fn(rows, travels.len() * n, |row, k| remembered[row][k]);
+        let motions: Vec<Motion> = self.sampled.iter().map(|(motion, ..)| motion.clone()).collect();
+        let motion = Motion::joined(&model.joints, &motions)?
+            .with_memory(Some(Memory::new(travels, states)));
         let normalised = |products: Vec<f64>| -> Vec<f64> {
             let own = products[0].max(f64::MIN_POSITIVE);
             products.into_iter().map(|product| product / own).collect()
         };
         let importance = importance(model, &motion)?;
-        let patterns = self.sampled.iter().map(|(_, pattern)| *pattern).collect();
+        let patterns = self.sampled.iter().map(|(.., pattern)| *pattern).collect();
         Ok(Diagnosis {
             scores,
             trace: Trace {
-                stride: self.stride,
-                tau_hat: signal(4),
+                tau_hat: Mat::from_fn(rows, n, |row, joint| self.sampled[row].1[joint]),
                 bounds: None,
                 motion,
                 patterns,
-                since_reversal: signal(5),
+                since_reversal: Mat::from_fn(rows, n, |row, joint| self.sampled[row].2[joint]),
             },
             histograms: self.histograms,
             autocorrelation: self.products.into_iter().map(normalised).collect(),

@@ -1,25 +1,11 @@
 //! Joints whose friction changes along a log, as gears warm.
 
 use crate::clustered::{Solved, Stretches};
-use std::fmt;
+use crate::warning::Warning;
 use std::ops::Range;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::Motion;
 use torquewise_stepwise::error::IdentifyError;
-
-/// A joint whose friction changes along a log.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FrictionDrift {
-    /// Its name.
-    pub joint: String,
-    /// By what part of itself friction grows from the beginning of a log to its end; falls if
-    /// negative.
-    pub part: f64,
-    /// Standard error of that.
-    pub std_error: f64,
-    /// How long the logs are \[s\], the longest.
-    pub seconds: f64,
-}
 
 /// Logs shorter than this \[s\] warm no gear.
 const LONG: f64 = 300.0;
@@ -43,7 +29,7 @@ const LEAST_FREE: f64 = 1e-6;
 ///
 /// # Errors
 /// [`IdentifyError`] if torque is missing or the motion is of another arm.
-pub fn drifts(model: &Model, sample: &Motion) -> Result<Vec<FrictionDrift>, IdentifyError> {
+pub(crate) fn drifts(model: &Model, sample: &Motion) -> Result<Vec<Warning>, IdentifyError> {
     let t = sample.t();
     let length = |log: &Range<usize>| t[log.end - 1] - t[log.start];
     let logs: Vec<Range<usize>> = logs(t).into_iter().filter(|log| length(log) >= LONG).collect();
@@ -66,7 +52,7 @@ pub fn drifts(model: &Model, sample: &Motion) -> Result<Vec<FrictionDrift>, Iden
         let (part, std_error) = change(&rows.iter().map(row).collect::<Vec<_>>())?;
         let found = part.abs() >= LEAST_PART && part.abs() >= LEAST_ERRORS * std_error;
         let joint = model.joints[joint].clone();
-        found.then_some(FrictionDrift { joint, part, std_error, seconds: longest })
+        found.then_some(Warning::Drift { joint, part, std_error, seconds: longest })
     };
     Ok((0..model.n_joints()).filter_map(of_joint).collect())
 }
@@ -90,22 +76,6 @@ fn change(rows: &[(f64, f64, f64)]) -> Option<(f64, f64)> {
     let scale = 1.0 + values[0];
     let is_told = free[1] > LEAST_FREE && scale > LEAST_PART;
     is_told.then(|| (values[1] / scale, std_errors[1] / scale))
-}
-
-impl fmt::Display for FrictionDrift {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { joint, part, std_error, seconds } = self;
-        let verb = if *part < 0.0 { "falls" } else { "rises" };
-        write!(
-            f,
-            "friction of {joint} {verb} by {:.0} ± {:.0} % along the log of {:.0} min, as gears \
-             that warm do: move the arm for as long before you record, or expect so much more \
-             error when it is cold",
-            100.0 * part.abs(),
-            100.0 * std_error,
-            seconds / 60.0,
-        )
-    }
 }
 
 #[cfg(test)]
@@ -153,9 +123,12 @@ mod tests {
     fn friction_that_falls_along_a_long_log_is_named_and_neither_a_short_log_nor_steady_friction() {
         let found = drifts(&model(), &log(1_200.0, 0.2)).unwrap();
 
-        assert_eq!(found.iter().map(|drift| &drift.joint).collect::<Vec<_>>(), ["cold"]);
+        let [Warning::Drift { joint, part, std_error, .. }] = &found[..] else {
+            panic!("{found:?}")
+        };
+        assert_eq!(joint, "cold");
         // From 1 to 0.8, beside 0.9 in the middle.
-        assert!((found[0].part + 0.2 / 0.9).abs() < 3.0 * found[0].std_error.max(1e-3));
+        assert!((part + 0.2 / 0.9).abs() < 3.0 * std_error.max(1e-3));
         assert!(found[0].to_string().starts_with("friction of cold falls by 22 ±"), "{}", found[0]);
         assert_eq!(drifts(&model(), &log(200.0, 0.2)).unwrap(), []);
         assert_eq!(drifts(&model(), &log(1_200.0, 0.0)).unwrap(), []);

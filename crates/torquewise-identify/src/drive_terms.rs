@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::{EnergyTerm, FrictionTerm, JointKind, Place, Term, Trig};
 use torquewise_motion::Motion;
-use torquewise_rigid::{Chain, Functions, Kinematics};
+use torquewise_rigid::{Chain, ChainRows, Functions, Kinematics};
+use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
 
 /// A joint slower than so many half widths of the reversal of its friction is at rest: its friction
@@ -93,22 +94,16 @@ impl DriveTerm {
 
     /// What it loads the joints with, per unit of its coefficient, states×n.
     pub(crate) fn loads(&self, states: &States) -> Mat<f64> {
-        let of_shaft = |shaft: &[f64], values: &[f64]| {
-            Mat::from_fn(states.len(), shaft.len(), |state, joint| shaft[joint] * values[state])
+        let of_shaft = |shaft: &[f64], value: &dyn Fn(usize) -> f64| {
+            let values: Vec<f64> = (0..states.len()).map(value).collect();
+            Mat::from_fn(values.len(), shaft.len(), |state, joint| shaft[joint] * values[state])
         };
-        let all = 0..states.len();
         match self {
             Self::Energy(term) => states.loads(term, 1.0),
-            Self::Friction(term) => {
-                let values: Vec<f64> = all.map(|k| states.friction(k, term)).collect();
-                of_shaft(&term.shaft, &values)
-            }
-            Self::Rotor(shaft) => {
-                let turning = |k: usize| -> f64 {
-                    shaft.iter().zip(states.accelerations(k)).map(|(s, a)| s * a).sum()
-                };
-                of_shaft(shaft, &all.map(turning).collect::<Vec<f64>>())
-            }
+            Self::Friction(term) => of_shaft(&term.shaft, &|state| states.friction(state, term)),
+            Self::Rotor(shaft) => of_shaft(shaft, &|state| {
+                shaft.iter().zip(states.ddq.row(state).iter()).map(|(s, a)| s * a).sum()
+            }),
         }
     }
 
@@ -170,14 +165,18 @@ pub(crate) fn columns(
     if let (true, Some(gravity)) = (drive.iter().any(DriveTerm::is_load_dependent), gravity) {
         states.gravity = Some(gravity.over(motion, &states));
     }
-    let mut columns = vec![Mat::zeros(motion.n_rows(), drive.len()); motion.n_joints()];
-    for (k, drive) in drive.iter().enumerate() {
-        let loads = drive.loads(&states);
-        for (joint, columns) in columns.iter_mut().enumerate() {
-            columns.col_mut(k).copy_from(loads.col(joint));
-        }
-    }
-    columns
+    let loads: Vec<Mat<f64>> = drive.iter().map(|drive| drive.loads(&states)).collect();
+    let of_joint =
+        |joint: usize| Mat::from_fn(motion.n_rows(), loads.len(), |row, k| loads[k][(row, joint)]);
+    (0..motion.n_joints()).map(of_joint).collect()
+}
+
+/// The rows of a motion for a chain.
+///
+/// - `drive`: columns of what is beside the links, as [`columns`] makes them
+pub(crate) fn chain_rows(motion: &Motion, drive: &[Mat<f64>]) -> Result<ChainRows, IdentifyError> {
+    let signals = [motion.q(), motion.dq(), motion.ddq(), motion.require_tau()?];
+    Ok(ChainRows::new(signals, drive)?)
 }
 
 /// A law of friction with all its fields: a model file leaves out the usual direction, which a

@@ -14,7 +14,7 @@ mod refine;
 mod windows;
 mod rollouts;
 
-pub(crate) use linearisation::{Linearisation, Structure};
+pub(crate) use linearisation::Linearisation;
 pub(crate) use nominal::{Sizes, prior};
 pub(crate) use pass::add_up;
 pub(crate) use refine::{Passes, refine};

@@ -1,44 +1,16 @@
 //! What the motion of a log cannot determine, in words a person can act on.
 
+use crate::drift::logs;
+use crate::learn::kinds::is_kind_untold;
 use crate::rough::unexplained_part;
+use crate::warning::Warning;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
-use std::fmt;
-use torquewise_motion::Motion;
+use std::ops::Range;
+use torquewise_model::{Model, Training};
 use torquewise_motion::stats::quantile;
+use torquewise_motion::{LARGEST, Motion};
 use torquewise_stepwise::survey::{Survey, thinned};
-
-/// Something that the motion of a log leaves open. Joints are named.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-#[expect(missing_docs, reason = "each kind explains its fields")]
-pub enum Finding {
-    /// A joint turns through too small a range \[rad\].
-    Range { joint: String, range: f64 },
-    /// Joints that move too slowly: the speed that they hardly ever exceed \[rad/s\].
-    Speed { joints: Vec<String>, peak: f64 },
-    /// Joints that accelerate too little: what they hardly ever exceed \[rad/s²\].
-    Acceleration { joints: Vec<String>, peak: f64 },
-    /// A joint moves in one direction only.
-    OneWay { joint: String, forward: bool },
-    /// Two joints or more that always move together: least correlation of the speeds of two of them.
-    Together { joints: Vec<String>, correlation: f64 },
-    /// A torque that was cut off: at one of its ends in this share of its motion.
-    Clipped { joint: String, share: f64 },
-    /// Torques that fit those of the other joints, or all that fit their motion, turned round alone.
-    WrongSign { joints: Vec<String> },
-    /// Torques that no gravity is in.
-    Weightless,
-    /// Two torques that fit the motion of each other's joint.
-    Swapped { joints: [String; 2] },
-    /// Torques that are not in one unit, such as the currents of different motors: of all joints what
-    /// a unit is worth beside the others, geometric mean 1, and its standard error, n.
-    Gains { joints: Vec<String>, gains: Vec<[f64; 2]> },
-    /// A torque that follows from the position but for a share.
-    Commanded { joint: String, residual: f64 },
-    /// A torque that does not follow the motion at all: the share that no rough model explains.
-    Unrelated { joint: String, residual: f64 },
-}
 
 /// Below these a joint is hardly excited: rad, rad/s, rad/s².
 pub(crate) const LEAST_RANGE: f64 = 0.35;
@@ -57,16 +29,18 @@ const LEAST_RESIDUAL: f64 = 0.005;
 const MOST_RESIDUAL: f64 = 0.85;
 /// Rows by which a command is recognised.
 const COMMAND_ROWS: usize = 2_000;
+/// Fewer rows may be alike by chance, as of an arm at rest.
+const TOLD_ROWS: usize = 8;
 
 /// What the motion of a log leaves open, joint by joint; joints that never move are left to the
 /// warnings of the survey.
-pub fn findings(survey: &Survey) -> Vec<Finding> {
+fn findings(survey: &Survey) -> Vec<Warning> {
     let motion = &survey.sample;
     let still = survey.constant_joints();
     let joints: Vec<usize> =
         (0..motion.n_joints()).filter(|joint| !still.contains(joint)).collect();
     let peaks: Vec<[f64; 2]> = joints.iter().map(|&joint| peaks(survey, joint)).collect();
-    let mut found: Vec<Finding> =
+    let mut found: Vec<Warning> =
         joints.iter().flat_map(|&joint| of_joint(survey, joint)).collect();
     let lame = |derivative: usize, least: f64| {
         let each = joints.iter().zip(&peaks).map(|(&joint, peaks)| (joint, peaks[derivative]));
@@ -74,22 +48,22 @@ pub fn findings(survey: &Survey) -> Vec<Finding> {
         let names: Vec<String> = lame.iter().map(|&joint| survey.joints[joint].clone()).collect();
         (!names.is_empty()).then(|| (names, peaks.into_iter().fold(0.0, f64::max)))
     };
-    let slow = lame(0, LEAST_SPEED).map(|(joints, peak)| Finding::Speed { joints, peak });
+    let slow = lame(0, LEAST_SPEED).map(|(joints, peak)| Warning::Speed { joints, peak });
     let gentle = lame(1, LEAST_ACCELERATION);
-    let gentle = gentle.map(|(joints, peak)| Finding::Acceleration { joints, peak });
+    let gentle = gentle.map(|(joints, peak)| Warning::Acceleration { joints, peak });
     found.extend(slow.into_iter().chain(gentle));
     found.extend(together(survey, &joints));
     let moving: Vec<usize> = joints.into_iter().filter(|joint| moves(survey, *joint)).collect();
     found.extend(commanded(survey, &moving).unwrap_or_default());
     found.extend(moving.iter().filter_map(|&joint| {
         let residual = unexplained_part(motion, joint).filter(|left| *left > MOST_RESIDUAL)?;
-        Some(Finding::Unrelated { joint: survey.joints[joint].clone(), residual })
+        Some(Warning::Unrelated { joint: survey.joints[joint].clone(), residual })
     }));
     found
 }
 
 /// Groups of joints of which each moves together with another one of its group.
-fn together(survey: &Survey, joints: &[usize]) -> Vec<Finding> {
+fn together(survey: &Survey, joints: &[usize]) -> Vec<Warning> {
     let mut groups: Vec<(Vec<usize>, f64)> = Vec::new();
     for &joint in joints {
         let with = |group: &(Vec<usize>, f64)| {
@@ -109,23 +83,23 @@ fn together(survey: &Survey, joints: &[usize]) -> Vec<Finding> {
     several
         .map(|(joints, correlation)| {
             let joints = joints.into_iter().map(|joint| survey.joints[joint].clone()).collect();
-            Finding::Together { joints, correlation }
+            Warning::Together { joints, correlation }
         })
         .collect()
 }
 
-fn of_joint(survey: &Survey, joint: usize) -> Vec<Finding> {
+fn of_joint(survey: &Survey, joint: usize) -> Vec<Warning> {
     let name = || survey.joints[joint].clone();
     let mut found = Vec::new();
     let range = survey.range(joint);
     if range < LEAST_RANGE {
-        found.push(Finding::Range { joint: name(), range });
+        found.push(Warning::Range { joint: name(), range });
     }
     let speeds = survey.sample.dq().col(joint);
     let [forward, backward] =
         [1.0, -1.0].map(|way| speeds.iter().map(|dq| (way * dq).max(0.0)).sum::<f64>());
     if forward.min(backward) < LEAST_SHARE * (forward + backward) {
-        found.push(Finding::OneWay { joint: name(), forward: forward > backward });
+        found.push(Warning::OneWay { joint: name(), forward: forward > backward });
     }
     found
 }
@@ -155,7 +129,7 @@ fn correlation(motion: &Motion, first: usize, second: usize) -> f64 {
 
 /// Torques that are what a controller makes of the position: the torque of a real joint that moves
 /// holds friction and inertia too. `None` where that cannot be told.
-fn commanded(survey: &Survey, joints: &[usize]) -> Option<Vec<Finding>> {
+fn commanded(survey: &Survey, joints: &[usize]) -> Option<Vec<Warning>> {
     let motion = thinned(&survey.sample, COMMAND_ROWS);
     let tau = motion.tau()?;
     let (m, n) = (motion.n_rows(), motion.n_joints());
@@ -178,116 +152,88 @@ fn commanded(survey: &Survey, joints: &[usize]) -> Option<Vec<Finding>> {
         let squares: f64 = target.iter().zip(fitted.iter()).map(|(a, b)| (a - b).powi(2)).sum();
         let residual = (squares / m as f64).sqrt() / survey.torque_std[joint];
         (residual < LEAST_RESIDUAL)
-            .then(|| Finding::Commanded { joint: survey.joints[joint].clone(), residual })
+            .then(|| Warning::Commanded { joint: survey.joints[joint].clone(), residual })
     };
     Some(joints.iter().filter_map(of_joint).collect())
 }
 
-/// Names as a sentence has them.
-pub fn list(names: &[String]) -> String {
-    match names {
-        [] => String::new(),
-        [name] => name.clone(),
-        [before @ .., last] => format!("{} and {last}", before.join(", ")),
-    }
-}
-
-/// One name, or several, and what they are.
-fn are(names: &[String]) -> String {
-    format!("{} {}", list(names), if names.len() == 1 { "is" } else { "are" })
-}
-
-impl fmt::Display for Finding {
-    #[expect(clippy::too_many_lines, reason = "a table of sentences")]
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Range { joint, range } => write!(
-                f,
-                "{joint} turns through {range:.2} rad only: gravity and inertia that depend on its \
-                 angle are guesses; swing it further, or say that it slides"
-            ),
-            Self::Speed { joints, peak } => write!(
-                f,
-                "{} hardly ever faster than {peak:.2} rad/s: Coriolis terms and viscous friction there \
-                 are guesses; drive faster, forward and backward",
-                are(joints)
-            ),
-            Self::Acceleration { joints, peak } => write!(
-                f,
-                "{} hardly ever accelerated by more than {peak:.2} rad/s²: inertia there is a guess; \
-                 start and stop more sharply",
-                are(joints)
-            ),
-            Self::OneWay { joint, forward } => write!(
-                f,
-                "{joint} moves {} only: dry friction cannot be told from an offset of its torque; \
-                 move it back as slowly as forth",
-                if *forward { "forward" } else { "backward" }
-            ),
-            Self::Together { joints, correlation } => write!(
-                f,
-                "{} always move together (correlation {correlation:.3}): what each of them causes \
-                 cannot be told apart; move one while the others rest",
-                list(joints)
-            ),
-            Self::Commanded { joint, residual } => write!(
-                f,
-                "the torque of {joint} follows from the positions alone (but for {:.2} %) though \
-                 it accelerates: is it the command of a gravity compensation, and someone's hand \
-                 does the rest? Record measured torque of a driven arm",
-                100.0 * residual
-            ),
-            Self::Unrelated { joint, residual } => write!(
-                f,
-                "the torque of {joint} does not follow its motion, {:.0} % of it is something \
-                 else: is its motor on, and its sensor fine enough? Leave it out or drive it",
-                100.0 * residual
-            ),
-            Self::Clipped { joint, share } => write!(
-                f,
-                "the torque of {joint} is at one of its ends in {:.0} % of its motion, as if it \
-                 were cut off: check the limits of its drive and sensor, and drive it more gently",
-                100.0 * share
-            ),
-            Self::Gains { joints, gains } => {
-                let each = joints.iter().zip(gains);
-                let each: Vec<String> = each
-                    .map(|(own, [gain, error])| format!("{own} {gain:.3} ± {error:.3}"))
-                    .collect();
-                write!(
-                    f,
-                    "the torques are not in one unit, as currents of different motors are not: the \
-                     links that joints share ask for gains of {}; give these as the scale of tau in \
-                     a profile, and find their common factor by a payload of known mass",
-                    list(&each)
-                )
+impl Warning {
+    /// What a log leaves open or hardly can be, before anything is fitted to it.
+    pub fn of_survey(survey: &Survey) -> Vec<Self> {
+        let name = |joint: usize| survey.joints[joint].clone();
+        let joints: Vec<String> = survey.constant_joints().into_iter().map(name).collect();
+        let mut warnings = Vec::new();
+        warnings.extend((!joints.is_empty()).then_some(Self::ConstantJoints { joints }));
+        for joint in 0..survey.joints.len() {
+            if survey.torque_std[joint] == 0.0 {
+                warnings.push(Self::ConstantTorque { joint: name(joint) });
             }
-            Self::Weightless => write!(
-                f,
-                "gravity does nothing to the torques: has the driver taken it out of the effort that it \
-                 publishes, or does a spring or gear bear it? A model of such torque lacks it: have \
-                 the driver publish the whole torque, as the motors give it"
-            ),
-            Self::Swapped { joints: [one, other] } => write!(
-                f,
-                "the torque of {one} fits the motion of {other}, and that of {other} the motion of \
-                 {one}: check the order of the torque columns"
-            ),
-            Self::WrongSign { joints } => write!(
-                f,
-                "turned round, the torque of {} would fit the motion and all other torques: check the \
-                 sign of torque, gear or torque constant against the position",
-                list(joints)
-            ),
+            let [low, high] = survey.q_range[joint];
+            let torque = survey.torque_mean[joint].hypot(survey.torque_std[joint]);
+            let largest = [
+                (low.abs().max(high.abs()), LARGEST[0], ["positions", "rad", "degrees"]),
+                (survey.dq_peak[joint], LARGEST[1], ["velocities", "rad/s", "deg/s"]),
+                (torque, LARGEST[3], ["torques", "N·m", "mN·m"]),
+            ];
+            let beyond = largest.into_iter().filter(|(largest, limit, _)| largest > limit);
+            warnings.extend(beyond.map(|(largest, _, what)| Self::Units {
+                joint: name(joint),
+                what,
+                largest,
+            }));
+        }
+        warnings.extend(findings(survey));
+        warnings.extend(has_log_twice(&survey.sample).then_some(Self::Repeated));
+        warnings
+    }
+
+    /// Leaves out what a rough look at the torque of a joint found amiss, where the model predicts
+    /// its held-out rows well: a rough look knows neither the other joints nor the noise. Of a joint that
+    /// turns through little only, says where it may as well slide.
+    pub(crate) fn retain_founded(warnings: &mut Vec<Self>, model: &Model) {
+        // What is little of a turn, in rad, is not of a slide, in m.
+        let errors = model.training.held_out_errors().unwrap_or_default();
+        let place = |joint: &str| model.joints.iter().position(|name| name == joint);
+        let slides = |joint: &str| place(joint).is_some_and(|joint| model.kinds().slides(joint));
+        let error_of = |joint: &str| errors.get(place(joint)?).copied();
+        warnings.retain_mut(|warning| match warning {
+            Self::Range { joint, .. } => !slides(joint),
+            Self::Speed { joints, .. } | Self::Acceleration { joints, .. } => {
+                joints.retain(|joint| !slides(joint));
+                !joints.is_empty()
+            }
+            Self::Unrelated { joint, .. } => {
+                error_of(joint).is_none_or(|error| error >= Training::POOR)
+            }
+            _ => true,
+        });
+        for warning in warnings {
+            if let Self::Range { joint, .. } = warning
+                && is_kind_untold(&model.choices, joint)
+            {
+                *warning = Self::Kind { joint: std::mem::take(joint) };
+            }
         }
     }
 }
 
+/// Whether two logs of a sample hold the same positions and torques.
+fn has_log_twice(sample: &Motion) -> bool {
+    let logs = logs(sample.t());
+    let is_same = |a: &Range<usize>, b: &Range<usize>| {
+        let signals = std::iter::once(sample.q()).chain(sample.tau());
+        let mut rows = a.clone().zip(b.clone());
+        a.len() == b.len() && rows.all(|(a, b)| signals.clone().all(|x| x.row(a) == x.row(b)))
+    };
+    let mut told = logs.iter().enumerate().filter(|(_, log)| log.len() >= TOLD_ROWS);
+    told.any(|(k, log)| logs[k + 1..].iter().any(|other| is_same(log, other)))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Finding, findings};
-    use faer::Mat;
-    use torquewise_motion::{Motion, Signals};
+    use super::*;
+    use torquewise_model::model::Choice;
+    use torquewise_motion::Signals;
     use torquewise_stepwise::survey::survey;
 
     /// A sine per joint, (amplitude, rate, phase), and a smaller and faster one, without which
@@ -312,7 +258,7 @@ mod tests {
         Motion::new(Signals { joints, t, q, dq, ddq, tau }).unwrap()
     }
 
-    fn of(log: &Motion) -> Vec<Finding> {
+    fn of(log: &Motion) -> Vec<Warning> {
         findings(&survey(log).unwrap())
     }
 
@@ -324,12 +270,12 @@ mod tests {
 
         let off = lively(|[q, dq, ddq]| 0.01 * (1e4 * (q + 2.0 * dq + 3.0 * ddq)).sin());
         assert_eq!(off.len(), 2, "{off:?}");
-        assert!(off.iter().all(|finding| matches!(finding, Finding::Unrelated { .. })));
+        assert!(off.iter().all(|finding| matches!(finding, Warning::Unrelated { .. })));
         let led_by_hand = lively(|[q, ..]| 3.31 * q.sin());
         assert_eq!(led_by_hand.len(), 2);
-        assert!(led_by_hand.iter().all(|finding| matches!(finding, Finding::Commanded { .. })));
+        assert!(led_by_hand.iter().all(|finding| matches!(finding, Warning::Commanded { .. })));
         let step = log([(1.0, 3.0, 0.0), (0.8, 3.0, 0.0)], |[q, dq, ddq]| q + dq + ddq);
-        assert!(matches!(&of(&step)[..], [Finding::Together { .. }]));
+        assert!(matches!(&of(&step)[..], [Warning::Together { .. }]));
     }
 
     #[test]
@@ -341,7 +287,7 @@ mod tests {
                 *own = dq(row, *own);
             }
             let found = of(&Motion::new(signals).unwrap());
-            found.iter().any(|own| matches!(own, Finding::OneWay { forward: false, .. }))
+            found.iter().any(|own| matches!(own, Warning::OneWay { forward: false, .. }))
         };
 
         assert!(said(&|_, dq| -dq.abs()));
@@ -357,11 +303,60 @@ mod tests {
         jerked.ddq.col_mut(1).subrows_mut(0, 10).fill(20.0);
         for found in [of(&lame), of(&Motion::new(jerked).unwrap())] {
             assert!(
-                matches!(&found[0], Finding::Range { joint, .. } if joint == "knee"),
+                matches!(&found[0], Warning::Range { joint, .. } if joint == "knee"),
                 "{found:?}"
             );
-            assert!(matches!(&found[1], Finding::Speed { .. }), "{found:?}");
-            assert!(matches!(&found[2], Finding::Acceleration { .. }), "{found:?}");
+            assert!(matches!(&found[1], Warning::Speed { .. }), "{found:?}");
+            assert!(matches!(&found[2], Warning::Acceleration { .. }), "{found:?}");
         }
+    }
+
+    /// Two joints, of which the torque of the second is predicted poorly on held-out rows.
+    fn model() -> Model {
+        let training = Training {
+            residual_rms: vec![0.1, 0.1],
+            torque_std: vec![1.0, 1.0],
+            held_out_rms: vec![0.1, 0.9],
+            held_out_by_region_rms: vec![0.1, 0.2],
+            ..Training::default()
+        };
+        let joints = vec!["joint1".into(), "joint2".into()];
+        Model { joints, training, ..Model::default() }
+    }
+
+    #[test]
+    fn a_log_given_twice_is_told_from_two_alike() {
+        let logs = |second: f64| {
+            let t: Vec<f64> = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0].repeat(2);
+            let of = |row: usize| (0.7 * t[row]).sin() + if row == 15 { second } else { 0.0 };
+            let column = || Mat::from_fn(16, 1, |row, _| of(row));
+            let (joints, [q, dq, ddq]) = (vec!["joint1".into()], [column(), column(), column()]);
+            let tau = Some(column());
+            Motion::new(Signals { joints, t: t.clone(), q, dq, ddq, tau }).unwrap()
+        };
+
+        assert!(has_log_twice(&logs(0.0)));
+        assert!(!has_log_twice(&logs(1e-9)));
+    }
+
+    #[test]
+    fn doubts_about_a_joint_that_is_predicted_well_are_dropped() {
+        let unrelated = |joint: &str| Warning::Unrelated { joint: joint.into(), residual: 0.9 };
+        let mut warnings = vec![unrelated("joint1"), unrelated("joint2")];
+        Warning::retain_founded(&mut warnings, &model());
+
+        assert_eq!(warnings, [unrelated("joint2")]);
+    }
+
+    #[test]
+    fn a_joint_of_untold_kind_is_said_to_be() {
+        let range = |joint: &str| Warning::Range { joint: joint.into(), range: 0.1 };
+        let mut warnings = vec![range("joint1"), range("joint2")];
+        let choice = Choice { what: "kind of joint2".into(), ..Choice::default() };
+        let model = Model { choices: vec![choice], ..model() };
+
+        Warning::retain_founded(&mut warnings, &model);
+
+        assert_eq!(warnings, [range("joint1"), Warning::Kind { joint: "joint2".into() }]);
     }
 }

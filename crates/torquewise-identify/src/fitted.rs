@@ -1,10 +1,9 @@
 //! The model of a converged chain, its equations without terms near zero (E8) (E11).
 
 use crate::basis::{Energies, Wanted, joint_sums};
-use crate::drifts;
+use crate::drift::drifts;
 use crate::drive_terms::DriveTerm;
 use crate::estimate::{Linearisation, Sizes, Solved};
-use crate::excitation::Finding;
 use crate::prune::prune;
 use crate::reconstruction::{Progress, Reconstruction, Watch};
 use crate::torque_kind::{hardly_weighs, torque_kind, weightless};
@@ -93,9 +92,9 @@ impl Fitted {
             None if hardly_weighs(&model, &survey.sample)? => weightless(&survey, seed, watch),
             kind => kind,
         };
-        warnings.extend(kind.map(Warning::Excitation));
+        warnings.extend(kind);
         Progress::Working.tell(watch)?;
-        warnings.extend(drifts(&model, &survey.sample)?.into_iter().map(Warning::Drift));
+        warnings.extend(drifts(&model, &survey.sample)?);
         model.training.unexplained_rms = unexplained(&model, &survey, noise)?;
         let step =
             StepReport { name: "all rows", rows: survey.rows, candidates, active: model.active() };
@@ -108,7 +107,7 @@ impl Fitted {
 /// together, up to the last.
 fn untold(mut told: Vec<usize>, names: &[String], warnings: &[Warning]) -> Vec<usize> {
     for warning in warnings {
-        if let Warning::Excitation(Finding::Together { joints, .. }) = warning {
+        if let Warning::Together { joints, .. } = warning {
             let is_of = |joint: &String| joints.contains(joint);
             let ends = names.iter().position(is_of).zip(names.iter().rposition(is_of));
             told.extend(ends.into_iter().flat_map(|(first, last)| first + 1..=last));
@@ -139,7 +138,7 @@ fn parameters(
     let links = at.linear[..bodies].as_chunks::<PER_BODY>().0.to_vec();
     let (mut drives, mut friction) = (Vec::new(), Vec::new());
     let (mut drive_at, mut friction_at) = (Vec::new(), Vec::new());
-    for (k, term) in at.structure.drive.iter().enumerate() {
+    for (k, term) in at.drive.iter().enumerate() {
         let (index, coefficient) = (bodies + k, at.linear[bodies + k]);
         match term {
             DriveTerm::Friction(term) => {
@@ -160,16 +159,16 @@ fn parameters(
     let order: Vec<usize> = (0..bodies)
         .chain(drive_at)
         .chain(friction_at)
-        .chain(at.structure.free.iter().map(|&k| at.linear.len() + k))
+        .chain(at.free.iter().map(|&k| at.linear.len() + k))
         .collect();
     let chain = RigidChain {
         geometry: at.geometry.parameters().to_vec(),
-        fitted: at.structure.free.clone(),
+        fitted: at.free.clone(),
         links,
         drives,
         coupling: at.geometry.coupling().clone(),
         kinds: at.geometry.kinds().clone(),
-        robot: at.structure.robot.clone(),
+        robot: at.robot.clone(),
         covariance_root: Vec::new(),
     };
     (chain, friction, order)
@@ -277,7 +276,7 @@ mod tests {
     fn axes_between_joints_that_move_together_are_not_resolved() {
         let names: Vec<String> = (1..=6).map(|joint| format!("joint{joint}")).collect();
         let joints = vec![names[2].clone(), names[4].clone()];
-        let together = Warning::Excitation(Finding::Together { joints, correlation: 1.0 });
+        let together = Warning::Together { joints, correlation: 1.0 };
 
         assert_eq!(untold(vec![5, 3], &names, &[together]), [3, 4, 5]);
         assert_eq!(untold(vec![1], &names, &[]), [1]);

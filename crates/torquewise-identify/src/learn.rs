@@ -1,7 +1,7 @@
 //! A chain learned from a sample of a log: geometry, inertia and friction (E8).
 
 use crate::chain_spec::{ChainSpec, error, record_worth, trial};
-use crate::drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, columns};
+use crate::drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, chain_rows, columns};
 use crate::plan::{ChainOptions, FrictionKind};
 use crate::reconstruction::{Progress, Watch};
 use crate::unseen::geometric_mean;
@@ -76,7 +76,7 @@ pub(crate) fn learn(
 ) -> Result<Learned, IdentifyError> {
     let (n, friction) = (motion.n_joints(), options.friction);
     let balanced = balanced(motion, &options.counterbalanced)?;
-    let mut learner = ChainLearner { before, ..ChainLearner::new(motion, watch) };
+    let mut learner = ChainLearner::new(motion, watch);
     let known = |kinds: &JointKinds| -> Vec<DriveTerm> {
         let springs =
             balanced.iter().flat_map(|&joint| DriveTerm::counterbalance(n, joint, kinds.of(joint)));
@@ -98,7 +98,7 @@ pub(crate) fn learn(
     let given = given_kinds(motion, options)?;
     let (mut spec, mut chain) = match &options.geometry {
         Some(known) => learner.at_given(known, &at_kinds, &mut choices)?,
-        None => learner.moving_geometry(given, &at_kinds, &mut choices)?,
+        None => learner.moving_geometry((given, before), &at_kinds, &mut choices)?,
     };
     let kinds = chain.geometry.kinds().clone();
     let searched = if is_given { JointKinds::default() } else { kinds.clone() };
@@ -180,8 +180,6 @@ struct ChainLearner<'a> {
     motion: &'a Motion,
     /// Friction that is offered.
     laws: FrictionLibrary,
-    /// The arm as it was learned at another bandwidth: what its joints are stays.
-    before: Option<Learned>,
     found: Option<GeometryFound>,
     watch: Watch<'a>,
 }
@@ -190,14 +188,13 @@ impl<'a> ChainLearner<'a> {
     fn new(motion: &'a Motion, watch: Watch<'a>) -> Self {
         let peak = |joint: usize| motion.dq().col(joint).norm_max();
         let laws = FrictionLibrary::new((0..motion.n_joints()).map(peak).collect());
-        Self { motion, laws, before: None, found: None, watch }
+        Self { motion, laws, found: None, watch }
     }
 
     fn rows(&self, spec: &ChainSpec, count: usize) -> Result<ChainRows, IdentifyError> {
         let motion = thinned(self.motion, count);
         let drive = columns(&spec.drive, &motion, spec.gravity.as_ref());
-        let tau = motion.require_tau()?;
-        let rows = ChainRows::new([motion.q(), motion.dq(), motion.ddq(), tau], &drive)?;
+        let rows = chain_rows(&motion, &drive)?;
         // Where a joint moves, its friction has one direction.
         let moves =
             |row, joint: usize| motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.width[joint];

@@ -8,11 +8,10 @@
 
 mod rough;
 mod clipped;
-pub mod excitation;
 mod clustered;
 mod torque_kind;
 pub mod disagreement;
-pub mod drift;
+mod drift;
 pub mod score;
 mod turning;
 pub mod diagnose;
@@ -22,6 +21,7 @@ mod states;
 mod drive_terms;
 mod basis;
 pub mod warning;
+mod excitation;
 mod estimate;
 mod chain_spec;
 mod learn;
@@ -45,8 +45,6 @@ pub mod verdict;
 
 pub use diagnose::{Diagnosis, diagnose};
 pub use disagreement::{Disagreement, disagreements};
-pub use drift::{FrictionDrift, drifts};
-pub use excitation::findings;
 pub use learn::kinds::first_look;
 pub use plan::{Method, Plan};
 pub use reconstruct::{Solution, reconstruct, solve};

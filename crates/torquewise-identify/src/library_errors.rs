@@ -1,9 +1,10 @@
 //! Held-out error of the terms of a library.
 
+use crate::drive_terms::DriveTerm;
 use crate::states::{States, state_of};
 use crate::unseen::{HeldOut, Unseen, both_ways};
 use faer::Mat;
-use torquewise_model::{Form, Model, Term, Weighted};
+use torquewise_model::{Form, FrictionTerm, Model, Term, Weighted};
 use torquewise_motion::Motion;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::survey::thinned;
@@ -43,33 +44,29 @@ pub(crate) fn held_out_rms(model: &Model, sample: &Motion) -> Result<[Vec<f64>; 
 /// (m·joints)×p, joint by joint.
 fn columns(model: &Model, motion: &Motion) -> Vec<(std::ops::Range<usize>, Mat<f64>)> {
     let (m, n, states) = (motion.n_rows(), model.n_joints(), States::of(motion));
-    let rows: Vec<[Vec<f64>; 3]> = (0..m).map(|row| state_of(motion, row)).collect();
-    let friction = |joint: usize| {
-        let own = model.friction.iter().map(move |own| (&own.term, own.term.shaft[joint]));
-        own.map(|(law, turn)| (0..m).map(|row| turn * states.friction(row, law)).collect())
-    };
+    let law = |own: &Weighted<FrictionTerm>| DriveTerm::Friction(own.term.clone()).loads(&states);
+    let laws = model.friction.iter().map(law);
     match &model.form {
-        Form::Torque(joints) => joints
-            .iter()
-            .enumerate()
-            .map(|(joint, terms)| {
-                let value = |own: &Weighted<Term>| -> Vec<f64> {
-                    rows.iter().map(|[q, dq, ddq]| own.term.value(q, dq, ddq)).collect()
+        Form::Torque(joints) => {
+            let rows: Vec<[Vec<f64>; 3]> = (0..m).map(|row| state_of(motion, row)).collect();
+            let laws: Vec<Mat<f64>> = laws.collect();
+            let of_joint = |(joint, terms): (usize, &Vec<Weighted<Term>>)| {
+                let value = |row: usize, k: usize| match k.checked_sub(terms.len()) {
+                    None => {
+                        let [q, dq, ddq] = &rows[row];
+                        terms[k].term.value(q, dq, ddq)
+                    }
+                    Some(law) => laws[law][(row, joint)],
                 };
-                let columns: Vec<Vec<f64>> =
-                    terms.iter().map(value).chain(friction(joint)).collect();
-                (joint..joint + 1, Mat::from_fn(m, columns.len(), |row, k| columns[k][row]))
-            })
-            .collect(),
-        Form::Energy(terms) => {
-            let loads: Vec<Mat<f64>> =
-                terms.iter().map(|own| states.loads(&own.term, 1.0)).collect();
-            let laws: Vec<Vec<Vec<f64>>> = (0..n).map(|joint| friction(joint).collect()).collect();
-            let value = |row: usize, k: usize| match k.checked_sub(loads.len()) {
-                None => loads[k][(row % m, row / m)],
-                Some(law) => laws[row / m][law][row % m],
+                (joint..joint + 1, Mat::from_fn(m, terms.len() + laws.len(), value))
             };
-            vec![(0..n, Mat::from_fn(m * n, loads.len() + model.friction.len(), value))]
+            joints.iter().enumerate().map(of_joint).collect()
+        }
+        Form::Energy(terms) => {
+            let terms = terms.iter().map(|own| states.loads(&own.term, 1.0));
+            let loads: Vec<Mat<f64>> = terms.chain(laws).collect();
+            let value = |row: usize, k: usize| loads[k][(row % m, row / m)];
+            vec![(0..n, Mat::from_fn(m * n, loads.len(), value))]
         }
     }
 }

@@ -1,7 +1,6 @@
 //! The fit: sums of the logs, then the steps of the paper or a learned chain.
 
 use crate::estimate::refined_by_rollouts;
-use crate::excitation::Finding;
 use crate::fitted::Fitted;
 use crate::learn::against_axes;
 use crate::plan::{ChainOptions, Method, Plan, Refine};
@@ -37,40 +36,28 @@ pub fn reconstruct(
     plan: &Plan,
     watch: Watch<'_>,
 ) -> Result<Reconstruction, IdentifyError> {
-    let summary = summarise(recording, plan, "", watch)?;
-    rounds(recording, summary, plan, watch)
+    reconstruct_from(recording, None, plan, watch)
 }
 
-/// The same where a chain was searched before, see [`tune`](crate::bandwidth::tune).
+/// The same where a chain may have been searched before, see [`tune`](crate::bandwidth::tune).
 ///
 /// # Errors
 /// As [`reconstruct`].
 pub fn reconstruct_from(
     recording: &(impl Recording + ?Sized),
-    request: Request,
+    request: Option<Request>,
     plan: &Plan,
     watch: Watch<'_>,
 ) -> Result<Reconstruction, IdentifyError> {
     let mut summary = summarise(recording, plan, "", watch)?;
-    let request = request.over(summary.rows());
-    summary.pass = Some(Pass::over(recording, request)?);
-    rounds(recording, summary, plan, watch)
-}
-
-/// Solves, and reads all rows again as long as that is asked for.
-fn rounds(
-    recording: &(impl Recording + ?Sized),
-    mut summary: Summary,
-    plan: &Plan,
-    watch: Watch<'_>,
-) -> Result<Reconstruction, IdentifyError> {
-    let refined = |fitted: Fitted, pass: &Pass| -> Result<Fitted, IdentifyError> {
-        refined_by_rollouts(recording, fitted, (&pass.sums, &pass.request.sizes), watch)
-    };
+    let request = request.map(|request| request.over(summary.rows()));
+    summary.pass = request.map(|request| Pass::over(recording, request)).transpose()?;
+    let refined =
+        |fitted: Fitted, pass: &Pass| refined_by_rollouts(recording, fitted, &pass.sums, watch);
     loop {
         match solve_refined(summary.clone(), plan, &refined, watch)? {
             Solution::Model(mut found) => {
-                if !summary.settings().friction().is_empty() {
+                if !summary.settings.friction().is_empty() {
                     // Rows near reversals were left out of the sums, but not of what is told.
                     let scores = score(&found.model, recording)?;
                     found.model.training.residual_rms =
@@ -126,7 +113,7 @@ fn by_chain(
     seed: u64,
     watch: Watch<'_>,
 ) -> Result<Solution, IdentifyError> {
-    let settings = summary.settings();
+    let settings = &summary.settings;
     let Some(pass) = summary.pass.as_ref() else {
         let of_logs = (settings.filtered, seed);
         let searched = Searched::of(&survey, options, of_logs, None, watch)?;
@@ -148,8 +135,7 @@ fn by_chain(
             let is_turned = matches!(against, Some(Warning::Gravity { .. }));
             if against.is_some() {
                 // Gravity that pulls elsewhere does nothing where it was said to.
-                let weightless = Warning::Excitation(Finding::Weightless);
-                found.warnings.retain(|own| *own != weightless);
+                found.warnings.retain(|own| *own != Warning::Weightless);
             }
             found.warnings.extend(against);
             Warning::retain_founded(&mut found.warnings, &found.model);

@@ -1,7 +1,7 @@
 //! The result of a fit: what was found, how, and the warnings.
 
 use crate::clipped::clipped;
-use crate::excitation::{Finding, LEAST_RANGE};
+use crate::excitation::LEAST_RANGE;
 use crate::library_errors::held_out_rms;
 use crate::residual_shape::shapes;
 use crate::rough::doubtful;
@@ -65,7 +65,7 @@ impl Reconstruction {
             Self { model, survey, patterns, noise, candidates, steps, dropped, warnings };
         if !has_gravity(&found.model) {
             let kind = weightless(&found.survey, seed, watch);
-            found.warnings.extend(kind.map(Warning::Excitation));
+            found.warnings.extend(kind);
         }
         found.doubt_torque(seed, watch, |Survey { sample, dq_peak, .. }| {
             Ok(SignTest::at(&at_a_glance((sample, dq_peak), seed, watch)?, false))
@@ -93,7 +93,7 @@ impl Reconstruction {
             .filter_map(|&joint| {
                 let share = clipped(&self.survey.sample, joint)?;
                 let joint = self.survey.joints[joint].clone();
-                Some(Warning::Excitation(Finding::Clipped { joint, share }))
+                Some(Warning::Clipped { joint, share })
             })
             .collect();
         let is_clipped = !clipped.is_empty();
@@ -110,7 +110,7 @@ impl Reconstruction {
         doubtful.retain(moves);
         if let Ok(Some(pair)) = swapped(&self.survey.sample, (&missed, &doubtful), seed, watch) {
             let joints = pair.map(|joint| self.survey.joints[joint].clone());
-            self.accuse(Finding::Swapped { joints });
+            self.accuse(Warning::Swapped { joints });
             return Ok(());
         }
         if !doubtful.is_empty() {
@@ -122,29 +122,27 @@ impl Reconstruction {
                 doubtful.iter().copied().chain(lost).take(MOST_IN_DOUBT).collect();
             let wrong = chain.wrong_signs(&self.survey.sample, &in_doubt, watch)?;
             // Of joints that always move together none is told from the others.
-            let is_tied =
-                |own: &Warning| matches!(own, Warning::Excitation(Finding::Together { .. }));
+            let is_tied = |own: &Warning| matches!(own, Warning::Together { .. });
             let is_told =
                 !self.warnings.iter().any(is_tied) || wrong.len() == self.survey.joints.len();
             if is_told && !wrong.is_empty() {
                 let name = |joint: usize| self.survey.joints[joint].clone();
                 let joints = wrong.into_iter().map(name).collect();
-                self.accuse(Finding::WrongSign { joints });
+                self.accuse(Warning::WrongSign { joints });
             }
         }
         if grave(&self.warnings).is_empty() {
             let missed: Vec<usize> = missed.into_iter().filter(moves).collect();
-            let shapes = shapes(&self.model, &self.survey.sample, &missed)?;
-            self.warnings.extend(shapes.into_iter().map(Warning::Shape));
+            self.warnings.extend(shapes(&self.model, &self.survey.sample, &missed)?);
         }
         Ok(())
     }
 
     /// Names torques that are not those of their joints: what they seemed to be worth is no gain.
-    fn accuse(&mut self, torques: Finding) {
-        let is_gain = |own: &Warning| matches!(own, Warning::Excitation(Finding::Gains { .. }));
+    fn accuse(&mut self, torques: Warning) {
+        let is_gain = |own: &Warning| matches!(own, Warning::Gains { .. });
         self.warnings.retain(|own| !is_gain(own));
-        self.warnings.push(Warning::Excitation(torques));
+        self.warnings.push(torques);
     }
 
     /// Whether a joint of the model has negative inertia on the mean of its motion.

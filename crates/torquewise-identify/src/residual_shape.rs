@@ -2,6 +2,7 @@
 //! Each asks for another cure.
 
 use crate::clipped::ends;
+use crate::warning::Warning;
 use std::fmt;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::Motion;
@@ -20,17 +21,6 @@ pub enum ResidualPlace {
     Pose([f64; 2]),
 }
 
-/// A joint of which most is missed in few rows.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Shape {
-    /// Its name.
-    pub joint: String,
-    /// Where it is missed.
-    pub place: ResidualPlace,
-    /// Part of the squared residual that lies there, and of the rows.
-    pub shares: [f64; 2],
-}
-
 /// Speeds, of the largest: up to the first a joint rests, up to the second it is slow, from the
 /// third on it is fast.
 const SPEEDS: [f64; 3] = [0.02, 0.15, 0.7];
@@ -46,13 +36,13 @@ pub(crate) fn shapes(
     model: &Model,
     sample: &Motion,
     missed: &[usize],
-) -> Result<Vec<Shape>, IdentifyError> {
+) -> Result<Vec<Warning>, IdentifyError> {
     let left = sample.require_tau()? - Torque::new(model).over(sample)?;
     let of_joint = |&joint: &usize| {
         let [q, dq, left] = [sample.q(), sample.dq(), left.as_ref()]
             .map(|x| x.col(joint).iter().copied().collect::<Vec<f64>>());
         let (place, shares) = densest(&q, &dq, &left)?;
-        Some(Shape { joint: model.joints[joint].clone(), place, shares })
+        Some(Warning::Shape { joint: model.joints[joint].clone(), place, shares })
     };
     Ok(missed.iter().filter_map(of_joint).collect())
 }
@@ -83,25 +73,18 @@ fn densest(q: &[f64], dq: &[f64], left: &[f64]) -> Option<(ResidualPlace, [f64; 
     dense.max_by(|a, b| (a.1[0] / a.1[1]).total_cmp(&(b.1[0] / b.1[1])))
 }
 
-impl fmt::Display for Shape {
+/// What the rows are, and what to do.
+impl fmt::Display for ResidualPlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [left, rows] = self.shares.map(|share| 100.0 * share);
-        write!(
-            f,
-            "{left:.0} % of what is missed of {} lies in {rows:.0} % of its rows, ",
-            self.joint
-        )?;
-        match self.place {
-            ResidualPlace::Rest => f.write_str(
+        match self {
+            Self::Rest => f.write_str(
                 "at rest: friction holds it there with any torque; record motion with fewer stops",
             ),
-            ResidualPlace::Slow => f.write_str(
+            Self::Slow => f.write_str(
                 "slow ones about reversals: record slow strokes to and fro, over its whole range",
             ),
-            ResidualPlace::Fast => {
-                f.write_str("fast ones: record more fast motion, with many reversals")
-            }
-            ResidualPlace::Pose([from, to]) => write!(
+            Self::Fast => f.write_str("fast ones: record more fast motion, with many reversals"),
+            Self::Pose([from, to]) => write!(
                 f,
                 "between positions {from:.2} and {to:.2}: record more there, and look for a stop, a cable or \
                  a load that acts in this pose"

@@ -4,7 +4,7 @@
 //! be read apart and their sums merged.
 
 use crate::drive_terms::AT_REST;
-use crate::estimate::{Linearisation, Passes, Sizes, Structure, refine, weights};
+use crate::estimate::{Linearisation, Passes, Sizes, refine, weights};
 use crate::fitted::Fitted;
 use crate::learn::{LAST_ROWS, Learned, learn};
 use crate::plan::ChainOptions;
@@ -16,7 +16,6 @@ use std::ops::ControlFlow;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_regression::normal_sums::{FOLDS, NormalSums};
 use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::noise::NoiseFloor;
 use torquewise_stepwise::survey::{Survey, thinned};
 
 /// Passes over all rows at most.
@@ -53,21 +52,13 @@ impl<'a> Searched<'a> {
         let rest = if spec.has_friction() { AT_REST } else { 0.0 };
         let rest = laws.width.iter().map(|width| rest * width).collect();
         let at = Linearisation::of(chain, (spec.drive.clone(), &chain.drive), rest);
-        let structure = Structure {
-            robot: options.geometry.as_ref().and_then(|known| known.robot.clone()),
-            free: spec.free.clone(),
-            ..at.structure
-        };
         // The noise of filtered rows is not white: it is drawn before the filter.
-        let white = if options.noise_correction && !filtered {
-            survey.noise.clone()
-        } else {
-            NoiseFloor::none(survey.joints.len())
-        };
+        let is_white = options.noise_correction && !filtered;
         let at = Linearisation {
             weights: weights(&chain.residual_rms, &Sizes::of(survey)),
-            structure,
-            noise: white,
+            robot: options.geometry.as_ref().and_then(|known| known.robot.clone()),
+            free: spec.free.clone(),
+            noise: if is_white { survey.noise.clone() } else { at.noise },
             raw_noise: options.noise_correction && filtered,
             regions: Regions::of(&sample, FOLDS),
             seed,

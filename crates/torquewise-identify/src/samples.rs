@@ -2,7 +2,8 @@
 //! physical. What a simulator randomises a robot by, and what errors are propagated with.
 
 use crate::basis::Wanted;
-use faer::{Mat, MatRef};
+use crate::states::state_of;
+use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -41,10 +42,10 @@ fn directions(model: &Model, chain: &RigidChain) -> Result<Mat<f64>, IdentifyErr
     let laws = Torque::new(model).laws(&states)?;
     let mut gram = Mat::<f64>::zeros(p, p);
     for row in 0..states.n_rows() {
-        let of = |x: MatRef<'_, f64>| x.row(row).iter().copied().collect::<Vec<f64>>();
-        let state = [states.q(), states.dq(), states.ddq()].map(of);
-        let friction = (&model.friction[..], &of(laws.as_ref())[..]);
-        let rows = chain.sensitivities(friction, state.each_ref().map(|signal| &signal[..]))?;
+        let state = state_of(&states, row);
+        let laws: Vec<f64> = laws.row(row).iter().copied().collect();
+        let state = state.each_ref().map(Vec::as_slice);
+        let rows = chain.sensitivities((&model.friction, &laws), state)?;
         for (row, std) in rows.row_iter().zip(&training.torque_std) {
             if *std > 0.0 {
                 gram += row.transpose() * row * faer::Scale(std.powi(-2));
@@ -204,11 +205,7 @@ fn sweep(
                 point.copy_from_slice(&moved);
                 break;
             }
-            if angle < 0.0 {
-                low = angle;
-            } else {
-                high = angle;
-            }
+            (low, high) = if angle < 0.0 { (angle, high) } else { (low, angle) };
             angle = random.random_range(low..high);
         }
     }

@@ -71,25 +71,27 @@ impl SumSettings {
 
     /// Fails unless summaries of both add up.
     pub(crate) fn check(&self, other: &Self) -> Result<(), IdentifyError> {
-        let quoted = |what: &dyn std::fmt::Debug| format!("{what:?}");
-        let regression = |it: &Self| {
-            it.library.as_ref().map_or_else(|| "Chain".to_owned(), |own| quoted(&own.regression))
-        };
-        let library = |it: &Self| quoted(&it.library.as_ref().map(|library| library.kind));
-        let kinds =
-            |it: &Self| it.library.as_ref().map_or_else(String::new, |own| own.kinds.to_string());
-        let pairs = [
-            ("joints", self.joints.join(", "), other.joints.join(", ")),
-            ("method", regression(self), regression(other)),
-            ("library", library(self), library(other)),
-            ("kinds", kinds(self), kinds(other)),
-            ("patterns", quoted(&self.patterns), quoted(&other.patterns)),
-            ("signals", self.signals.clone(), other.signals.clone()),
-            ("filters", quoted(&self.filtered), quoted(&other.filtered)),
-        ];
-        match pairs.into_iter().find(|(_, expected, found)| expected != found) {
-            Some((what, expected, found)) => Err(IdentifyError::Apart { what, expected, found }),
+        match std::iter::zip(self.described(), other.described()).find(|(own, other)| own != other)
+        {
+            Some(((what, expected), (_, found))) => {
+                Err(IdentifyError::Apart { what, expected, found })
+            }
             None => Ok(()),
         }
+    }
+
+    /// All that must be alike.
+    fn described(&self) -> [(&'static str, String); 7] {
+        let library = self.library.as_ref();
+        let regression = |own: &SummedLibrary| format!("{:?}", own.regression);
+        [
+            ("joints", self.joints.join(", ")),
+            ("method", library.map_or_else(|| "Chain".to_owned(), regression)),
+            ("library", format!("{:?}", library.map(|own| own.kind))),
+            ("kinds", library.map_or_else(String::new, |own| own.kinds.to_string())),
+            ("patterns", format!("{:?}", self.patterns)),
+            ("signals", self.signals.clone()),
+            ("filters", format!("{:?}", self.filtered)),
+        ]
     }
 }

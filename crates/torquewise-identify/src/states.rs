@@ -17,12 +17,10 @@ pub(crate) fn state_of(motion: &Motion, row: usize) -> [Vec<f64>; 3] {
 pub(crate) struct States {
     /// `[joint]` → cos q, sin q, cos 2q, sin 2q of each state.
     waves: Vec<[Vec<f64>; 4]>,
-    /// `[joint]` → q of each state.
-    q: Vec<Vec<f64>>,
-    /// `[joint]` → q̇ of each state.
-    dq: Vec<Vec<f64>>,
-    /// `[joint]` → q̈ of each state.
-    ddq: Vec<Vec<f64>>,
+    /// q, q̇ and q̈, states×n each.
+    q: Mat<f64>,
+    dq: Mat<f64>,
+    pub(crate) ddq: Mat<f64>,
     /// What friction remembers at each state.
     memory: Option<Memory>,
     /// G(q) of each state \[N·m\], states×n, where it is known.
@@ -53,20 +51,21 @@ impl States {
 
     /// - `rows`: which rows of the motion q, q̇ and q̈ of each state are taken from
     fn new(motion: &Motion, rows: &[[usize; 3]]) -> Self {
-        let joints = 0..motion.n_joints();
-        let taken = |x: faer::MatRef<'_, f64>, joint: usize, signal: usize| -> Vec<f64> {
-            rows.iter().map(|row| x[(row[signal], joint)]).collect()
+        let n = motion.n_joints();
+        let taken = |x: faer::MatRef<'_, f64>, signal: usize| {
+            Mat::from_fn(rows.len(), n, |state, joint| x[(rows[state][signal], joint)])
         };
+        let q = taken(motion.q(), 0);
         let waves = |joint: usize| {
-            let q = taken(motion.q(), joint, 0);
+            let q = q.col_as_slice(joint);
             let all = |wave: fn(f64) -> f64| q.iter().map(|q| wave(*q)).collect::<Vec<f64>>();
             [all(f64::cos), all(f64::sin), all(|q| (2.0 * q).cos()), all(|q| (2.0 * q).sin())]
         };
         Self {
-            waves: joints.clone().map(waves).collect(),
-            q: joints.clone().map(|joint| taken(motion.q(), joint, 0)).collect(),
-            dq: joints.clone().map(|joint| taken(motion.dq(), joint, 1)).collect(),
-            ddq: joints.map(|joint| taken(motion.ddq(), joint, 2)).collect(),
+            waves: (0..n).map(waves).collect(),
+            q,
+            dq: taken(motion.dq(), 1),
+            ddq: taken(motion.ddq(), 2),
             memory: motion.memory().map(|memory| {
                 memory.select(&rows.iter().map(|row| row[1]).collect::<Vec<usize>>())
             }),
@@ -75,23 +74,22 @@ impl States {
     }
 
     pub(crate) fn len(&self) -> usize {
-        self.dq.first().map_or(0, Vec::len)
+        self.dq.nrows()
     }
 
     pub(crate) fn n_joints(&self) -> usize {
-        self.dq.len()
+        self.dq.ncols()
     }
 
     pub(crate) fn peaks(&self) -> [f64; 2] {
-        let peak = |x: &[Vec<f64>]| x.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
-        [peak(&self.dq), peak(&self.ddq)]
+        [self.dq.norm_max(), self.ddq.norm_max()]
     }
 
     /// What a law of friction comes to at a state, per unit of its coefficient.
     pub(crate) fn friction(&self, state: usize, law: &FrictionTerm) -> f64 {
         let remembered = |(joint, travel)| self.memory.as_ref()?.state(state, joint, travel);
         let known = law.element().and_then(remembered);
-        let speeds = || self.dq.iter().map(|dq| dq[state]).collect::<Vec<f64>>();
+        let speeds = || self.dq.row(state).iter().copied().collect::<Vec<f64>>();
         let value = known.unwrap_or_else(|| law.value(&speeds()));
         match &self.gravity {
             Some(gravity) if law.load => {
@@ -99,11 +97,6 @@ impl States {
             }
             _ => value,
         }
-    }
-
-    /// Joint accelerations \[rad/s²\] of a state, n.
-    pub(crate) fn accelerations(&self, state: usize) -> Vec<f64> {
-        self.ddq.iter().map(|ddq| ddq[state]).collect()
     }
 
     /// Torque of a term on all states, states×n: d/dt ∂T/∂q̇ − ∂T/∂q + ∂V/∂q (E4).
@@ -119,15 +112,16 @@ impl States {
         let share = if i == j { 0.5 } else { 1.0 };
         let mut change = vec![0.0; self.len()];
         for (joint, slope) in &slopes {
-            let rates = slope.iter().zip(&self.dq[*joint]);
+            let rates = slope.iter().zip(self.dq.col_as_slice(*joint));
             change.iter_mut().zip(rates).for_each(|(change, (a, b))| *change += a * b);
-            let states = slope.iter().zip(self.dq[i].iter().zip(&self.dq[j]));
+            let [one, other] = [i, j].map(|joint| self.dq.col_as_slice(joint));
+            let states = slope.iter().zip(one.iter().zip(other));
             for (load, (s, (a, b))) in loads.col_as_slice_mut(*joint).iter_mut().zip(states) {
                 *load -= share * s * a * b;
             }
         }
         for (own, other) in [(i, j), (j, i)] {
-            let rates = self.dq[other].iter().zip(&self.ddq[other]);
+            let rates = self.dq.col_as_slice(other).iter().zip(self.ddq.col_as_slice(other));
             let states = change.iter().zip(&value).zip(rates);
             for (load, ((c, v), (dq, ddq))) in loads.col_as_slice_mut(own).iter_mut().zip(states) {
                 *load += share * (c * dq + v * ddq);
@@ -179,8 +173,8 @@ impl States {
     fn powers(&self, factor: &Factor) -> [Vec<f64>; 2] {
         let power = i32::from(factor.power);
         let values = (0..self.len()).map(|state| {
-            let of_joints = factor.multiples.iter().zip(&self.q);
-            let sum: f64 = of_joints.map(|(k, q)| f64::from(*k) * q[state]).sum();
+            let of_joints = factor.multiples.iter().zip(self.q.row(state).iter());
+            let sum: f64 = of_joints.map(|(k, q)| f64::from(*k) * q).sum();
             (sum.powi(power), f64::from(power) * sum.powi(power - 1))
         });
         values.unzip::<f64, f64, Vec<f64>, Vec<f64>>().into()
@@ -200,9 +194,7 @@ impl States {
                 }
             };
             if k < 0 {
-                for s in &mut s {
-                    *s = -*s;
-                }
+                s.iter_mut().for_each(|s| *s = -*s);
             }
             sum = Some(match sum {
                 None => (s, c),

@@ -7,7 +7,7 @@ use crate::reconstruction::{Progress, Watch};
 use crate::rounds::Request;
 use crate::settings::SumSettings;
 use serde::{Deserialize, Serialize};
-use torquewise_model::model::{Choice, TrainingFilter};
+use torquewise_model::model::Choice;
 use torquewise_motion::Recording;
 use torquewise_regression::normal_sums::{FOLDS, NormalSums};
 use torquewise_regression::row_sums::RowSums;
@@ -26,8 +26,10 @@ const MAGIC: [u8; 8] = *b"twmoment";
 /// and however they are grouped before, the summary is the same, bit for bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    pub(crate) settings: SumSettings,
-    pub(crate) logs: usize,
+    /// What its logs were summed under.
+    pub settings: SumSettings,
+    /// Logs summed.
+    pub logs: usize,
     pub(crate) survey: SurveySum,
     /// Noise in rows at standstill.
     pub(crate) still: NoiseSum,
@@ -128,12 +130,6 @@ pub fn summarise_again(
 }
 
 impl Summary {
-    /// The same sums, with the filter that their rows went through.
-    pub fn filtered_by(mut self, filter: Option<TrainingFilter>) -> Self {
-        self.settings.filter = filter;
-        self
-    }
-
     /// Joint names, base to tip.
     pub fn joints(&self) -> &[String] {
         self.survey.joints()
@@ -147,19 +143,9 @@ impl Summary {
         Self { settings, logs: 0, survey, still, sums, choices: Vec::new(), pass: None }
     }
 
-    /// What its logs were summed under.
-    pub fn settings(&self) -> &SumSettings {
-        &self.settings
-    }
-
     /// The request that its rows were summed for, if a chain asked for a pass.
     pub fn request(&self) -> Option<&Request> {
         self.pass.as_ref().map(|pass| &pass.request)
-    }
-
-    /// Logs summed.
-    pub fn logs(&self) -> usize {
-        self.logs
     }
 
     /// Rows summed.

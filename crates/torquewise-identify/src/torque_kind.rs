@@ -1,11 +1,11 @@
 //! What the torque columns are: without gravity, or with a gain for each joint (E27).
 
 use crate::estimate::Linearisation;
-use crate::excitation::Finding;
 use crate::learn::kinds::first_look;
 use crate::reconstruction::Watch;
 use crate::torque_sign::at_a_glance;
 use crate::unseen::{CHOICE_ROWS, HeldOut, Unseen, both_ways, geometric_mean, spread};
+use crate::warning::Warning;
 use faer::{Mat, MatRef};
 use std::ops::Range;
 use torquewise_model::{Kind, Model, Term, Torque};
@@ -58,19 +58,19 @@ const RIDGE: f64 = 1e-8;
 /// that were learned from torques of unequal units lie elsewhere: they are searched anew with the gains
 /// put right, and what is left of these is found there.
 ///
-/// - returns: [`Finding::Weightless`] or [`Finding::Gains`]; `None` where what is logged is best taken
+/// - returns: [`Warning::Weightless`] or [`Warning::Gains`]; `None` where what is logged is best taken
 ///   as torque
 pub(crate) fn torque_kind(
     at: &Linearisation,
     (sample, dq_peak): (&Motion, &[f64]),
     seed: u64,
     watch: Watch<'_>,
-) -> Result<Option<Finding>, IdentifyError> {
+) -> Result<Option<Warning>, IdentifyError> {
     let mut kind = kind_at(at, sample)?;
-    let Some(Finding::Gains { gains, .. }) = &mut kind else { return Ok(kind) };
+    let Some(Warning::Gains { gains, .. }) = &mut kind else { return Ok(kind) };
     // Of slides and coupled joints a glance knows nothing.
     let is_usual = at.geometry.kinds().all_turn() && at.geometry.coupling().is_none();
-    let is_learned = at.structure.free.iter().any(|parameter| *parameter >= PER_BASE);
+    let is_learned = at.free.iter().any(|parameter| *parameter >= PER_BASE);
     for _ in 0..if is_usual && is_learned { LOOKS } else { 0 } {
         let mut signals = thinned(sample, ROWS).into_signals();
         let right = |tau: Mat<f64>| {
@@ -79,7 +79,7 @@ pub(crate) fn torque_kind(
         signals.tau = signals.tau.map(right);
         let motion = Motion::new(signals)?;
         let Ok(mut at) = at_a_glance((&motion, dq_peak), seed, watch) else { break };
-        at.structure.free = at.geometry.movable();
+        at.free = at.geometry.movable();
         let (columns, weights) = at.columns_of(&motion)?;
         let Some(left) = Gains::at(&at, &motion, (&columns, &weights)) else { break };
         for ([gain, error], [own, own_error]) in gains.iter_mut().zip(left.each()) {
@@ -91,7 +91,7 @@ pub(crate) fn torque_kind(
 }
 
 /// The same at axes as they are.
-fn kind_at(at: &Linearisation, sample: &Motion) -> Result<Option<Finding>, IdentifyError> {
+fn kind_at(at: &Linearisation, sample: &Motion) -> Result<Option<Warning>, IdentifyError> {
     let motion = thinned(sample, ROWS);
     if motion.n_rows() < CHOICE_ROWS {
         return Ok(None);
@@ -125,7 +125,7 @@ fn kind_at(at: &Linearisation, sample: &Motion) -> Result<Option<Finding>, Ident
     };
     let pulled = size(&(&columns - &weightless));
     if pulled > PULLED * size(&columns) && leaves(&weightless, ALIKE) {
-        return Ok(Some(Finding::Weightless));
+        return Ok(Some(Warning::Weightless));
     }
     let Some(gains) = Gains::at(at, &motion, (&columns, &weights)) else { return Ok(None) };
     let per = &gains.per;
@@ -138,19 +138,19 @@ fn kind_at(at: &Linearisation, sample: &Motion) -> Result<Option<Finding>, Ident
     if !leaves(&gains.all.widened(&columns, &own, &gains.loads), WORTH) {
         return Ok(None);
     }
-    Ok(Some(Finding::Gains { joints: sample.joints().to_vec(), gains: gains.each() }))
+    Ok(Some(Warning::Gains { joints: sample.joints().to_vec(), gains: gains.each() }))
 }
 
 /// Whether gravity does nothing to the torques of logs to which nothing was fitted yet, by a chain that
-/// is searched on few rows: [`Finding::Weightless`], or `None` where it does, where no chain is found,
+/// is searched on few rows: [`Warning::Weightless`], or `None` where it does, where no chain is found,
 /// where the watcher breaks, or where a joint may slide, on which gravity is a constant.
-pub fn weightless(survey: &Survey, seed: u64, watch: Watch<'_>) -> Option<Finding> {
+pub fn weightless(survey: &Survey, seed: u64, watch: Watch<'_>) -> Option<Warning> {
     let look = first_look(&survey.sample, seed, watch).ok()?;
     if !look.kinds.all_turn() || !look.may_slide.is_empty() {
         return None;
     }
     let at = at_a_glance((&survey.sample, &survey.dq_peak), seed, watch).ok()?;
-    kind_at(&at, &survey.sample).ok()?.filter(|found| *found == Finding::Weightless)
+    kind_at(&at, &survey.sample).ok()?.filter(|found| *found == Warning::Weightless)
 }
 
 /// Whether gravity hardly has a part in the torques of a model.

@@ -1,7 +1,7 @@
 //! Torques of the wrong sign, and torques in each other's place: put right, a chain of rigid bodies
 //! explains those of all joints far better.
 
-use crate::drive_terms::{DriveTerm, columns};
+use crate::drive_terms::{DriveTerm, chain_rows, columns};
 use crate::estimate::Linearisation;
 use crate::learn::searching;
 use crate::reconstruction::Watch;
@@ -57,7 +57,7 @@ impl SignTest {
     pub(crate) fn at(at: &Linearisation, is_given: bool) -> Self {
         let geometry = at.geometry.clone();
         let free = if is_given { Vec::new() } else { geometry.movable() };
-        Self { geometry, free, drive: at.structure.drive.clone() }
+        Self { geometry, free, drive: at.drive.clone() }
     }
 
     /// Joints whose torque, turned round, lets a chain explain the torques of all joints far better.
@@ -78,7 +78,7 @@ impl SignTest {
         }
         self.drive.extend(mirrored(&self.drive));
         let extras = columns(&self.drive, &motion, None);
-        let rows = rows(&motion, &extras)?;
+        let rows = chain_rows(&motion, &extras)?.measured();
         let tried = |rows: &ChainRows, signs: u32, geometry: &Geometry, free: &[usize]| {
             let rows = joints_of(signs).fold(rows.clone(), ChainRows::turned);
             let rounds = if free.is_empty() { 0 } else { Search::default().rounds };
@@ -230,7 +230,7 @@ pub(crate) fn at_a_glance(
 ) -> Result<Linearisation, IdentifyError> {
     let drive = DriveTerm::usual(&FrictionLibrary::new(dq_peak.to_vec()));
     let motion = thinned(sample, ROWS);
-    let rows = rows(&motion, &columns(&drive, &motion, None))?;
+    let rows = chain_rows(&motion, &columns(&drive, &motion, None))?.measured();
     let found = search(&rows, &Search { seed, ..Search::default() }, &searching(watch))?;
     let chain = found.chains.into_iter().next().ok_or(ChainError::Singular)?;
     Ok(Linearisation::of(&chain, (drive, &chain.drive), vec![0.0; motion.n_joints()]))
@@ -259,7 +259,7 @@ pub(crate) fn swapped(
     }
     let peaks = (0..n).map(|joint| motion.dq().col(joint).norm_max()).collect();
     let drive = DriveTerm::usual(&FrictionLibrary::new(peaks));
-    let rows = rows(&motion, &columns(&drive, &motion, None))?;
+    let rows = chain_rows(&motion, &columns(&drive, &motion, None))?.measured();
     let watch = searching(watch);
     let left = |rows: &ChainRows, (starts, count): (usize, usize)| {
         glance(&rows.thinned(count), &Search { seed, starts, ..Search::default() }, &watch)
@@ -302,11 +302,6 @@ fn least(a: &Tried, b: &Tried) -> std::cmp::Ordering {
 /// The joints that signs turn.
 fn joints_of(signs: u32) -> impl Iterator<Item = usize> {
     (0..u32::BITS as usize).filter(move |joint| signs >> joint & 1 == 1)
-}
-
-fn rows(motion: &Motion, extras: &[Mat<f64>]) -> Result<ChainRows, IdentifyError> {
-    let signals = [motion.q(), motion.dq(), motion.ddq(), motion.require_tau()?];
-    Ok(ChainRows::new(signals, extras)?.measured())
 }
 
 /// Shafts that several joints turn, as they are with one of them turned round.

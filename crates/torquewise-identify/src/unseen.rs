@@ -207,13 +207,10 @@ impl<'a> Unseen<'a> {
         }
         let (n, p) = (weights.len() / m, all.ncols());
         let of_joint = |joint: usize| {
-            let own = |j: usize| &all.col_as_slice(j)[joint * m..(joint + 1) * m];
-            let columns: Vec<usize> =
-                (0..p).filter(|&j| own(j).iter().any(|x| *x != 0.0)).collect();
-            let mut rows = Mat::zeros(m, columns.len());
-            for (k, &j) in columns.iter().enumerate() {
-                rows.col_as_slice_mut(k).copy_from_slice(own(j));
-            }
+            let own = all.subrows(joint * m, m);
+            let columns = (0..p).filter(|&j| own.col(j).iter().any(|x| *x != 0.0));
+            let columns: Vec<usize> = columns.collect();
+            let rows = Mat::from_fn(m, columns.len(), |row, k| own[(row, columns[k])]);
             JointRows { columns, rows, weights: weights[joint * m..(joint + 1) * m].to_vec() }
         };
         let joints: Vec<JointRows> = (0..n).map(of_joint).collect();
@@ -301,12 +298,7 @@ impl<'a> Unseen<'a> {
 }
 
 fn picked(of: &Mat<f64>, rows: &[usize], columns: &[usize]) -> Mat<f64> {
-    let mut out = Mat::zeros(rows.len(), columns.len());
-    for (k, &column) in columns.iter().enumerate() {
-        let from = of.col_as_slice(column);
-        out.col_as_slice_mut(k).iter_mut().zip(rows).for_each(|(x, &row)| *x = from[row]);
-    }
-    out
+    Mat::from_fn(rows.len(), columns.len(), |k, l| of[(rows[k], columns[l])])
 }
 
 fn all_of(count: usize) -> Vec<usize> {

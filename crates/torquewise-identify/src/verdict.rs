@@ -1,9 +1,8 @@
 //! The verdict: may the model be used, and why.
 
-use crate::excitation::{Finding, list};
 use crate::reconstruction::Reconstruction;
 use crate::unseen::geometric_mean;
-use crate::warning::{Warning, never_move};
+use crate::warning::{Warning, list, never_move};
 use torquewise_model::model::GeometryFound;
 use torquewise_model::{Model, Training};
 use torquewise_stepwise::held_out::mean;
@@ -29,9 +28,7 @@ type Judged<'a> = (&'static str, Vec<(&'a String, f64)>);
 pub fn judge(found: &Reconstruction) -> Verdict {
     let judged = errors(found);
     let mut doubts = doubts(found);
-    if judged[0].1.is_empty() {
-        doubts.push("too few rows to hold any out".to_owned());
-    }
+    doubts.extend(judged[0].1.is_empty().then(|| "too few rows to hold any out".to_owned()));
     let mut verdict = graded(grave(&found.warnings), doubts, &judged);
     verdict.because.extend(one_way(&found.warnings));
     verdict
@@ -46,13 +43,10 @@ pub fn judge(found: &Reconstruction) -> Verdict {
 pub fn judge_by(model: &Model, errors: &[f64], held: Option<&[f64]>) -> Verdict {
     let named = model.joints.iter().zip(errors.iter().copied());
     let named: Vec<_> = named.filter(|(_, error)| error.is_finite()).collect();
-    let mut doubts = Vec::new();
-    if named.is_empty() {
-        doubts.push("no torque of the test changes".to_owned());
-    }
+    let unchanging = named.is_empty().then(|| "no torque of the test changes".to_owned());
     let held = held.map(mean).filter(|held| *held < HELD);
-    doubts
-        .extend(held.map(|held| format!("its 95 % intervals hold {held:.0} % of the test torque")));
+    let held = held.map(|held| format!("its 95 % intervals hold {held:.0} % of the test torque"));
+    let doubts = unchanging.into_iter().chain(held).collect();
     let verdict = graded(Vec::new(), doubts, &[("test", named)]);
     match &model.training.verdict {
         Some(own) => own.clone().with(verdict),
@@ -127,25 +121,19 @@ fn errors(found: &Reconstruction) -> [Judged<'_>; 2] {
 /// What makes a model useless whatever the error on its own log.
 pub(crate) fn grave(warnings: &[Warning]) -> Vec<String> {
     let of = |warning: &Warning| match warning {
-        Warning::Excitation(Finding::Together { joints, .. }) => {
-            Some(format!("{} always move together", list(joints)))
-        }
-        Warning::Excitation(Finding::WrongSign { joints }) => {
+        Warning::Together { joints, .. } => Some(format!("{} always move together", list(joints))),
+        Warning::WrongSign { joints } => {
             Some(format!("the torque of {} has the wrong sign", list(joints)))
         }
-        Warning::Excitation(Finding::Swapped { joints: [one, other] }) => {
+        Warning::Swapped { joints: [one, other] } => {
             Some(format!("the torques of {one} and {other} seem to be swapped"))
         }
-        Warning::Excitation(Finding::Gains { .. }) => {
-            Some("the torques of the joints are not in one unit".to_owned())
-        }
-        Warning::Excitation(Finding::Clipped { joint, .. }) => {
-            Some(format!("the torque of {joint} is cut off"))
-        }
-        Warning::Excitation(Finding::Unrelated { joint, .. }) => {
+        Warning::Gains { .. } => Some("the torques of the joints are not in one unit".to_owned()),
+        Warning::Clipped { joint, .. } => Some(format!("the torque of {joint} is cut off")),
+        Warning::Unrelated { joint, .. } => {
             Some(format!("the torque of {joint} does not follow its motion"))
         }
-        Warning::Excitation(Finding::Commanded { joint, .. }) => {
+        Warning::Commanded { joint, .. } => {
             Some(format!("the torque of {joint} is a command, no measurement"))
         }
         Warning::Disagreement(_) => Some("logs disagree in what gravity does".to_owned()),
@@ -164,7 +152,7 @@ pub(crate) fn grave(warnings: &[Warning]) -> Vec<String> {
 fn doubts(found: &Reconstruction) -> Vec<String> {
     let at_rest = found.warnings.iter().filter_map(|warning| match warning {
         Warning::ConstantJoints { joints } => Some(never_move(joints)),
-        Warning::Excitation(Finding::Weightless) => Some("gravity does nothing".to_owned()),
+        Warning::Weightless => Some("gravity does nothing".to_owned()),
         Warning::Sliding { .. } => Some("joints seem to slide".to_owned()),
         Warning::Gravity { .. } => Some("gravity pulls elsewhere than was said".to_owned()),
         Warning::Coordinates { .. } => {
@@ -188,7 +176,7 @@ fn doubts(found: &Reconstruction) -> Vec<String> {
 /// Joints of which only one direction was seen.
 fn one_way(warnings: &[Warning]) -> Option<String> {
     let of = |warning: &Warning| match warning {
-        Warning::Excitation(Finding::OneWay { joint, .. }) => Some(joint.clone()),
+        Warning::OneWay { joint, .. } => Some(joint.clone()),
         _ => None,
     };
     let joints: Vec<String> = warnings.iter().filter_map(of).collect();

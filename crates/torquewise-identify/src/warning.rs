@@ -1,15 +1,10 @@
 //! Warnings: what the user should know, in words.
 
 use crate::disagreement::Disagreement;
-use crate::drift::{FrictionDrift, logs};
-use crate::excitation::{Finding, findings, list};
-use crate::learn::kinds::is_kind_untold;
-use crate::residual_shape::Shape;
+use crate::residual_shape::ResidualPlace;
 use crate::unseen::geometric_mean;
 use std::fmt;
-use std::ops::Range;
-use torquewise_model::{Model, Training};
-use torquewise_motion::{LARGEST, Motion, Pattern};
+use torquewise_motion::Pattern;
 use torquewise_stepwise::fit::LibraryFit;
 use torquewise_stepwise::orders::OrderCurve;
 use torquewise_stepwise::survey::Survey;
@@ -38,14 +33,39 @@ pub enum Warning {
     Sliding { kinds: String },
     /// A joint that moved by little may as well slide as turn, and is taken to turn.
     Kind { joint: String },
-    /// What the motion of the log leaves open.
-    Excitation(Finding),
+    /// A joint turns through too small a range \[rad\].
+    Range { joint: String, range: f64 },
+    /// Joints that move too slowly: the speed that they hardly ever exceed \[rad/s\].
+    Speed { joints: Vec<String>, peak: f64 },
+    /// Joints that accelerate too little: what they hardly ever exceed \[rad/s²\].
+    Acceleration { joints: Vec<String>, peak: f64 },
+    /// A joint moves in one direction only.
+    OneWay { joint: String, forward: bool },
+    /// Two joints or more that always move together: least correlation of the speeds of two of them.
+    Together { joints: Vec<String>, correlation: f64 },
+    /// A torque that was cut off: at one of its ends in this share of its motion.
+    Clipped { joint: String, share: f64 },
+    /// Torques that fit those of the other joints, or all that fit their motion, turned round alone.
+    WrongSign { joints: Vec<String> },
+    /// Torques that no gravity is in.
+    Weightless,
+    /// Two torques that fit the motion of each other's joint.
+    Swapped { joints: [String; 2] },
+    /// Torques that are not in one unit, such as the currents of different motors: of all joints what
+    /// a unit is worth beside the others, geometric mean 1, and its standard error, n.
+    Gains { joints: Vec<String>, gains: Vec<[f64; 2]> },
+    /// A torque that follows from the position but for a share.
+    Commanded { joint: String, residual: f64 },
+    /// A torque that does not follow the motion at all: the share that no rough model explains.
+    Unrelated { joint: String, residual: f64 },
     /// Logs that were fitted together differ in what gravity does.
     Disagreement(Disagreement),
-    /// Friction changes along long logs.
-    Drift(FrictionDrift),
-    /// Most of what is missed of a joint is missed in few rows.
-    Shape(Shape),
+    /// By what part of itself the friction of a joint grows from the beginning of long logs to their
+    /// end, and its standard error; falls if negative. The longest lasts so long \[s\].
+    Drift { joint: String, part: f64, std_error: f64, seconds: f64 },
+    /// Most of what is missed of a joint is missed in few rows: part of the squared residual that lies
+    /// there, and of the rows.
+    Shape { joint: String, place: ResidualPlace, shares: [f64; 2] },
     /// Gravity pulls elsewhere than a URDF and its user say: along this line in the base of the URDF,
     /// of length 1, as one writes it.
     Gravity { line: String },
@@ -72,9 +92,6 @@ const MUCH: f64 = 0.03;
 /// A residual below this part of the spread of a torque is none.
 const NOTHING: f64 = 1e-3;
 
-/// Fewer rows may be alike by chance, as of an arm at rest.
-const TOLD_ROWS: usize = 8;
-
 impl Warning {
     /// Whether it is a note: no reason to doubt the model.
     pub fn is_remark(&self) -> bool {
@@ -84,44 +101,10 @@ impl Warning {
     pub(crate) fn of_library(survey: &Survey, fit: &LibraryFit) -> Vec<Self> {
         let mut warnings = Self::of_survey(survey);
         warnings.extend(fit.missing.iter().copied().map(Self::PatternMissing));
-        if fit.unassigned > 0 {
-            warnings.push(Self::UnassignedCandidates { candidates: fit.unassigned });
-        }
-        if !fit.dependent.is_empty() {
-            warnings.push(Self::Dependent { terms: fit.dependent.clone() });
-        }
+        let (candidates, terms) = (fit.unassigned, fit.dependent.clone());
+        warnings.extend((candidates > 0).then_some(Self::UnassignedCandidates { candidates }));
+        warnings.extend((!terms.is_empty()).then_some(Self::Dependent { terms }));
         warnings
-    }
-
-    /// Leaves out what a rough look at the torque of a joint found amiss, where the model predicts
-    /// its held-out rows well: a rough look knows neither the other joints nor the noise. Of a joint that
-    /// turns through little only, says where it may as well slide.
-    pub(crate) fn retain_founded(warnings: &mut Vec<Self>, model: &Model) {
-        // What is little of a turn, in rad, is not of a slide, in m.
-        let errors = model.training.held_out_errors().unwrap_or_default();
-        let place = |joint: &str| model.joints.iter().position(|name| name == joint);
-        let slides = |joint: &str| place(joint).is_some_and(|joint| model.kinds().slides(joint));
-        let error_of = |joint: &str| errors.get(place(joint)?).copied();
-        warnings.retain_mut(|warning| match warning {
-            Self::Excitation(Finding::Range { joint, .. }) => !slides(joint),
-            Self::Excitation(
-                Finding::Speed { joints, .. } | Finding::Acceleration { joints, .. },
-            ) => {
-                joints.retain(|joint| !slides(joint));
-                !joints.is_empty()
-            }
-            Self::Excitation(Finding::Unrelated { joint, .. }) => {
-                error_of(joint).is_none_or(|error| error >= Training::POOR)
-            }
-            _ => true,
-        });
-        for warning in warnings {
-            if let Self::Excitation(Finding::Range { joint, .. }) = warning
-                && is_kind_untold(&model.choices, joint)
-            {
-                *warning = Self::Kind { joint: std::mem::take(joint) };
-            }
-        }
     }
 
     /// What to know before trusting the orders chosen.
@@ -158,51 +141,24 @@ impl Warning {
         let (ratio, more) = (left / searched, (left * left - searched * searched).max(0.0).sqrt());
         (ratio > MOST_REFIT && more > MUCH).then_some(Self::Refit { ratio })
     }
-
-    /// What a log leaves open or hardly can be, before anything is fitted to it.
-    pub fn of_survey(survey: &Survey) -> Vec<Self> {
-        let name = |joint: usize| survey.joints[joint].clone();
-        let joints: Vec<String> = survey.constant_joints().into_iter().map(name).collect();
-        let mut warnings = Vec::new();
-        warnings.extend((!joints.is_empty()).then_some(Self::ConstantJoints { joints }));
-        for joint in 0..survey.joints.len() {
-            if survey.torque_std[joint] == 0.0 {
-                warnings.push(Self::ConstantTorque { joint: name(joint) });
-            }
-            let [low, high] = survey.q_range[joint];
-            let torque = survey.torque_mean[joint].hypot(survey.torque_std[joint]);
-            let largest = [
-                (low.abs().max(high.abs()), LARGEST[0], ["positions", "rad", "degrees"]),
-                (survey.dq_peak[joint], LARGEST[1], ["velocities", "rad/s", "deg/s"]),
-                (torque, LARGEST[3], ["torques", "N·m", "mN·m"]),
-            ];
-            let beyond = largest.into_iter().filter(|(largest, limit, _)| largest > limit);
-            warnings.extend(beyond.map(|(largest, _, what)| Self::Units {
-                joint: name(joint),
-                what,
-                largest,
-            }));
-        }
-        warnings.extend(findings(survey).into_iter().map(Self::Excitation));
-        warnings.extend(has_log_twice(&survey.sample).then_some(Self::Repeated));
-        warnings
-    }
 }
 
 pub(crate) fn never_move(joints: &[String]) -> String {
     format!("{} never move{}", list(joints), if joints.len() == 1 { "s" } else { "" })
 }
 
-/// Whether two logs of a sample hold the same positions and torques.
-fn has_log_twice(sample: &Motion) -> bool {
-    let logs = logs(sample.t());
-    let is_same = |a: &Range<usize>, b: &Range<usize>| {
-        let signals = std::iter::once(sample.q()).chain(sample.tau());
-        let mut rows = a.clone().zip(b.clone());
-        a.len() == b.len() && rows.all(|(a, b)| signals.clone().all(|x| x.row(a) == x.row(b)))
-    };
-    let mut told = logs.iter().enumerate().filter(|(_, log)| log.len() >= TOLD_ROWS);
-    told.any(|(k, log)| logs[k + 1..].iter().any(|other| is_same(log, other)))
+/// Names as a sentence has them.
+pub fn list(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        [name] => name.clone(),
+        [before @ .., last] => format!("{} and {last}", before.join(", ")),
+    }
+}
+
+/// One name, or several, and what they are.
+fn are(names: &[String]) -> String {
+    format!("{} {}", list(names), if names.len() == 1 { "is" } else { "are" })
 }
 
 impl fmt::Display for Warning {
@@ -256,10 +212,101 @@ impl fmt::Display for Warning {
                 "{joint} moved by so little that it may as well slide as turn, and is taken to turn: if it \
                  slides, masses, payloads and robot files are wrong until its kind is said"
             ),
-            Self::Excitation(finding) => write!(f, "{finding}"),
+            Self::Range { joint, range } => write!(
+                f,
+                "{joint} turns through {range:.2} rad only: gravity and inertia that depend on its \
+                 angle are guesses; swing it further, or say that it slides"
+            ),
+            Self::Speed { joints, peak } => write!(
+                f,
+                "{} hardly ever faster than {peak:.2} rad/s: Coriolis terms and viscous friction there \
+                 are guesses; drive faster, forward and backward",
+                are(joints)
+            ),
+            Self::Acceleration { joints, peak } => write!(
+                f,
+                "{} hardly ever accelerated by more than {peak:.2} rad/s²: inertia there is a guess; \
+                 start and stop more sharply",
+                are(joints)
+            ),
+            Self::OneWay { joint, forward } => write!(
+                f,
+                "{joint} moves {} only: dry friction cannot be told from an offset of its torque; \
+                 move it back as slowly as forth",
+                if *forward { "forward" } else { "backward" }
+            ),
+            Self::Together { joints, correlation } => write!(
+                f,
+                "{} always move together (correlation {correlation:.3}): what each of them causes \
+                 cannot be told apart; move one while the others rest",
+                list(joints)
+            ),
+            Self::Commanded { joint, residual } => write!(
+                f,
+                "the torque of {joint} follows from the positions alone (but for {:.2} %) though \
+                 it accelerates: is it the command of a gravity compensation, and someone's hand \
+                 does the rest? Record measured torque of a driven arm",
+                100.0 * residual
+            ),
+            Self::Unrelated { joint, residual } => write!(
+                f,
+                "the torque of {joint} does not follow its motion, {:.0} % of it is something \
+                 else: is its motor on, and its sensor fine enough? Leave it out or drive it",
+                100.0 * residual
+            ),
+            Self::Clipped { joint, share } => write!(
+                f,
+                "the torque of {joint} is at one of its ends in {:.0} % of its motion, as if it \
+                 were cut off: check the limits of its drive and sensor, and drive it more gently",
+                100.0 * share
+            ),
+            Self::Gains { joints, gains } => {
+                let each = joints.iter().zip(gains);
+                let each: Vec<String> = each
+                    .map(|(own, [gain, error])| format!("{own} {gain:.3} ± {error:.3}"))
+                    .collect();
+                write!(
+                    f,
+                    "the torques are not in one unit, as currents of different motors are not: the \
+                     links that joints share ask for gains of {}; give these as the scale of tau in \
+                     a profile, and find their common factor by a payload of known mass",
+                    list(&each)
+                )
+            }
+            Self::Weightless => write!(
+                f,
+                "gravity does nothing to the torques: has the driver taken it out of the effort that it \
+                 publishes, or does a spring or gear bear it? A model of such torque lacks it: have \
+                 the driver publish the whole torque, as the motors give it"
+            ),
+            Self::Swapped { joints: [one, other] } => write!(
+                f,
+                "the torque of {one} fits the motion of {other}, and that of {other} the motion of \
+                 {one}: check the order of the torque columns"
+            ),
+            Self::WrongSign { joints } => write!(
+                f,
+                "turned round, the torque of {} would fit the motion and all other torques: check the \
+                 sign of torque, gear or torque constant against the position",
+                list(joints)
+            ),
             Self::Disagreement(logs) => write!(f, "{logs}"),
-            Self::Drift(drift) => write!(f, "{drift}"),
-            Self::Shape(shape) => write!(f, "{shape}"),
+            Self::Drift { joint, part, std_error, seconds } => write!(
+                f,
+                "friction of {joint} {} by {:.0} ± {:.0} % along the log of {:.0} min, as gears \
+                 that warm do: move the arm for as long before you record, or expect so much more \
+                 error when it is cold",
+                if *part < 0.0 { "falls" } else { "rises" },
+                100.0 * part.abs(),
+                100.0 * std_error,
+                seconds / 60.0,
+            ),
+            Self::Shape { joint, place, shares: [left, rows] } => write!(
+                f,
+                "{:.0} % of what is missed of {joint} lies in {:.0} % of its rows, {place}",
+                100.0 * left,
+                100.0 * rows
+            ),
             Self::Gravity { line } => write!(
                 f,
                 "gravity pulls along {line} of the base of the URDF, not as said: does the arm hang on a \
@@ -296,66 +343,11 @@ impl fmt::Display for Warning {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use faer::Mat;
-    use torquewise_model::model::Choice;
-    use torquewise_motion::Signals;
-
-    /// Two joints, of which the torque of the second is predicted poorly on held-out rows.
-    fn model() -> Model {
-        let training = Training {
-            residual_rms: vec![0.1, 0.1],
-            torque_std: vec![1.0, 1.0],
-            held_out_rms: vec![0.1, 0.9],
-            held_out_by_region_rms: vec![0.1, 0.2],
-            ..Training::default()
-        };
-        let joints = vec!["joint1".into(), "joint2".into()];
-        Model { joints, training, ..Model::default() }
-    }
+    use super::Warning;
 
     #[test]
     fn a_refit_that_leaves_more_than_the_search_is_told() {
         let told = |left: [f64; 2]| Warning::of_refit(&[0.125; 2], &left, &[1.0; 2]);
         assert!(told([0.25, 1.0]).is_some() && told([0.13, 0.13]).is_none());
-    }
-
-    #[test]
-    fn a_log_given_twice_is_told_from_two_alike() {
-        let logs = |second: f64| {
-            let t: Vec<f64> = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0].repeat(2);
-            let of = |row: usize| (0.7 * t[row]).sin() + if row == 15 { second } else { 0.0 };
-            let column = || Mat::from_fn(16, 1, |row, _| of(row));
-            let (joints, [q, dq, ddq]) = (vec!["joint1".into()], [column(), column(), column()]);
-            let tau = Some(column());
-            Motion::new(Signals { joints, t: t.clone(), q, dq, ddq, tau }).unwrap()
-        };
-
-        assert!(has_log_twice(&logs(0.0)));
-        assert!(!has_log_twice(&logs(1e-9)));
-    }
-
-    #[test]
-    fn doubts_about_a_joint_that_is_predicted_well_are_dropped() {
-        let unrelated = |joint: &str| {
-            Warning::Excitation(Finding::Unrelated { joint: joint.into(), residual: 0.9 })
-        };
-        let mut warnings = vec![unrelated("joint1"), unrelated("joint2")];
-        Warning::retain_founded(&mut warnings, &model());
-
-        assert_eq!(warnings, [unrelated("joint2")]);
-    }
-
-    #[test]
-    fn a_joint_of_untold_kind_is_said_to_be() {
-        let range =
-            |joint: &str| Warning::Excitation(Finding::Range { joint: joint.into(), range: 0.1 });
-        let mut warnings = vec![range("joint1"), range("joint2")];
-        let choice = Choice { what: "kind of joint2".into(), ..Choice::default() };
-        let model = Model { choices: vec![choice], ..model() };
-
-        Warning::retain_founded(&mut warnings, &model);
-
-        assert_eq!(warnings, [range("joint1"), Warning::Kind { joint: "joint2".into() }]);
     }
 }

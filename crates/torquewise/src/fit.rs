@@ -14,7 +14,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use torquewise_identify::bandwidth::{Tuned, tune};
 use torquewise_identify::disagreement::disagreements;
-use torquewise_identify::excitation::Finding;
 use torquewise_identify::plan::ChainOptions;
 use torquewise_identify::reconstruct::reconstruct_from;
 use torquewise_identify::verdict::{Grade, Verdict, judge};
@@ -90,8 +89,7 @@ impl<'a> Fit<'a> {
                     return Ok(chain);
                 }
                 Ok(chain) => {
-                    let of_torque =
-                        |own: &Warning| matches!(own, Warning::Excitation(Finding::Gains { .. }));
+                    let of_torque = |own: &Warning| matches!(own, Warning::Gains { .. });
                     let told = chain.found.warnings.into_iter().filter(of_torque);
                     fit.found.warnings.extend(told);
                     return Ok(fit);
@@ -125,10 +123,9 @@ impl<'a> Fit<'a> {
         let mut fit = fit_at_best(log.prepare(rows)?, &plan, self.observer)?;
         let Some(log) = &fit.log else { return Ok(fit) };
         fit.found.model.training.filter = log.filter();
-        let is_cut_off =
-            |own: &Warning| matches!(own, Warning::Excitation(Finding::Clipped { .. }));
+        let is_cut_off = |own: &Warning| matches!(own, Warning::Clipped { .. });
         if !fit.found.warnings.iter().any(is_cut_off) {
-            fit.found.warnings.extend(log.cut_off().into_iter().map(Warning::Excitation));
+            fit.found.warnings.extend(log.cut_off());
         }
         let (repairs, is_single) = (log.repairs(), log.logs().paths().len() == 1);
         if !is_single || repairs.values().any(|own| own.splits > 0) {
@@ -236,10 +233,8 @@ fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<Fit
         let Tuned { recording, request, choices } = tune(raw.as_ref(), &by_chain, progress)?;
         let log = Prepared::Conditioned(Box::new(recording));
         let watched = log.watched(observer, "reading");
-        let mut found = match &plan.method {
-            Method::Chain(_) => reconstruct_from(&watched, request, plan, progress)?,
-            Method::Library(_) => reconstruct(&watched, plan, progress)?,
-        };
+        let request = Some(request).filter(|_| matches!(plan.method, Method::Chain(_)));
+        let mut found = reconstruct_from(&watched, request, plan, progress)?;
         found.model.choices.splice(0..0, choices);
         Ok((log, found))
     })?;

@@ -9,7 +9,6 @@ use crate::summary::all_repairs;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use torquewise_identify::excitation::Finding;
 use torquewise_identify::{
     PatternPlan, Patterns, Survey, Warning, find_patterns, survey, weightless,
 };
@@ -42,7 +41,7 @@ pub struct Inspection {
     /// Whether it is filtered, for which a chain is fitted.
     pub is_filtered: bool,
     /// What its torques seem to be, if not all of the torque: without gravity, cut off.
-    pub torque: Vec<Finding>,
+    pub torque: Vec<Warning>,
     repairs: BTreeMap<String, Repairs>,
 }
 
@@ -130,7 +129,7 @@ impl Inspection {
         // A chain, which is fitted to other logs, needs no patterns.
         let is_stepwise = !self.is_filtered && self.survey.joints.len() <= MOST_WHOLE;
         let patterns = missing_patterns(&self.patterns.present).filter(|_| is_stepwise);
-        open.extend(self.torque.iter().cloned().map(Warning::Excitation));
+        open.extend(self.torque.iter().cloned());
         open.iter().map(ToString::to_string).chain(patterns).collect()
     }
 }

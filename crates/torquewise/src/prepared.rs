@@ -2,7 +2,7 @@
 
 use crate::observe::{Observer, Watched};
 use std::collections::BTreeMap;
-use torquewise_identify::excitation::{Finding, list};
+use torquewise_identify::warning::{Warning, list};
 use torquewise_logs::conditioned::RawLogs;
 use torquewise_logs::{ConditionedLogs, LEAST_GAIN, Logs};
 use torquewise_model::model::TrainingFilter;
@@ -98,11 +98,11 @@ impl Prepared {
     }
 
     /// Torques that a limit cut off as they were measured.
-    pub fn cut_off(&self) -> Vec<Finding> {
+    pub fn cut_off(&self) -> Vec<Warning> {
         let cut_off = self.torques().filter(|torque| torque.is_cut_off());
         let finding = |torque: &SignalReport| {
             let (joint, share) = (torque.joint.clone(), torque.at_ends.0);
-            Finding::Clipped { joint, share }
+            Warning::Clipped { joint, share }
         };
         cut_off.map(finding).collect()
     }

@@ -50,11 +50,12 @@ pub fn sum_up(
     let watched = log.watched(observer, "summing");
     let watch = |stage| observer(Event::Stage(stage));
     let signals = conditioning(&log);
-    let summary = match request {
+    let mut summary = match request {
         None => summarise(&watched, &plan, &signals, &watch)?,
         Some(request) => summarise_again(&watched, &plan, &signals, request, &watch)?,
     };
-    Ok((summary.filtered_by(log.filter()), log))
+    summary.settings.filter = log.filter();
+    Ok((summary, log))
 }
 
 /// How the signals were filtered: parts that were filtered otherwise do not add up.
@@ -74,8 +75,8 @@ pub fn solve_sums(
     options: &FitOptions,
     observer: Observer<'_>,
 ) -> Result<Solved> {
-    let plan = options.plan_for_sums(summary.settings())?;
-    let filter = summary.settings().filter;
+    let plan = options.plan_for_sums(&summary.settings)?;
+    let filter = summary.settings.filter;
     let (solution, spent) = timed(observer, |progress| solve(summary, &plan, progress))?;
     Ok(match solution {
         Solution::Request(request) => Solved::Request(request),

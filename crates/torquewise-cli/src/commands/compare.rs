@@ -9,7 +9,7 @@ use crate::table::methods;
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::compare::compare;
-use torquewise::identify::excitation::list;
+use torquewise::identify::warning::list;
 use torquewise::log::Rows;
 
 /// Compare stepwise reconstruction with one-shot SINDy

@@ -44,7 +44,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let inputs = std::iter::once(&arguments.moments).chain(&arguments.robot.urdf);
     check_files(inputs, [&arguments.output, &request].map(|file| (file.as_path(), &[][..])))?;
     let summary = read_moments(&arguments.moments)?;
-    let seed = arguments.seed.unwrap_or(summary.settings().patterns.seed);
+    let seed = arguments.seed.unwrap_or(summary.settings.patterns.seed);
     let mut flags = object(&arguments.selection);
     (flags["seed"], flags["friction"]) = (json!(seed), json!(arguments.friction));
     let mut options = fit_options(flags)?;

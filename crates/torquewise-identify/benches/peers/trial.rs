@@ -6,8 +6,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
-use torquewise_identify::{Plan, Reconstruction, UNWATCHED, reconstruct, score};
-use torquewise_model::{JointKind, Model};
+use torquewise_model::JointKind;
 use torquewise_motion::{BLOCK_ROWS, Motion};
 use torquewise_regression::normal_equations::{KeptColumns, NormalEquations};
 use torquewise_regression::row_sums::{PreparedDesign, RowAdder};
@@ -105,17 +104,6 @@ pub(crate) fn timed<T>(name: &str, work: impl Fn() -> T) -> (T, Value) {
     let [wall, cpu] = runs[runs.len() / 2];
     eprintln!("  {name}: {wall:.3} s, {cpu:.3} s of processor time");
     (done, json!([wall, cpu]))
-}
-
-/// A fit, and its seconds.
-pub(crate) fn fitted(motion: &Motion, plan: &Plan) -> (Reconstruction, Value) {
-    timed("fit", || reconstruct(motion, plan, UNWATCHED).expect("a log"))
-}
-
-/// NRMSE of each joint on a motion, in percent.
-pub(crate) fn errors(model: &Model, test: &Motion) -> Vec<f64> {
-    let scores = score(model, test).expect("a model of this arm");
-    scores.joints.iter().map(|joint| joint.nrmse_percent).collect()
 }
 
 /// Columns q q̇ q̈ τ, one after the other.

@@ -87,5 +87,5 @@ pub(super) fn cost_of_pull(at: &Linearisation, parameters: &[f64], prior: f64) -
         let apart = parameters[linear + k] - usual.parameters[k];
         0.5 * prior * usual.precision[k] * apart * apart
     };
-    at.structure.free.iter().map(cost).sum()
+    at.free.iter().map(cost).sum()
 }

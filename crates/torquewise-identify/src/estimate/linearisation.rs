@@ -1,6 +1,6 @@
 //! Linearised torque: rows [J e] of a block of motion.
 
-use crate::drive_terms::{DriveTerm, Gravity, WEIGHT_AT_REST, columns};
+use crate::drive_terms::{DriveTerm, Gravity, WEIGHT_AT_REST, chain_rows, columns};
 use crate::regions::Regions;
 use faer::Mat;
 use serde::{Deserialize, Serialize};
@@ -12,9 +12,10 @@ use torquewise_rigid::{Chain, ChainRows, Geometry, Tangent};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::noise::NoiseFloor;
 
-/// What a chain is made of: which of its parameters there are and which may move.
+/// Where the torque of an arm is linearised, and how its rows are weighted: all that a pass over
+/// logs needs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Structure {
+pub(crate) struct Linearisation {
     /// Rotors, friction, springs: columns of their own.
     pub(crate) drive: Vec<DriveTerm>,
     /// How many of these were chosen. The others were offered as well: what the arm does is the mean
@@ -27,13 +28,6 @@ pub(crate) struct Structure {
     pub(crate) free: Vec<usize>,
     /// Joints slower than this \[rad/s\] are at rest: their friction may be anything; n.
     pub(crate) rest: Vec<f64>,
-}
-
-/// Where the torque of an arm is linearised, and how its rows are weighted: all that a pass over
-/// logs needs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Linearisation {
-    pub(crate) structure: Structure,
     /// Where the axes lie, θ₀, and what moves by them.
     pub(crate) geometry: Geometry,
     /// Inertial parameters of the bodies, 10 each, then coefficients of the drive.
@@ -68,11 +62,14 @@ impl Linearisation {
         (drive, coefficients): (Vec<DriveTerm>, &[f64]),
         rest: Vec<f64>,
     ) -> Self {
-        let (chosen, robot, free) = (drive.len(), None, Vec::new());
         // Of a torque that was not measured nothing is left.
         let per = |rms: &f64| if *rms > 0.0 { 1.0 / rms } else { 0.0 };
         Self {
-            structure: Structure { drive, chosen, robot, free, rest },
+            chosen: drive.len(),
+            drive,
+            robot: None,
+            free: Vec::new(),
+            rest,
             geometry: chain.geometry.clone(),
             linear: chain.inertial.iter().chain(coefficients).copied().collect(),
             weights: chain.residual_rms.iter().map(per).collect(),
@@ -92,11 +89,11 @@ impl Linearisation {
 
     pub(crate) fn active(&self) -> Vec<usize> {
         let linear = self.linear.len();
-        (0..linear).chain(self.structure.free.iter().map(|&k| linear + k)).collect()
+        (0..linear).chain(self.free.iter().map(|&k| linear + k)).collect()
     }
 
     pub(crate) fn chosen_indices(&self) -> Vec<usize> {
-        let offered = self.structure.drive.len() - self.structure.chosen;
+        let offered = self.drive.len() - self.chosen;
         (0..self.linear.len() - offered).collect()
     }
 
@@ -104,7 +101,7 @@ impl Linearisation {
     pub(crate) fn narrowed(&self) -> Self {
         let chosen = self.chosen_indices().len();
         let mut narrowed = self.clone();
-        narrowed.structure.drive.truncate(self.structure.chosen);
+        narrowed.drive.truncate(self.chosen);
         narrowed.linear.truncate(chosen);
         narrowed.scales.drain(chosen..self.linear.len());
         narrowed
@@ -117,8 +114,8 @@ impl Linearisation {
         sample: &Motion,
     ) -> Result<Self, IdentifyError> {
         for term in offered {
-            if !self.structure.drive.contains(term) {
-                self.structure.drive.push(term.clone());
+            if !self.drive.contains(term) {
+                self.drive.push(term.clone());
                 self.linear.push(0.0);
             }
         }
@@ -128,8 +125,7 @@ impl Linearisation {
     /// The same where these parameters may move.
     pub(crate) fn freed(self, active: &[usize]) -> Self {
         let linear = self.linear.len();
-        let free = active.iter().filter_map(|k| k.checked_sub(linear)).collect();
-        Self { structure: Structure { free, ..self.structure }, ..self }
+        Self { free: active.iter().filter_map(|k| k.checked_sub(linear)).collect(), ..self }
     }
 
     pub(crate) fn is_sound(&self, n: usize) -> bool {
@@ -138,13 +134,13 @@ impl Linearisation {
         let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
         let noise = [&self.noise.q, &self.noise.dq, &self.noise.ddq];
         Geometry::new(geometry).is_ok_and(|geometry| geometry.n_joints() == n)
-            && self.linear.len() == bodies + self.structure.drive.len()
-            && self.structure.drive.iter().all(|term| term.n_joints() == n)
-            && self.structure.chosen <= self.structure.drive.len()
+            && self.linear.len() == bodies + self.drive.len()
+            && self.drive.iter().all(|term| term.n_joints() == n)
+            && self.chosen <= self.drive.len()
             && self.geometry.coupling().is_sound(n)
             && self.geometry.kinds().fit(n)
-            && self.structure.free.iter().all(|&k| k < geometry.len())
-            && self.structure.rest.len() == n
+            && self.free.iter().all(|&k| k < geometry.len())
+            && self.rest.len() == n
             && self.weights.len() == n
             && self.scales.len() == self.n_parameters()
             && noise.iter().all(|noise| noise.len() == n && finite(noise))
@@ -156,7 +152,7 @@ impl Linearisation {
 
     /// Travels \[rad\] of the elements by which friction remembers the path.
     pub(crate) fn travels(&self) -> Vec<f64> {
-        let mut laws = self.structure.drive.iter().filter_map(DriveTerm::law);
+        let mut laws = self.drive.iter().filter_map(DriveTerm::law);
         let remembers = laws.any(|term| term.element().is_some());
         if remembers { TRAVELS.to_vec() } else { Vec::new() }
     }
@@ -173,13 +169,6 @@ impl Linearisation {
     pub(crate) fn at(&self, parameters: &[f64]) -> Self {
         let (linear, geometry) = parameters.split_at(self.linear.len());
         Self { geometry: self.geometry.at(geometry), linear: linear.to_vec(), ..self.clone() }
-    }
-
-    /// The same part of the way to another: between two physical arms all are physical.
-    pub(crate) fn towards(&self, other: &Self, share: f64) -> Self {
-        let pairs = self.parameters().into_iter().zip(other.parameters());
-        let mixed: Vec<f64> = pairs.map(|(a, b)| a + share * (b - a)).collect();
-        Self { structure: other.structure.clone(), ..self.at(&mixed) }
     }
 
     /// The same with parameters counted in such units that the columns of a sample are of size 1:
@@ -231,16 +220,15 @@ impl Linearisation {
 
     /// The rows of a block, those of joints at rest with little weight.
     fn weighed(&self, block: &Motion, seen: &Motion) -> Result<ChainRows, IdentifyError> {
-        let drive = &self.structure.drive;
+        let drive = &self.drive;
         let is_loaded = drive.iter().any(DriveTerm::is_load_dependent);
         let gravity = is_loaded.then(|| Gravity::of(&self.chain(), drive));
         let drive = columns(drive, block, gravity.as_ref());
-        let tau = block.require_tau()?;
-        let rests = self.structure.rest.iter().any(|speed| *speed > 0.0);
-        let rows = ChainRows::new([block.q(), block.dq(), block.ddq(), tau], &drive)?;
+        let rests = self.rest.iter().any(|speed| *speed > 0.0);
+        let rows = chain_rows(block, &drive)?;
         Ok(if rests {
             rows.with_shares(|row, joint| {
-                let moves = seen.dq()[(row, joint)].abs() >= self.structure.rest[joint];
+                let moves = seen.dq()[(row, joint)].abs() >= self.rest[joint];
                 if moves { 1.0 } else { WEIGHT_AT_REST }
             })
         } else {
@@ -263,7 +251,7 @@ impl Linearisation {
     }
 
     fn tangent_columns(&self, rows: &ChainRows) -> Result<(Mat<f64>, Vec<f64>), IdentifyError> {
-        let tangent = self.chain().tangent(rows, &self.weights, &self.structure.free)?;
+        let tangent = self.chain().tangent(rows, &self.weights, &self.free)?;
         Ok((tangent.columns, tangent.weights))
     }
 }
@@ -272,17 +260,10 @@ impl Linearisation {
 ///
 /// - `by`: m×3n
 pub(crate) fn shifted(motion: &Motion, by: &Mat<f64>, sign: f64) -> Result<Motion, IdentifyError> {
-    let n = motion.n_joints();
-    let signal = |x: faer::MatRef<'_, f64>, first: usize| {
-        Mat::from_fn(x.nrows(), n, |row, joint| x[(row, joint)] + sign * by[(row, first + joint)])
-    };
-    Ok(Motion::new(Signals {
-        joints: motion.joints().to_vec(),
-        t: motion.t().to_vec(),
-        q: signal(motion.q(), 0),
-        dq: signal(motion.dq(), n),
-        ddq: signal(motion.ddq(), 2 * n),
-        tau: motion.tau().map(|tau| tau.to_owned()),
-    })?
-    .with_memory(motion.memory().cloned()))
+    let (n, mut signals) = (motion.n_joints(), motion.clone().into_signals());
+    let Signals { q, dq, ddq, .. } = &mut signals;
+    for (k, x) in [q, dq, ddq].into_iter().enumerate() {
+        *x += faer::Scale(sign) * by.subcols(k * n, n);
+    }
+    Ok(Motion::new(signals)?.with_memory(motion.memory().cloned()))
 }

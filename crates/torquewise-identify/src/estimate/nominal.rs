@@ -78,7 +78,7 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> (Prior, Vec<f64>) {
     let end = |k: usize| placements.get(k + 1).map_or_else(Vector3::zeros, |next| next.origin);
     let links = (0..placements.len()).map(|k| plain_link(mass, &end(k), SPREAD * length));
     let bodies: Vec<Inertial> = links.collect();
-    let (drive, first) = (&at.structure.drive, PER_BODY * bodies.len());
+    let (drive, first) = (&at.drive, PER_BODY * bodies.len());
     let mut start = at.parameters();
     start[..first].copy_from_slice(bodies.as_flattened());
     let mut prior = Prior { bodies, ..Prior::default() };

@@ -108,9 +108,9 @@ impl Passes {
         } else if gain > 0.0 {
             moved
         } else {
-            // The step was too long.
-            let from = self.at.at(&best.0);
-            from.towards(&self.at, SHORTER).parameters()
+            // The step was too long: between two physical arms all are physical.
+            let pairs = best.0.iter().zip(self.at.parameters());
+            pairs.map(|(from, to)| from + SHORTER * (to - from)).collect()
         };
         let at = self.at.at(&parameters).freed(&active);
         Ok(ControlFlow::Continue(Self { at, best: Some(best), ..self }))

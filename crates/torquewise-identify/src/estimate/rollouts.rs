@@ -2,7 +2,6 @@
 
 use super::equations::Equations;
 use super::linearisation::Linearisation;
-use super::nominal::Sizes;
 use super::pass::add_up;
 use super::step::Step;
 use super::windows::{add_up_windows, drifts_of};
@@ -40,7 +39,7 @@ const SHARES: [f64; 3] = [1.0, 0.3, 0.1];
 pub(crate) fn refined_by_rollouts(
     recording: &(impl Recording + ?Sized),
     fitted: Fitted,
-    (sums, sizes): (&NormalSums, &Sizes),
+    sums: &NormalSums,
     watch: Watch<'_>,
 ) -> Result<Fitted, IdentifyError> {
     let start = fitted.solved.at.clone();
@@ -57,7 +56,7 @@ pub(crate) fn refined_by_rollouts(
         return Err(IdentifyError::TooFewWindows { windows, needed: LEAST_WINDOWS });
     }
     let mut rotors: Vec<f64> = places.iter().map(|&k| start.linear[k]).collect();
-    let torque = TorqueOf::new(Step::new(sums, &start, sizes), places);
+    let torque = TorqueOf::new(Step::new(sums, &start, &fitted.sizes), places);
     let at = |rotors: &[f64]| start.at(&torque.step.whole(&torque.places, rotors));
     let mut drifted = half_squares(&before, &weights);
     let mut chosen = torque.chosen(&windows, &rotors)?;
@@ -102,7 +101,7 @@ pub(crate) fn refined_by_rollouts(
 /// The rotors of a chain: their places among the parameters, and their shafts, n each.
 fn rotors_of(at: &Linearisation) -> (Vec<usize>, Vec<Vec<f64>>) {
     let first = PER_BODY * at.n_joints();
-    let drive = at.structure.drive.iter().enumerate();
+    let drive = at.drive.iter().enumerate();
     let rotors = drive.filter_map(|(k, term)| match term {
         DriveTerm::Rotor(shaft) => Some((first + k, shaft.clone())),
         DriveTerm::Friction(_) | DriveTerm::Energy(_) => None,

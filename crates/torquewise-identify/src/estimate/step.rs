@@ -46,7 +46,7 @@ pub(super) struct Step<'a> {
 }
 
 impl<'a> Step<'a> {
-    pub(super) fn new(sums: &'a NormalSums, at: &'a Linearisation, sizes: &'a Sizes) -> Self {
+    pub(super) fn new(sums: &'a NormalSums, at: &'a Linearisation, sizes: &Sizes) -> Self {
         let (prior, start) = prior(at, sizes);
         let (gram, bias) = (sums.gram(), sums.bias());
         let all = Equations::new(&gram, &bias, at);
@@ -76,7 +76,7 @@ impl<'a> Step<'a> {
     /// The mean of the best linear parameters and of the best where what was chosen is all there is:
     /// both are physical arms, and so is their mean (E21).
     pub(super) fn averaged(&self, best: &[f64], sizes: &Sizes) -> Result<Vec<f64>, IdentifyError> {
-        if self.at.structure.chosen == self.at.structure.drive.len() {
+        if self.at.chosen == self.at.drive.len() {
             return Ok(best.to_vec());
         }
         let (mut at, chosen) = (self.at.clone(), self.at.chosen_indices());

@@ -73,14 +73,15 @@ impl ChainLearner<'_> {
     /// Searches the geometry of joints of given kinds; or of joints that all turn, then looks for those
     /// that rather slide. Then it looks for coupled ones. What was found of the joints before stays.
     ///
+    /// - `before`: the arm as it was learned at another bandwidth
     /// - `at`: the specification for joints of some kinds
     pub(super) fn moving_geometry(
         &mut self,
-        given: Option<JointKinds>,
+        (given, before): (Option<JointKinds>, Option<Learned>),
         at: &(impl Fn(JointKinds) -> ChainSpec + Sync),
         choices: &mut Vec<Choice>,
     ) -> Result<(ChainSpec, Chain), IdentifyError> {
-        if let Some(Learned { chain, choices: before, .. }) = self.before.take() {
+        if let Some(Learned { chain, choices: before, .. }) = before {
             let kinds = chain.geometry.kinds();
             let is_of_joints = |own: &Choice| {
                 [KINDS, COUPLING].contains(&own.what.as_str()) || own.what.starts_with(KIND_OF)

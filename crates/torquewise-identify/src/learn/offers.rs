@@ -224,7 +224,7 @@ impl ChainLearner<'_> {
         let Some(unseen) = Unseen::new(&at, &motion, &target, &blocks, 0.0)? else {
             return Ok(Vec::new());
         };
-        let bodies = at.linear.len() - at.structure.drive.len();
+        let bodies = at.linear.len() - at.drive.len();
         let known = bodies + spec.drive.len();
         let mut chosen: Vec<usize> = offers.iter().map(|offer| offer.usual).collect();
         let mut record = vec![None; offers.len()];

@@ -4,7 +4,7 @@ use super::pass::Pass;
 use super::rows::WithLoad;
 use super::{LoadPlace, Payload, STRENGTH, chain_of};
 use crate::clustered::{Stretches, scatter, score};
-use crate::excitation::list;
+use crate::warning::list;
 use faer::{ColRef, Mat};
 use serde::Serialize;
 use torquewise_model::shaft_friction::Estimated;

@@ -28,7 +28,7 @@ impl HeldTo {
         let strength = STRENGTH * prior_rows;
         let (usual, own) = (UsualArm::near(&at.geometry), at.geometry.parameters());
         let pull = |&k: &usize| (prior_rows * usual.precision[k], usual.parameters[k] - own[k]);
-        let pulls: Vec<(f64, f64)> = at.structure.free.iter().map(pull).collect();
+        let pulls: Vec<(f64, f64)> = at.free.iter().map(pull).collect();
         start.resize(start.len() + pulls.len(), 0.0);
         Self { prior, strength, pulls, start }
     }

@@ -127,7 +127,7 @@ fn fit(fine: &Motion, rows: &Rows) -> Model {
     let raw = RawLogs::new(logs, &Conditioning::default(), true).unwrap();
     let plan: Plan = ChainOptions::default().into();
     let Tuned { recording, request, .. } = tune(&raw, &plan, UNWATCHED).unwrap();
-    reconstruct_from(&recording, request, &plan, UNWATCHED).unwrap().model
+    reconstruct_from(&recording, Some(request), &plan, UNWATCHED).unwrap().model
 }
 
 /// Error on another motion with torque as noisy as that of the log, percent, geometric mean.

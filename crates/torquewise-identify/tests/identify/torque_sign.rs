@@ -3,20 +3,34 @@ use crate::support::{
     chain, deviation, executed, fit, motion, normals, percent, states_of, with_torque,
 };
 use faer::Mat;
-use torquewise_identify::excitation::Finding;
 use torquewise_identify::plan::{ChainOptions, FrictionKind};
 use torquewise_identify::verdict::{Grade, judge};
 use torquewise_identify::{Plan, UNWATCHED, Warning, survey, weightless};
 use torquewise_motion::Motion;
 use torquewise_sim::{Arm, MotionKind};
 
+/// Whether a warning is of the signals of a log.
+fn is_finding(own: &Warning) -> bool {
+    matches!(
+        own,
+        Warning::Range { .. }
+            | Warning::Speed { .. }
+            | Warning::Acceleration { .. }
+            | Warning::OneWay { .. }
+            | Warning::Together { .. }
+            | Warning::Clipped { .. }
+            | Warning::WrongSign { .. }
+            | Warning::Weightless
+            | Warning::Swapped { .. }
+            | Warning::Gains { .. }
+            | Warning::Commanded { .. }
+            | Warning::Unrelated { .. }
+    )
+}
+
 /// What a fit finds in the signals of a log.
-fn findings(log: &Motion, plan: &Plan) -> Vec<Finding> {
-    let finding = |warning| match warning {
-        Warning::Excitation(finding) => Some(finding),
-        _ => None,
-    };
-    fit(log, plan).warnings.into_iter().filter_map(finding).collect()
+fn findings(log: &Motion, plan: &Plan) -> Vec<Warning> {
+    fit(log, plan).warnings.into_iter().filter(is_finding).collect()
 }
 
 /// Joints that a fit says to have the wrong sign once the torque of some is turned round.
@@ -29,7 +43,7 @@ fn named(arm: &str, turned: &[usize], friction: f64) -> Vec<String> {
         }
     });
     let wrong = |finding| match finding {
-        Finding::WrongSign { joints } => Some(joints),
+        Warning::WrongSign { joints } => Some(joints),
         _ => None,
     };
     findings(&log, &Plan::default()).into_iter().find_map(wrong).unwrap_or_default()
@@ -67,7 +81,7 @@ fn of_a_joint_that_hardly_moves_no_sign_is_told() {
 
     let found = findings(&turned, &Plan::default());
 
-    assert!(!found.iter().any(|own| matches!(own, Finding::WrongSign { .. })), "{found:?}");
+    assert!(!found.iter().any(|own| matches!(own, Warning::WrongSign { .. })), "{found:?}");
 }
 
 /// As of a wrist whose torque is little but friction, which then drives it.
@@ -94,10 +108,10 @@ fn of_torques_that_are_little_but_friction_those_that_are_turned_or_swapped_are_
 
     assert_eq!(said(&|_| ()), []);
     for (joint, name) in [4, 5].into_iter().zip(&joints) {
-        let wrong = Finding::WrongSign { joints: vec![name.clone()] };
+        let wrong = Warning::WrongSign { joints: vec![name.clone()] };
         assert_eq!(said(&|tau| tau[joint] = -tau[joint]), [wrong]);
     }
-    assert_eq!(said(&|tau| tau.swap(4, 5)), [Finding::Swapped { joints }]);
+    assert_eq!(said(&|tau| tau.swap(4, 5)), [Warning::Swapped { joints }]);
 }
 
 #[test]
@@ -117,7 +131,7 @@ fn a_torque_that_never_changes_leaves_the_others_as_they_are() {
         assert!(roots.into_iter().all(|root| root.is_finite()));
         let constant = Warning::ConstantTorque { joint: arm.joints()[2].clone() };
         assert!(found.warnings.contains(&constant), "{:?}", found.warnings);
-        let others = |own: &Warning| matches!(own, Warning::Excitation(_) | Warning::Refit { .. });
+        let others = |own: &Warning| is_finding(own) || matches!(own, Warning::Refit { .. });
         assert!(!found.warnings.iter().any(others), "{:?}", found.warnings);
         let errors = percent(&found.model, &log(2));
         assert!(errors[unmeasured.len() - 1..2].iter().all(|error| *error < 1.0), "{errors:?}");
@@ -163,9 +177,9 @@ fn spoilt(arm: &Arm, spoil: impl Fn(&[f64], &mut [f64])) -> Motion {
 }
 
 /// What a fit says of torques with dry friction once they are spoilt.
-fn said(arm: &Arm, plan: &Plan, spoil: impl Fn(&[f64], &mut [f64])) -> Vec<Finding> {
-    let is_of_torque = |finding: &Finding| {
-        matches!(finding, Finding::Swapped { .. } | Finding::Weightless | Finding::Gains { .. })
+fn said(arm: &Arm, plan: &Plan, spoil: impl Fn(&[f64], &mut [f64])) -> Vec<Warning> {
+    let is_of_torque = |finding: &Warning| {
+        matches!(finding, Warning::Swapped { .. } | Warning::Weightless | Warning::Gains { .. })
     };
     findings(&spoilt(arm, spoil), plan).into_iter().filter(is_of_torque).collect()
 }
@@ -180,7 +194,7 @@ fn torques_that_are_swapped_or_without_gravity_are_named() {
     let arm = Arm::builtin("generic-4").unwrap();
     assert_eq!(said(&arm, &Plan::default(), |_, _| ()), []);
     for [a, b] in [[0, 1], [1, 2], [0, 3], [2, 3]] {
-        let expected = Finding::Swapped { joints: [a, b].map(|joint| arm.joints()[joint].clone()) };
+        let expected = Warning::Swapped { joints: [a, b].map(|joint| arm.joints()[joint].clone()) };
         assert_eq!(said(&arm, &Plan::default(), |_, tau| tau.swap(a, b)), [expected]);
     }
     // Axes of the last are parallel, as those of an arm that gravity does not pull may be.
@@ -195,7 +209,7 @@ fn torques_that_are_swapped_or_without_gravity_are_named() {
         let take_out = |q: &[f64], tau: &mut [f64]| {
             tau.iter_mut().zip(arm.gravity_torque(q)).for_each(|(tau, gravity)| *tau -= gravity);
         };
-        let expected = if is_told { vec![Finding::Weightless] } else { Vec::new() };
+        let expected = if is_told { vec![Warning::Weightless] } else { Vec::new() };
 
         assert_eq!(said(&arm, &plan, take_out), expected, "{name}");
         assert_eq!(said(&arm, &plan, |_, _| ()), [], "{name}");
@@ -218,7 +232,7 @@ fn currents_of_different_motors_are_named_with_what_each_is_worth() {
         let found =
             said(&Arm::builtin(name).unwrap(), &Plan::from(ChainOptions::default()), currents);
 
-        let [Finding::Gains { gains: found, .. }] = &found[..] else { panic!("{found:?}") };
+        let [Warning::Gains { gains: found, .. }] = &found[..] else { panic!("{found:?}") };
         let mean = gains.iter().map(|gain| gain.ln()).sum::<f64>() / gains.len() as f64;
         for ([found, error], gain) in found.iter().zip(gains) {
             let truth = gain / mean.exp();

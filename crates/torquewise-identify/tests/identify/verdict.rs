@@ -1,7 +1,6 @@
 //! The grade of a model and its reasons, each of a fit that is good but for one thing.
 
 use crate::support::{fit, motion};
-use torquewise_identify::excitation::Finding;
 use torquewise_identify::verdict::{Grade, judge, judge_by};
 use torquewise_identify::{Plan, Reconstruction, Warning};
 use torquewise_model::model::GeometryFound;
@@ -24,7 +23,7 @@ fn what_is_wrong_decides_the_grade_and_stands_among_its_reasons() {
     short.model.training.held_out_rms.clear();
     short.model.training.held_out_by_region_rms.clear();
     let (joints, gains) = (good.model.joints.clone(), vec![[2.0, 0.1], [0.5, 0.1]]);
-    let gains = Finding::Gains { joints: joints.clone(), gains };
+    let gains = Warning::Gains { joints: joints.clone(), gains };
     let cases = vec![
         (judge(&good), Grade::Good, "held-out error 0.00"),
         (tested(&[f64::NAN; 2], None), Grade::Usable, "no torque of the test changes"),
@@ -38,8 +37,8 @@ fn what_is_wrong_decides_the_grade_and_stands_among_its_reasons() {
         (judged(short), Grade::Usable, "too few rows to hold any out"),
         (warned(Warning::Repeated), Grade::Usable, "given twice"),
         (warned(Warning::NotPhysical(String::new())), Grade::Usable, "not positive definite"),
-        (warned(Warning::Excitation(gains)), Grade::Unusable, "not in one unit"),
-        (warned(Warning::Excitation(Finding::WrongSign { joints })), Grade::Unusable, "wrong sign"),
+        (warned(gains), Grade::Unusable, "not in one unit"),
+        (warned(Warning::WrongSign { joints }), Grade::Unusable, "wrong sign"),
     ];
     for (verdict, grade, reason) in cases {
         assert_eq!(verdict.grade, grade, "{reason}: {verdict}");

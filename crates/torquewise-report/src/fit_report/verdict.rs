@@ -82,7 +82,7 @@ fn worst_joint(findings: &Findings<'_>) -> Option<String> {
     let errors = findings.found.model.training.held_out_errors().unwrap_or_default();
     let (joint, error) = errors.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
     let name = &findings.joints()[joint];
-    let is_told = |own: &Warning| matches!(own, Warning::Shape(shape) if shape.joint == *name);
+    let is_told = |own: &Warning| matches!(own, Warning::Shape { joint, .. } if joint == name);
     let cure = if findings.found.warnings.iter().any(is_told) {
         ""
     } else {

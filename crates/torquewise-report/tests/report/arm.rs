@@ -2,7 +2,6 @@
 
 use crate::{findings, log};
 use std::f64::consts::FRAC_PI_2;
-use torquewise_identify::excitation::Finding;
 use torquewise_identify::verdict::{judge, judge_by};
 use torquewise_identify::{PatternPlan, Reconstruction, Warning, diagnose, find_patterns, survey};
 use torquewise_model::friction::FrictionLaw;
@@ -49,7 +48,7 @@ fn report() -> String {
     let log = log("generic-6", 20.0);
     let survey = survey(&log).unwrap();
     let patterns = find_patterns(&survey, &PatternPlan::default()).unwrap();
-    let range = Finding::Range { joint: "joint3".into(), range: 0.1 };
+    let range = Warning::Range { joint: "joint3".into(), range: 0.1 };
     let mut found = Reconstruction {
         model: model(log.joints()),
         noise: survey.noise.clone(),
@@ -58,7 +57,7 @@ fn report() -> String {
         candidates: 0,
         steps: Vec::new(),
         dropped: Vec::new(),
-        warnings: vec![Warning::Excitation(range)],
+        warnings: vec![range],
     };
     let diagnosis = diagnose(&found.model, &found.patterns, &log).unwrap();
     let logs = &[LogFile { name: "a.csv".into(), date: "2001-02-03".into() }];
