@@ -47,10 +47,16 @@ pub(crate) fn drifts(model: &Model, sample: &Motion) -> Result<Vec<Warning>, Ide
     let (tau, total) = (sample.require_tau()?, parts.total());
     let of_joint = |joint: usize| {
         let friction = parts.friction.col(joint);
-        let left = |row: usize| tau[(row, joint)] - total[(row, joint)];
-        let row = |&(row, s): &(usize, f64)| (friction[row], friction[row] * s, left(row));
-        let (part, std_error) = change(&rows.iter().map(row).collect::<Vec<_>>())?;
-        let found = part.abs() >= LEAST_PART && part.abs() >= LEAST_ERRORS * std_error;
+        let mut sums = Stretches::new(2, usize::MAX, rows.len().div_ceil(STRETCHES));
+        for &(row, s) in &rows {
+            let left = tau[(row, joint)] - total[(row, joint)];
+            sums.add(&[friction[row], friction[row] * s], left, 1.0);
+        }
+        let Solved { values, std_errors, free, .. } = sums.solved()?;
+        let scale = 1.0 + values[0];
+        let (part, std_error) = (values[1] / scale, std_errors[1] / scale);
+        let is_told = free[1] > LEAST_FREE && scale > LEAST_PART;
+        let found = is_told && part.abs() >= LEAST_PART && part.abs() >= LEAST_ERRORS * std_error;
         let joint = model.joints[joint].clone();
         found.then_some(Warning::Drift { joint, part, std_error, seconds: longest })
     };
@@ -62,20 +68,6 @@ pub(crate) fn logs(t: &[f64]) -> Vec<Range<usize>> {
     let ends: Vec<usize> = (1..t.len()).filter(|&row| t[row] <= t[row - 1]).collect();
     let starts = std::iter::once(0).chain(ends.iter().copied());
     starts.zip(ends.iter().copied().chain([t.len()])).map(|(a, b)| a..b).collect()
-}
-
-/// b/(1 + a) of r = a x + b y, and its standard error; `None` where it is not determined.
-///
-/// - `rows`: x, y, r
-fn change(rows: &[(f64, f64, f64)]) -> Option<(f64, f64)> {
-    let mut sums = Stretches::new(2, usize::MAX, rows.len().div_ceil(STRETCHES));
-    for (x, y, r) in rows {
-        sums.add(&[*x, *y], *r, 1.0);
-    }
-    let Solved { values, std_errors, free, .. } = sums.solved()?;
-    let scale = 1.0 + values[0];
-    let is_told = free[1] > LEAST_FREE && scale > LEAST_PART;
-    is_told.then(|| (values[1] / scale, std_errors[1] / scale))
 }
 
 #[cfg(test)]

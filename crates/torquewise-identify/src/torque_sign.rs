@@ -254,9 +254,6 @@ pub(crate) fn swapped(
             && pair.iter().all(|joint| doubtful.contains(joint))
     };
     let pairs: Vec<[usize; 2]> = pairs.filter(is_likely).collect();
-    if pairs.is_empty() {
-        return Ok(None);
-    }
     let peaks = (0..n).map(|joint| motion.dq().col(joint).norm_max()).collect();
     let drive = DriveTerm::usual(&FrictionLibrary::new(peaks));
     let rows = chain_rows(&motion, &columns(&drive, &motion, None))?.measured();

@@ -220,20 +220,12 @@ impl Linearisation {
 
     /// The rows of a block, those of joints at rest with little weight.
     fn weighed(&self, block: &Motion, seen: &Motion) -> Result<ChainRows, IdentifyError> {
-        let drive = &self.drive;
-        let is_loaded = drive.iter().any(DriveTerm::is_load_dependent);
-        let gravity = is_loaded.then(|| Gravity::of(&self.chain(), drive));
-        let drive = columns(drive, block, gravity.as_ref());
-        let rests = self.rest.iter().any(|speed| *speed > 0.0);
-        let rows = chain_rows(block, &drive)?;
-        Ok(if rests {
-            rows.with_shares(|row, joint| {
-                let moves = seen.dq()[(row, joint)].abs() >= self.rest[joint];
-                if moves { 1.0 } else { WEIGHT_AT_REST }
-            })
-        } else {
-            rows
-        })
+        let gravity = Gravity::of(&self.chain(), &self.drive);
+        let rows = chain_rows(block, &columns(&self.drive, block, Some(&gravity)))?;
+        Ok(rows.with_shares(|row, joint| {
+            let moves = seen.dq()[(row, joint)].abs() >= self.rest[joint];
+            if moves { 1.0 } else { WEIGHT_AT_REST }
+        }))
     }
 
     /// Columns of the linear parameters and of steps of the geometry that may move, in units of the

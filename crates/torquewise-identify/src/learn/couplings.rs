@@ -1,5 +1,6 @@
 //! Joints that several logged coordinates turn, where the log shows it (E18).
 
+use super::kinds::Searched;
 use super::{ChainLearner, FINAL_ROWS, TRIAL_ROWS, left, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use rayon::prelude::*;
@@ -25,23 +26,19 @@ impl ChainLearner<'_> {
     /// Looks beyond a geometry that was found for joints that the coordinate of the joint before turns
     /// as well, as behind a parallelogram \[E18\].
     ///
-    /// - `chain`, `own`: what was found, and how its axes were chosen
+    /// - `own`: how its axes were chosen
     pub(super) fn coupled_geometry(
         &mut self,
-        spec: &ChainSpec,
-        (mut chain, mut own): (Chain, Vec<Choice>),
+        (spec, mut chain, mut own): Searched,
         choices: &mut Vec<Choice>,
     ) -> Result<(ChainSpec, Chain), IdentifyError> {
         let mut best = spec.clone();
         for _ in 0..MOST_COUPLED {
-            let coupling = best.search.coupling.clone();
-            let search = Search { coupling, ..spec.search.clone() };
-            let known = ChainSpec { search, ..spec.clone() };
+            let mut known = spec.clone();
+            known.search.coupling = best.search.coupling.clone();
             let Some((label, search)) = self.promising(&known)? else { break };
-            let mut made = Vec::new();
-            let mut with = ChainSpec { search, ..known };
-            let found = self.geometry(&mut with, None, &mut made)?;
-            let rows = self.rows(spec, TRIAL_ROWS)?;
+            let (with, found, made) = self.searched(ChainSpec { search, ..known })?;
+            let rows = self.rows(&spec, TRIAL_ROWS)?;
             let trials = [
                 trial("none".to_owned(), &best, &rows, &chain, &searching(self.watch))?,
                 trial(label, &with, &rows, &found, &searching(self.watch))?,

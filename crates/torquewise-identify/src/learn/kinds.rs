@@ -67,7 +67,7 @@ pub fn first_look(
 }
 
 /// A specification, its chain, and how its axes were chosen.
-type Searched = (ChainSpec, Chain, Vec<Choice>);
+pub(super) type Searched = (ChainSpec, Chain, Vec<Choice>);
 
 impl ChainLearner<'_> {
     /// Searches the geometry of joints of given kinds; or of joints that all turn, then looks for those
@@ -92,13 +92,18 @@ impl ChainLearner<'_> {
             let chain = self.geometry(&mut spec, None, choices)?;
             return Ok((spec, chain));
         }
-        if let Some(kinds) = given {
-            let (mut spec, mut own) = (upright(at(kinds.clone()), &kinds), Vec::new());
-            let chain = self.geometry(&mut spec, None, &mut own)?;
-            return self.coupled_geometry(&spec, (chain, own), choices);
-        }
-        let (spec, chain, own) = self.kinds_and_geometry(at, choices)?;
-        self.coupled_geometry(&spec, (chain, own), choices)
+        let searched = match given {
+            Some(kinds) => self.searched(upright(at(kinds.clone()), &kinds))?,
+            None => self.kinds_and_geometry(at, choices)?,
+        };
+        self.coupled_geometry(searched, choices)
+    }
+
+    /// The geometry of a specification, and how its axes were chosen.
+    pub(super) fn searched(&mut self, mut spec: ChainSpec) -> Result<Searched, IdentifyError> {
+        let mut own = Vec::new();
+        let chain = self.geometry(&mut spec, None, &mut own)?;
+        Ok((spec, chain, own))
     }
 
     /// The geometry of joints of the kinds that held-out rows choose, and how its axes were chosen.
@@ -107,10 +112,8 @@ impl ChainLearner<'_> {
         at: &(impl Fn(JointKinds) -> ChainSpec + Sync),
         choices: &mut Vec<Choice>,
     ) -> Result<Searched, IdentifyError> {
-        let (mut turning, mut own) = (at(JointKinds::default()), Vec::new());
-        let chain = self.geometry(&mut turning, None, &mut own)?;
-        let (mut best, mut kinds, n) =
-            ((turning, chain, own), JointKinds::default(), self.motion.n_joints());
+        let (mut kinds, n) = (JointKinds::default(), self.motion.n_joints());
+        let mut best = self.searched(at(kinds.clone()))?;
         let look = self.first_look(at)?;
         if !look.kinds.all_turn() {
             // Where no joint tells, slides that fit are simpler: a mass each, without a place.
@@ -146,23 +149,22 @@ impl ChainLearner<'_> {
         choices: &mut Vec<Choice>,
     ) -> Result<Option<Searched>, IdentifyError> {
         let (found, n) = (self.found.clone(), self.motion.n_joints());
-        let (mut spec, mut made) = (upright(at(kinds.clone()), kinds), Vec::new());
-        let chain = self.geometry(&mut spec, None, &mut made)?;
+        let slid = self.searched(upright(at(kinds.clone()), kinds))?;
         let watch = searching(self.watch);
-        let judged = |spec: &ChainSpec, chain: &Chain| {
+        let judged = |(spec, chain, _): &Searched| {
             let kinds = chain.geometry.kinds();
             let of_kinds = || format!("kinds {}", kinds.letters(n));
             let label = if kinds.all_turn() { "all turn".to_owned() } else { of_kinds() };
             trial(label, spec, &self.rows(spec, TRIAL_ROWS)?, chain, &watch)
         };
         let (worth, is_simpler) = rule;
-        let (known, other) = (judged(&known.0, &known.1)?, judged(&spec, &chain)?);
+        let (known, other) = (judged(known)?, judged(&slid)?);
         let (trials, place) = if is_simpler { ([other, known], 0) } else { ([known, other], 1) };
         let is_other = record_worth(KINDS, &trials, worth, choices) == place;
         if !is_other {
             self.found = found;
         }
-        Ok(is_other.then_some((spec, chain, made)))
+        Ok(is_other.then_some(slid))
     }
 
     /// The same chain with slides pointing the way in which gravity pulls what they bear: a slide that
