@@ -194,7 +194,7 @@ impl States {
                 }
             };
             if k < 0 {
-                s.iter_mut().for_each(|s| *s = -*s);
+                s = s.into_iter().map(|s| -s).collect();
             }
             sum = Some(match sum {
                 None => (s, c),
