@@ -16,27 +16,22 @@ use torquewise_motion::Motion;
 use torquewise_report::html::Colour;
 use torquewise_stepwise::Progress as Work;
 
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct TrialPlan {
-    pub scenario: Scenario,
-    /// How it becomes a model.
-    pub plan: Plan,
-}
-
-/// A row of a table: what stands at its head, and trials that differ in their seed, one at least.
+/// A row of a table: what stands at its head, and what is tried.
 #[derive(Clone, Debug)]
 pub(crate) struct Row {
     pub head: Vec<Cell>,
-    pub trials: Vec<TrialPlan>,
+    /// They differ in their seed; one at least.
+    pub scenarios: Vec<Scenario>,
+    /// How each becomes a model.
+    pub plan: Plan,
 }
 
 impl Row {
     /// The same plan with each of some seeds, from that of the scenario on.
     pub(crate) fn new(head: &[Cell], from: &Scenario, plan: impl Into<Plan>, seeds: u64) -> Self {
-        let plan = plan.into();
         let seed = |step| Scenario { seed: from.seed.wrapping_add(step), ..from.clone() };
-        let trial = |step| TrialPlan { scenario: seed(step), plan: plan.clone() };
-        Self { head: head.to_vec(), trials: (0..seeds).map(trial).collect() }
+        let scenarios = (0..seeds).map(seed).collect();
+        Self { head: head.to_vec(), scenarios, plan: plan.into() }
     }
 }
 
@@ -55,7 +50,7 @@ pub struct TrialProgress {
 pub type TrialWatch<'a> = &'a (dyn Fn(TrialProgress) + Sync);
 
 #[derive(Clone, Debug)]
-pub(crate) struct Trials(Vec<(TrialPlan, Trial)>);
+pub(crate) struct Trials(Vec<(Scenario, Plan, Trial)>);
 
 impl Trials {
     /// Does each trial once: those to be timed one by one, then the others on all cores.
@@ -69,22 +64,22 @@ impl Trials {
     ) -> Result<Self> {
         let (mut plans, mut n_timed) = (Vec::new(), 0);
         for (place, row) in timed.iter().chain(others).enumerate() {
-            for plan in &row.trials {
-                if !plans.contains(&plan) {
-                    plans.push(plan);
+            for scenario in &row.scenarios {
+                if !plans.contains(&(scenario, &row.plan)) {
+                    plans.push((scenario, &row.plan));
                     n_timed += usize::from(place < timed.len());
                 }
             }
         }
         let done = AtomicUsize::new(0);
-        let attempt = |place: usize| -> Result<(TrialPlan, Trial)> {
-            let plan = plans[place];
+        let attempt = |place: usize| -> Result<(Scenario, Plan, Trial)> {
+            let (scenario, plan) = plans[place];
             let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-            let trial = pool.install(|| attempt(plan, seed))?;
+            let trial = pool.install(|| attempt(scenario, plan, seed))?;
             let doing = if place < n_timed { "timed trials" } else { "trials" };
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             told(TrialProgress { doing, done, total: plans.len() });
-            Ok((plan.clone(), trial))
+            Ok((scenario.clone(), plan.clone(), trial))
         };
         let mut trials = (0..n_timed).map(attempt).collect::<Result<Vec<_>>>()?;
         let begun = AtomicUsize::new(n_timed);
@@ -97,8 +92,8 @@ impl Trials {
     }
 
     pub(crate) fn of(&self, row: &Row) -> Runs<'_> {
-        let find = |plan| self.0.iter().find(|(known, _)| known == plan);
-        Runs(row.trials.iter().filter_map(find).map(|(_, trial)| trial).collect())
+        let find = |own| self.0.iter().find(|(log, plan, _)| log == own && *plan == row.plan);
+        Runs(row.scenarios.iter().filter_map(find).map(|(.., trial)| trial).collect())
     }
 }
 
@@ -160,9 +155,9 @@ impl Trial {
 }
 
 /// Does a trial and judges it on a motion it has not seen.
-fn attempt(trial: &TrialPlan, test_seed: u64) -> Result<Trial> {
-    let log = trial.scenario.record(&trial.scenario.simulate()?)?;
-    let Scenario { arm, seconds, noise, seed } = &trial.scenario;
+fn attempt(scenario: &Scenario, plan: &Plan, test_seed: u64) -> Result<Trial> {
+    let log = scenario.record(&scenario.simulate()?)?;
+    let Scenario { arm, seconds, noise, seed } = scenario;
     let named = || within(format!("{arm}, {seconds} s, noise {noise}, seed {seed}"));
     let (start, entered) = (now(), Mutex::new(Vec::new()));
     let enter = |work| {
@@ -171,18 +166,9 @@ fn attempt(trial: &TrialPlan, test_seed: u64) -> Result<Trial> {
         }
         ControlFlow::Continue(())
     };
-    let found = reconstruct(&log, &trial.plan, &enter).map_err(named())?;
+    let found = reconstruct(&log, plan, &enter).map_err(named())?;
     let total = now().saturating_sub(start);
-    let is_regression = |work| {
-        matches!(
-            work,
-            Work::Geometry
-                | Work::Starts { .. }
-                | Work::Choices { .. }
-                | Work::Sums
-                | Work::Step(_)
-        )
-    };
+    let is_regression = |work| matches!(work, Work::Sums | Work::Step(_));
     let entered = entered.into_inner().unwrap_or_else(PoisonError::into_inner);
     let parts = entered.windows(2).filter(|pair| is_regression(pair[0].1));
     let regression: Duration = parts.map(|pair| pair[1].0.saturating_sub(pair[0].0)).sum();
@@ -256,7 +242,8 @@ mod tests {
     fn a_trial_without_noise_predicts_another_motion() {
         let test = outside("planar-2", 3).unwrap();
 
-        let trial = attempt(&row(Noise::CASES[0], 60.0, 3).trials[0], 3).unwrap();
+        let Row { scenarios, plan, .. } = row(Noise::CASES[0], 60.0, 3);
+        let trial = attempt(&scenarios[0], &plan, 3).unwrap();
 
         assert!(trial.nrmse_percent.iter().all(|&percent| percent < 1e-6), "{trial:?}");
         assert_eq!(trial.candidates_by_step.len(), 3);

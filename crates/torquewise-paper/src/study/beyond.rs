@@ -108,13 +108,13 @@ pub(crate) fn sweeps(settings: &Settings, trials: &Trials) -> Result<Study> {
 
 fn sweep(caption: &str, rows: &[Row], trials: &Trials) -> Chart {
     let mut places: Vec<String> =
-        rows.iter().map(|row| row.trials[0].scenario.noise.to_string()).collect();
+        rows.iter().map(|row| row.scenarios[0].noise.to_string()).collect();
     places.dedup();
     let is_noise = places.len() > 1;
     let line = |method: Method| {
         let own = rows.iter().filter(|row| row.head[0] == method.name().into());
         let point = |(place, row): (usize, &Row)| {
-            let x = if is_noise { place as f64 } else { row.trials[0].scenario.seconds };
+            let x = if is_noise { place as f64 } else { row.scenarios[0].seconds };
             let worst = trials.of(row).worst();
             ([x, worst.median], [worst.least, worst.greatest])
         };
@@ -148,7 +148,7 @@ pub(crate) fn arm_rows(settings: &Settings) -> Vec<Row> {
 pub(crate) fn arms(settings: &Settings, trials: &Trials) -> Result<Study> {
     let mut study = Study::described("arms", 0);
     for row in arm_rows(settings) {
-        let (runs, arm) = (trials.of(&row), Arm::builtin(row.trials[0].scenario.arm)?);
+        let (runs, arm) = (trials.of(&row), Arm::builtin(row.scenarios[0].arm)?);
         let (trial, truth) = (runs.first(), true_energies(&arm));
         let energies = trial.energies();
         let right = energies.iter().filter(|w| truth.contains_key(&w.term)).count();
