@@ -59,25 +59,7 @@ struct Controller<'a> {
     slopes: [Slopes; 2],
 }
 
-impl<'a> Controller<'a> {
-    /// A controller for a desired motion, whose rows are its ticks.
-    fn new(
-        law: Law,
-        known: &'a dyn Knowledge,
-        gains: &'a Gains,
-        plant: &'a Plant,
-        wanted: &Motion,
-    ) -> Result<Self> {
-        let n = plant.arm.n_joints();
-        gains.check(n)?;
-        check_joints("the desired motion", wanted.n_joints(), n)?;
-        check_joints("what is known", known.n_joints(), n)?;
-        let (period, integral) = (period(wanted)?, vec![0.0; n]);
-        let slopes = [integral.clone(), State::of(wanted, 0).dq]
-            .map(|first| Slopes::new(period, plant.sensors.cutoff, &first));
-        Ok(Self { law, known, gains, plant, period, path: known.path(), integral, slopes })
-    }
-
+impl Controller<'_> {
     /// Torque command \[N·m\], n, at a tick where the encoders say `measured` \[rad\], n.
     fn command(&mut self, wanted: &State, measured: &[f64]) -> Result<Vec<f64>> {
         if self.law == Law::HandGuiding {
@@ -165,10 +147,15 @@ pub fn track(
     gains: &Gains,
     wanted: &Motion,
 ) -> Result<Tracking> {
-    let mut controller = Controller::new(law, known, gains, plant, wanted)?;
-    let hand = (law == Law::HandGuiding).then_some(gains);
     let (m, n) = (wanted.n_rows(), plant.arm.n_joints());
-    let first = State::of(wanted, 0);
+    gains.check(n)?;
+    check_joints("the desired motion", wanted.n_joints(), n)?;
+    check_joints("what is known", known.n_joints(), n)?;
+    let (period, first) = (period(wanted)?, State::of(wanted, 0));
+    let (path, integral) = (known.path(), vec![0.0; n]);
+    let slopes = [&integral, &first.dq].map(|x| Slopes::new(period, plant.sensors.cutoff, x));
+    let mut controller = Controller { law, known, gains, plant, period, path, integral, slopes };
+    let hand = (law == Law::HandGuiding).then_some(gains);
     let mut moving = Moving::new(plant, &first.q, &first.dq)?;
     let [mut q, mut dq, mut error, mut tau, mut led] = std::array::from_fn(|_| Mat::zeros(m, n));
     let mut saturated = vec![0.0; n];
@@ -191,7 +178,7 @@ pub fn track(
             saturated[i] += f64::from(u8::from(command[i].abs() >= limit));
         }
         if row + 1 < m {
-            moving.hold(&command, &pull, controller.period)?;
+            moving.hold(&command, &pull, period)?;
         }
     }
     let saturated = saturated.into_iter().map(|ticks| ticks / m as f64).collect();
@@ -248,17 +235,15 @@ pub fn compare(
     if perfect {
         ways.extend([Law::Controller1, Law::Controller2].map(|law| (law, "_perfect", plant as _)));
     }
-    let run = |(law, suffix, known): (Law, &str, &dyn Knowledge)| {
-        let name = format!("{}{suffix}", law.name());
-        let tracking = track(plant, law, known, &gains, wanted);
-        (name.clone(), tracking.map(|tracking| Run { name, law, tracking }))
-    };
-    let done: Vec<(String, Result<Run>)> = ways.into_par_iter().map(run).collect();
+    let run =
+        |&(law, _, known): &(Law, _, &dyn Knowledge)| track(plant, law, known, &gains, wanted);
+    let done: Vec<Result<Tracking>> = ways.par_iter().map(run).collect();
     let (mut runs, mut ran_away) = (Vec::new(), Vec::new());
-    for (name, done) in done {
+    for ((law, suffix, _), done) in ways.into_iter().zip(done) {
+        let name = format!("{}{suffix}", law.name());
         match done {
             Err(SimError::Diverged { t }) => ran_away.push((name, t)),
-            done => runs.push(done?),
+            done => runs.push(Run { name, law, tracking: done? }),
         }
     }
     match ran_away.first() {

@@ -123,35 +123,14 @@ impl Plant {
         sum(self.arm.inverse_dynamics(q, dq, ddq), 1.0, &self.friction.torques(dq))
     }
 
-    /// Lets a steady torque act for some seconds: q \[rad\] and dq \[rad/s\], n each, become what
-    /// they are then. Limits, delay and sensors have no part in it; bristles are not bent at first.
-    ///
-    /// # Errors
-    /// `SimError::JointCount`; `SimError::Massless`; `SimError::Diverged` if the motion cannot
-    /// be followed.
-    pub fn advance(&self, [q, dq]: [&mut [f64]; 2], tau: &[f64], seconds: f64) -> Result<()> {
-        self.check()?;
-        let n = self.arm.n_joints();
-        for (what, found) in [("q", q.len()), ("dq", dq.len()), ("tau", tau.len())] {
-            check_joints(what, found, n)?;
-        }
-        check_between("the time [s]", seconds, [0.0, 1e9], "from 0 to 1e9")?;
-        let mut state = self.state(q, dq);
-        let mut integrator = Integrator::new(state.len(), self.tolerance);
-        self.follow(&mut integrator, &mut state, [0.0, seconds], tau)?;
-        q.copy_from_slice(&state[..n]);
-        dq.copy_from_slice(&state[n..2 * n]);
-        Ok(())
-    }
-
     /// q, dq and, where friction has bristles, how far they are bent at first, in one.
     pub(crate) fn state(&self, q: &[f64], dq: &[f64]) -> Vec<f64> {
         let bristles = if self.friction.has_bristles() { q.len() } else { 0 };
         [q, dq, &vec![0.0; bristles]].concat()
     }
 
-    /// The same from a time \[s\] for some seconds, of a whole state, by an integrator that
-    /// remembers its step.
+    /// Lets a steady torque act on a whole state from a time \[s\] for some seconds, by an integrator
+    /// that remembers its step. Limits, delay and sensors have no part in it.
     pub(crate) fn follow(
         &self,
         integrator: &mut Integrator,
@@ -183,3 +162,6 @@ impl Plant {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

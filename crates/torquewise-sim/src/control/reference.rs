@@ -2,8 +2,9 @@
 
 use crate::Arm;
 use crate::error::{Result, SimError, check_between};
+use crate::random::{between, direction};
 use crate::state::{State, motion};
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 use torquewise_motion::Motion;
@@ -77,10 +78,7 @@ struct Wave {
 impl Wave {
     fn draw([lower, upper]: [f64; 2], plan: &Periodic, random: &mut ChaCha8Rng) -> Self {
         let w = TAU / plan.period;
-        let mut signed = || {
-            let size = 0.3 + 0.7 * random.random::<f64>();
-            if random.random::<bool>() { size } else { -size }
-        };
+        let mut signed = || between(random, [0.3, 1.0]) * direction(random);
         let sizes: Vec<f64> = (1..=WAVES).map(|k| signed() / (k * k) as f64).collect();
         let mut wave = Self { middle: f64::midpoint(lower, upper), w, sizes };
         let points = (0..400).map(|k| wave.at(plan.period * f64::from(k) / 400.0));
@@ -117,8 +115,8 @@ const SLACK: f64 = 1e-3;
 /// Seconds between the rows of a desired motion.
 pub(crate) fn period(motion: &Motion) -> Result<f64> {
     let (t, rows) = (motion.t(), motion.n_rows());
-    let [first, .., last] = t else { return Err(SimError::TooFewRows { rows }) };
-    let period = (last - first) / (rows - 1) as f64;
+    check_between("rows of the desired motion", rows as f64, [2.0, f64::MAX], "2 or more")?;
+    let period = (t[rows - 1] - t[0]) / (rows - 1) as f64;
     let uneven = |pair: &[f64]| (pair[1] - pair[0] - period).abs() > SLACK * period.abs();
     match t.windows(2).position(uneven) {
         Some(row) => Err(SimError::Uneven { row: row + 1 }),

@@ -173,6 +173,6 @@ fn what_does_not_belong_together_is_refused() {
     assert!(matches!(refused(&other, &gains, &wanted), SimError::JointCount { .. }));
     assert!(matches!(refused(&plant, &gains, &gap), SimError::Uneven { .. }));
     let short = refused(&plant, &gains, &wanted.select(&[3]));
-    assert!(matches!(short, SimError::TooFewRows { rows: 1 }));
+    assert!(matches!(short, SimError::Setting { found: 1.0, .. }));
     assert!(matches!(refused(&plant, &none, &wanted), SimError::Setting { .. }));
 }
