@@ -33,6 +33,6 @@ pub use crate::state::State;
 pub use information::DesignCriterion;
 pub use limits::{Bounds, JointValues, Limits, Wishes, limits};
 pub use planner::{Excitation, ExcitationPlan, excite};
-pub use recording::{Peaks, Planned};
-pub use ros::{Waypoint, joint_trajectory, waypoints};
+pub use recording::Planned;
+pub use ros::{joint_trajectory, waypoints};
 pub use torques::Torques;

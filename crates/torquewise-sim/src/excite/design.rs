@@ -15,13 +15,6 @@ use rayon::prelude::*;
 use std::f64::consts::TAU;
 use torquewise_motion::stats::median;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Effort {
-    pub(crate) tries: usize,
-    /// How often each part is looked at again.
-    pub(crate) rounds: usize,
-}
-
 pub(crate) struct Task<'a> {
     pub(crate) stage: Stage,
     pub(crate) library: &'a Library,
@@ -30,7 +23,10 @@ pub(crate) struct Task<'a> {
     pub(crate) torques: Option<&'a Torques>,
     /// Time \[s\] of the whole recording at most.
     pub(crate) seconds: f64,
-    pub(crate) effort: Effort,
+    /// Parts to choose from, each time.
+    pub(crate) tries: usize,
+    /// How often each part is looked at again.
+    pub(crate) rounds: usize,
 }
 
 #[derive(Clone)]
@@ -45,8 +41,6 @@ const RIDGE: f64 = 1e-9;
 const VAIN: usize = 20;
 /// And so many times as often where the torque is limited.
 const HARDER: usize = 10;
-/// Poses are cheap to judge.
-const POSES_PER_TRY: usize = 8;
 /// Share of the time after which joints no longer sweep alone, if each did so once.
 const ALONE: f64 = 0.5;
 /// Longest sweep of several joints as a share of the recording.
@@ -72,19 +66,19 @@ impl Task<'_> {
             Information::new(self.library.n_columns(), RIDGE * n * self.seconds, known);
         let mut chosen: Vec<Chosen> = Vec::new();
         // The second half of the work is to look again.
-        let half = if self.effort.rounds > 0 { 0.5 } else { 1.0 };
+        let half = if self.rounds > 0 { 0.5 } else { 1.0 };
         while let Some(next) = self.next(&information, &chosen, rng)? {
             information.add(next.rows.as_ref(), 1.0);
             chosen.push(next);
             progress(half * self.seconds_with(&chosen, None) / self.seconds);
         }
-        let total = self.effort.rounds * chosen.len();
+        let total = self.rounds * chosen.len();
         for step in 0..total {
             let place = step % chosen.len();
             let old = chosen[place].clone();
             let kind = old.part.sweep.unwrap_or(Sweep::Together);
             let mut drawn = Vec::new();
-            for k in 0..self.tries() {
+            for k in 0..self.tries {
                 let varied =
                     if k % 4 == 3 { self.draw(kind, rng) } else { old.part.vary(self.limits, rng) };
                 let fits = |part: &Part| {
@@ -120,8 +114,8 @@ impl Task<'_> {
         let mut drawn = Vec::new();
         // Limits of the torque refuse most parts that are drawn.
         let vain = if self.torques.is_some() { HARDER * VAIN } else { VAIN };
-        for _ in 0..vain * self.tries() {
-            if drawn.len() == self.tries() {
+        for _ in 0..vain * self.tries {
+            if drawn.len() == self.tries {
                 break;
             }
             let Some(part) = self.draw(kind, rng) else { continue };
@@ -182,14 +176,6 @@ impl Task<'_> {
             let [from, to] = [place.checked_sub(1), place.checked_add(1)].map(anchor);
             torques.keep(&route(&from, part, &to, self.limits))
         })
-    }
-
-    fn tries(&self) -> usize {
-        match self.stage {
-            _ if self.effort.tries == 1 => 1,
-            Stage::Standstill { .. } => POSES_PER_TRY * self.effort.tries,
-            Stage::Uniform | Stage::Variable => self.effort.tries,
-        }
     }
 
     /// What a sweep in a place moves: each joint alone, fast, then slow while there is time, then

@@ -1,6 +1,6 @@
 //! Energies and friction as columns, each of size one over the limits.
 
-use crate::error::{Result, SimError};
+use crate::error::{Result, check_between};
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, States};
 use crate::random::between;
@@ -16,10 +16,10 @@ use torquewise_regression::samples::Samples;
 use torquewise_rigid::JointKind;
 use torquewise_stepwise::candidates::{Candidates, SIGNALS};
 use torquewise_stepwise::rows::fill_in;
-use torquewise_stepwise::{LibraryKind, Regression};
+use torquewise_stepwise::{IdentifyError, LibraryKind, Regression};
 
 /// Columns at most: a factorisation takes about a second then.
-const MOST_COLUMNS: usize = 3_000;
+const MOST_COLUMNS: f64 = 3e3;
 /// Columns at most where no interaction order is asked for.
 const EASY_COLUMNS: usize = 1_400;
 /// Interaction order where none is asked for, and the columns allow it.
@@ -65,9 +65,8 @@ impl Library {
         }
         // Before they are listed, which might take all memory.
         let columns = energy_library_size(kinds, Some(order)).saturating_add(3 * n);
-        if columns > MOST_COLUMNS {
-            return Err(SimError::TooManyColumns { columns, limit: MOST_COLUMNS });
-        }
+        let expected = "at most 3000: lower the interaction order or lock joints";
+        check_between("number of columns", columns as f64, [0.0, MOST_COLUMNS], expected)?;
         let kind = LibraryKind::Energy { interaction: Some(order) };
         let laws = [FrictionLaw::Offset, FrictionLaw::Viscous, FrictionLaw::Coulomb { width: 0.0 }];
         let of_law = |law| (0..n).map(move |joint| FrictionTerm::of_joint(n, joint, law));
@@ -77,12 +76,10 @@ impl Library {
         let (offered, scale) = ([still, uniform], vec![1.0; columns]);
         let mut library = Self { design, offered, friction, scale, interaction: order };
         let values = library.rows(&reference(limits))?;
-        library.scale = (0..columns)
-            .map(|j| {
-                let square = values.col(j).squared_norm_l2() / values.nrows() as f64;
-                if square > 0.0 { square.sqrt() } else { 1.0 }
-            })
-            .collect();
+        for (j, scale) in library.scale.iter_mut().enumerate() {
+            let square = values.col(j).squared_norm_l2() / values.nrows() as f64;
+            *scale = if square > 0.0 { square.sqrt() } else { 1.0 };
+        }
         Ok(library)
     }
 
@@ -125,7 +122,9 @@ impl Library {
         let mut samples = Samples { angles, variables, responses: Mat::zeros(m, 0) };
         fill_in(&mut samples, &self.friction);
         let mut rows = Mat::zeros(n * m, self.n_columns());
-        for (joint, values) in self.design.columns(&samples)?.iter().enumerate() {
+        for (joint, values) in
+            self.design.columns(&samples).map_err(IdentifyError::from)?.iter().enumerate()
+        {
             rows.subrows_mut(joint * m, m).copy_from(values);
         }
         for (j, scale) in self.scale.iter().enumerate() {
@@ -140,18 +139,15 @@ impl Library {
 /// States all over the limits, the same for every plan: what columns are measured by.
 fn reference(limits: &[Bounds]) -> States {
     let mut rng = ChaCha8Rng::seed_from_u64(0);
-    let at = (0..REFERENCE)
-        .map(|_| {
-            let mut draw = |ends: fn(&Bounds) -> [f64; 2]| {
-                limits.iter().map(|limits| between(&mut rng, ends(limits))).collect()
-            };
-            State {
-                q: draw(|limits| limits.position),
-                dq: draw(|limits| [-limits.velocity, limits.velocity]),
-                ddq: draw(|limits| [-limits.acceleration, limits.acceleration]),
-            }
-        })
-        .collect();
+    let mut draw = |ends: fn(&Bounds) -> [f64; 2]| {
+        limits.iter().map(|limits| between(&mut rng, ends(limits))).collect()
+    };
+    let mut state = || State {
+        q: draw(|limits| limits.position),
+        dq: draw(|limits| [-limits.velocity, limits.velocity]),
+        ddq: draw(|limits| [-limits.acceleration, limits.acceleration]),
+    };
+    let at = (0..REFERENCE).map(|_| state()).collect();
     States { at, seconds: vec![1.0; REFERENCE] }
 }
 
@@ -200,7 +196,7 @@ mod tests {
         assert_eq!(Library::new(&turn, &seven, None).unwrap().interaction, 1);
         for order in [3, 16] {
             let refused = Library::new(&turn, &seven, Some(order)).unwrap_err();
-            assert!(matches!(refused, SimError::TooManyColumns { .. }), "{refused}");
+            assert!(refused.to_string().starts_with("number of columns"), "{refused}");
         }
     }
 }

@@ -173,12 +173,8 @@ pub fn limits(arm: &Arm, wishes: &Wishes) -> Result<Vec<Limits>> {
     Ok(all)
 }
 
-pub(crate) fn check_rate(what: &'static str, joint: &str, found: f64) -> Result<()> {
-    if (SENSIBLE[0]..=SENSIBLE[1]).contains(&found) {
-        return Ok(());
-    }
-    let expected = "from 0.0001 to 10000";
-    Err(SimError::Limit { what, joint: joint.to_owned(), found, expected })
+pub(crate) fn check_rate(what: &str, joint: &str, found: f64) -> Result<()> {
+    check_between(format!("{what} of joint `{joint}`"), found, SENSIBLE, "from 0.0001 to 10000")
 }
 
 #[cfg(test)]

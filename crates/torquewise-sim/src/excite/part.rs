@@ -79,28 +79,23 @@ impl Part {
         rng: &mut ChaCha8Rng,
     ) -> Option<Self> {
         let lead = (limits.len() as f64 * between(rng, [0.0, 1.0])).floor();
-        let mut speeds: Vec<f64> = limits
-            .iter()
-            .enumerate()
-            .map(|(i, limits)| {
-                let share = match kind {
-                    Sweep::Fast(joint) if joint == i => between(rng, FAST),
-                    Sweep::Slow(joint) if joint == i => between(rng, SLOW),
-                    Sweep::Together => {
-                        let joins = between(rng, [0.0, 1.0]) < JOINS;
-                        let share = between(rng, ANY);
-                        if joins || (i as f64 - lead).abs() < 0.5 { share } else { 0.0 }
-                    }
-                    _ => 0.0,
-                };
-                share * direction(rng) * limits.velocity
-            })
-            .collect();
-        for (speed, limits) in speeds.iter_mut().zip(limits) {
+        let mut speeds = Vec::with_capacity(limits.len());
+        for (i, limits) in limits.iter().enumerate() {
+            let share = match kind {
+                Sweep::Fast(joint) if joint == i => between(rng, FAST),
+                Sweep::Slow(joint) if joint == i => between(rng, SLOW),
+                Sweep::Together => {
+                    let joins = between(rng, [0.0, 1.0]) < JOINS;
+                    let share = between(rng, ANY);
+                    if joins || (i as f64 - lead).abs() < 0.5 { share } else { 0.0 }
+                }
+                _ => 0.0,
+            };
+            let speed: f64 = share * direction(rng) * limits.velocity;
             // What can be reached, kept for a while and left within the range.
             let way = limits.position[1] - limits.position[0];
             let most = (way * limits.acceleration / (1.5 * (1.0 + CRUISE))).sqrt();
-            *speed = speed.clamp(-most, most);
+            speeds.push(speed.clamp(-most, most));
         }
         let ramp = ramp_seconds(&speeds, limits);
         let shortest = CRUISE * ramp;

@@ -1,11 +1,11 @@
 //! Three recordings that a model can be reconstructed from, on one page.
 
 use crate::error::{Result, SimError, check_between};
-use crate::excite::design::{Effort, Task};
+use crate::excite::design::Task;
 use crate::excite::information::DesignCriterion;
 use crate::excite::library::{Library, Stage};
 use crate::excite::limits::{Bounds, Limits};
-use crate::excite::recording::{Peaks, Planned};
+use crate::excite::recording::Planned;
 use crate::excite::segment::Segment;
 use crate::excite::torques::Torques;
 use faer::Mat;
@@ -56,8 +56,9 @@ impl Default for ExcitationPlan {
 pub struct Excitation {
     /// `standstill`, `uniform`, `variable`.
     pub recordings: [Planned; 3],
-    /// How far each joint goes in each recording, 3×n.
-    pub peaks: [Vec<Peaks>; 3],
+    /// How far each joint goes in each recording, 3×n: least and greatest position, largest speed and
+    /// acceleration.
+    pub peaks: [Vec<Bounds>; 3],
     /// What is told once each recording is there: by poses about V and offsets; by sweeps too,
     /// about the part of M that depends on q and friction besides; by all rows about everything.
     pub criteria: [DesignCriterion; 3],
@@ -76,8 +77,9 @@ pub struct Excitation {
 /// Names of the recordings, in the order in which the method uses them.
 const NAMES: [&str; 3] = ["standstill", "uniform", "variable"];
 const PIECES: [&str; 3] = ["pose", "sweep", "period of sines"];
-/// Rounds in which each part is looked at again, and one less for more columns than these.
-const ROUNDS: usize = 2;
+/// Poses are cheap to judge.
+const POSES_PER_TRY: usize = 8;
+/// More columns than these have one round less, in which each part is looked at again.
 const QUICK_COLUMNS: usize = 700;
 /// States of the three recordings by which all of them together are judged, at least.
 const GRID: usize = 600;
@@ -120,15 +122,8 @@ pub fn excite(
     let library = Library::new(&kinds, &bounds, plan.interaction)?;
     let setting = Setting { plan, joints: &joints, bounds: &bounds, home: &home, torques, library };
 
-    let rounds = match plan.tries {
-        1 => 0,
-        _ if setting.library.n_columns() > QUICK_COLUMNS => ROUNDS - 1,
-        _ => ROUNDS,
-    };
-    let effort = Effort { tries: plan.tries, rounds };
-    let first = Effort { tries: 1, rounds: 0 };
-    let random = setting.criteria(&setting.design(first, &mut |_, _| {})?)?;
-    let mut recordings = setting.design(effort, progress)?;
+    let random = setting.criteria(&setting.design(1, &mut |_, _| {})?)?;
+    let mut recordings = setting.design(plan.tries, progress)?;
     progress(1.0, "judging");
     let mut criteria = setting.criteria(&recordings)?;
     for again in 1..=AGAIN {
@@ -137,15 +132,14 @@ pub fn excite(
         }
         // The most information need not be the best conditioned: other sines may be.
         let before = [&recordings[0], &recordings[1]];
-        let other = setting.recording(&before, effort, again, &mut |_, _| {})?;
+        let other = setting.recording(&before, plan.tries, again, &mut |_, _| {})?;
         let other = [recordings[0].clone(), recordings[1].clone(), other];
         let judged = setting.criteria(&other)?;
         if judged[2].condition < criteria[2].condition {
             (recordings, criteria) = (other, judged);
         }
     }
-    let [standstill, uniform, variable] =
-        recordings.each_ref().map(|recording| recording.peaks(&bounds));
+    let [standstill, uniform, variable] = recordings.each_ref().map(|own| own.peaks(&bounds));
     Ok(Excitation {
         criteria,
         random,
@@ -172,10 +166,10 @@ struct Setting<'a> {
 
 impl Setting<'_> {
     /// Plans the recordings one after the other; each knows what those before tell.
-    fn design(&self, effort: Effort, tell: Tell<'_>) -> Result<[Planned; 3]> {
-        let standstill = self.recording(&[], effort, 0, tell)?;
-        let uniform = self.recording(&[&standstill], effort, 0, tell)?;
-        let variable = self.recording(&[&standstill, &uniform], effort, 0, tell)?;
+    fn design(&self, tries: usize, tell: Tell<'_>) -> Result<[Planned; 3]> {
+        let standstill = self.recording(&[], tries, 0, tell)?;
+        let uniform = self.recording(&[&standstill], tries, 0, tell)?;
+        let variable = self.recording(&[&standstill, &uniform], tries, 0, tell)?;
         Ok([standstill, uniform, variable])
     }
 
@@ -183,19 +177,25 @@ impl Setting<'_> {
     fn recording(
         &self,
         before: &[&Planned],
-        effort: Effort,
+        tries: usize,
         again: u64,
         tell: Tell<'_>,
     ) -> Result<Planned> {
-        let Self { plan, joints, bounds, home, torques, ref library } = *self;
+        let Self { plan, joints, bounds, home, torques, .. } = *self;
         let k = before.len();
         let (name, seconds, stage) = (NAMES[k], plan.seconds[k], self.stages()[k]);
-        let own = library.share(stage);
+        let library = &self.library.share(stage);
         let mut known = Vec::new();
         for recording in before {
-            known.extend(own.rows_of(&recording.parts, 1)?);
+            known.extend(library.rows_of(&recording.parts, 1)?);
         }
-        let task = Task { stage, library: &own, limits: bounds, home, torques, seconds, effort };
+        let rounds = match tries {
+            1 => 0,
+            _ if self.library.n_columns() > QUICK_COLUMNS => 1,
+            _ => 2,
+        };
+        let tries = if tries > 1 && k == 0 { POSES_PER_TRY * tries } else { tries };
+        let task = Task { stage, library, limits: bounds, home, torques, seconds, tries, rounds };
         // Each recording has numbers of its own, whatever the others draw.
         let mut rng = ChaCha8Rng::seed_from_u64(plan.seed);
         rng.set_stream(k as u64 + NAMES.len() as u64 * again);
@@ -276,17 +276,13 @@ fn home(limits: &[Limits], plan: &ExcitationPlan) -> Result<Vec<f64>> {
 impl ExcitationPlan {
     /// Refuses numbers of which no plan can be made, or only one beyond all memory and patience.
     fn check(&self) -> Result<()> {
-        let numbers = [
-            ("time of `standstill` [s]", self.seconds[0], 1.0, 3_600.0, "from 1 to 3600"),
-            ("time of `uniform` [s]", self.seconds[1], 1.0, 3_600.0, "from 1 to 3600"),
-            ("time of `variable` [s]", self.seconds[2], 1.0, 3_600.0, "from 1 to 3600"),
-            ("dwell [s]", self.dwell, 0.05, 60.0, "from 0.05 to 60"),
-            ("rate [Hz]", self.rate, 1.0, 10_000.0, "from 1 to 10000"),
-            ("number of tries", self.tries as f64, 1.0, 1e5, "from 1 to 100000"),
-        ];
-        for (what, found, least, most, expected) in numbers {
-            check_between(what, found, [least, most], expected)?;
+        for (name, seconds) in NAMES.into_iter().zip(self.seconds) {
+            let what = format!("time of `{name}` [s]");
+            check_between(what, seconds, [1.0, 3_600.0], "from 1 to 3600")?;
         }
+        check_between("dwell [s]", self.dwell, [0.05, 60.0], "from 0.05 to 60")?;
+        check_between("rate [Hz]", self.rate, [1.0, 10_000.0], "from 1 to 10000")?;
+        check_between("number of tries", self.tries as f64, [1.0, 1e5], "from 1 to 100000")?;
         let rows = self.rate * self.seconds.iter().copied().fold(0.0, f64::max);
         let expected = "seconds times rate up to 2000000";
         check_between("number of rows", rows, [0.0, MOST_ROWS], expected)?;

@@ -25,9 +25,6 @@ pub struct Planned {
     segments: Vec<(f64, Segment)>,
 }
 
-/// How far a joint goes in a recording: least and greatest position, largest speed and acceleration.
-pub type Peaks = Bounds;
-
 /// Time at rest at the beginning and at the end \[s\].
 pub(crate) const REST: f64 = 0.5;
 /// Instants between two rows at which limits are checked.
@@ -99,12 +96,9 @@ impl Planned {
 
     /// How far each joint goes, at the rows and at four instants between two of them, n, once that is
     /// found within the limits.
-    pub(crate) fn peaks(&self, limits: &[Bounds]) -> Result<Vec<Peaks>> {
-        let none = Peaks {
-            position: [f64::INFINITY, f64::NEG_INFINITY],
-            velocity: 0.0,
-            acceleration: 0.0,
-        };
+    pub(crate) fn peaks(&self, limits: &[Bounds]) -> Result<Vec<Bounds>> {
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        let none = Bounds { position: none, velocity: 0.0, acceleration: 0.0 };
         let mut peaks = vec![none; self.joints.len()];
         let step = 1.0 / (self.rate * BETWEEN_ROWS as f64);
         for instant in 0..self.n_rows() * BETWEEN_ROWS {

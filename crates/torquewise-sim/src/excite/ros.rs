@@ -6,26 +6,18 @@ use crate::state::State;
 use torquewise_motion::Recording;
 use torquewise_motion::stats::whole;
 
-/// A point of a trajectory.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Waypoint {
-    /// Time since the start \[ns\].
-    pub nanoseconds: u64,
-    /// Where the joints are and how they move then.
-    pub state: State,
-}
-
-/// Points from which splines of order 5 make the motion again, at least `rate` per second.
+/// Points from which splines of order 5 make the motion again, at least `rate` per second: the time
+/// since the start \[ns\], and where the joints are and how they move then.
 ///
 /// There is a point wherever another polynomial begins, so that glides and sweeps are met exactly;
 /// sines are met to h⁶/46080 of their sixth derivative, h the time between two points.
 ///
 /// # Errors
 /// `SimError::Setting` if `rate` is not from 1 to 1000 Hz.
-pub fn waypoints(recording: &Planned, rate: f64) -> Result<Vec<Waypoint>> {
+pub fn waypoints(recording: &Planned, rate: f64) -> Result<Vec<(u64, State)>> {
     check_between("ROS rate [Hz]", rate, [1.0, 1000.0], "from 1 to 1000")?;
     let breaks = recording.breaks();
-    let mut points: Vec<Waypoint> = Vec::new();
+    let mut points: Vec<(u64, State)> = Vec::new();
     let mut add = |t: f64| {
         #[expect(
             clippy::cast_possible_truncation,
@@ -33,10 +25,9 @@ pub fn waypoints(recording: &Planned, rate: f64) -> Result<Vec<Waypoint>> {
             reason = "from 0 to a few hours; a float cast saturates"
         )]
         let nanoseconds = (t * 1e9).round() as u64;
-        if points.last().is_none_or(|last| last.nanoseconds + LEAST_STEP <= nanoseconds) {
+        if points.last().is_none_or(|(last, _)| last + LEAST_STEP <= nanoseconds) {
             // The state of the time that is written, not of the one it was rounded from.
-            let state = recording.state_at(nanoseconds as f64 / 1e9);
-            points.push(Waypoint { nanoseconds, state });
+            points.push((nanoseconds, recording.state_at(nanoseconds as f64 / 1e9)));
         }
     };
     for pair in breaks.windows(2) {
@@ -51,7 +42,6 @@ pub fn waypoints(recording: &Planned, rate: f64) -> Result<Vec<Waypoint>> {
 
 /// Points closer than a microsecond would be a division by nothing.
 const LEAST_STEP: u64 = 1_000;
-const SECOND: u64 = 1_000_000_000;
 
 /// The message as YAML, as `ros2 topic pub` and most tools read it.
 ///
@@ -60,16 +50,15 @@ const SECOND: u64 = 1_000_000_000;
 pub fn joint_trajectory(recording: &Planned, rate: f64) -> Result<String> {
     let names: Vec<String> = recording.joints().iter().map(|name| quoted(name)).collect();
     let points = waypoints(recording, rate)?;
-    let point = |point: &Waypoint| {
-        let Waypoint { nanoseconds, state } = point;
+    let point = |(nanoseconds, state): &(u64, State)| {
         format!(
             "- positions: {}\n  velocities: {}\n  accelerations: {}\n  effort: []\n  \
              time_from_start: {{sec: {}, nanosec: {}}}\n",
             numbers(&state.q),
             numbers(&state.dq),
             numbers(&state.ddq),
-            nanoseconds / SECOND,
-            nanoseconds % SECOND,
+            nanoseconds / 1_000_000_000,
+            nanoseconds % 1_000_000_000,
         )
     };
     Ok(format!(

@@ -40,35 +40,28 @@ const SLACK: f64 = 1.0 - 1e-9;
 impl Sines {
     /// Draws a series per joint, as large as the limits allow or a little smaller.
     pub(crate) fn draw(seconds: f64, limits: &[Bounds], rng: &mut ChaCha8Rng) -> Self {
-        let joints = limits
-            .iter()
-            .map(|limits| {
-                let roll_off = between(rng, ROLL_OFF);
-                let count = harmonics(seconds, limits);
-                let waves = (1..=count).map(|k| {
-                    let size = (k as f64).powf(-roll_off);
-                    [size * normal(rng), size * normal(rng)]
-                });
-                Series::new(waves.collect(), seconds, limits, None, rng)
-            })
-            .collect();
-        Self { seconds, joints }
+        let series = |limits: &Bounds| {
+            let roll_off = between(rng, ROLL_OFF);
+            let waves = (1..=harmonics(seconds, limits)).map(|k| {
+                let size = (k as f64).powf(-roll_off);
+                [size * normal(rng), size * normal(rng)]
+            });
+            Series::new(waves.collect(), seconds, limits, None, rng)
+        };
+        Self { seconds, joints: limits.iter().map(series).collect() }
     }
 
     pub(crate) fn vary(&self, limits: &[Bounds], rng: &mut ChaCha8Rng) -> Self {
         let share = log_between(rng, VARIATION);
-        let joints = self.joints.iter().zip(limits);
-        let joints = joints
-            .map(|(series, limits)| {
-                let size = series.size();
-                let mut moved = |x: &f64| x + share * size * normal(rng);
-                let waves = series.waves.iter().map(|wave| [0, 1].map(|p| moved(&wave[p])));
-                let waves = waves.collect();
-                let span = limits.position[1] - limits.position[0];
-                let centre = series.centre + share * CENTRE_VARIATION * span * normal(rng);
-                Series::new(waves, self.seconds, limits, Some(centre), rng)
-            })
-            .collect();
+        let varied = |(series, limits): (&Series, &Bounds)| {
+            let size = series.size();
+            let mut moved = |x: f64| x + share * size * normal(rng);
+            let waves = series.waves.iter().map(|wave| wave.map(&mut moved)).collect();
+            let span = limits.position[1] - limits.position[0];
+            let centre = series.centre + share * CENTRE_VARIATION * span * normal(rng);
+            Series::new(waves, self.seconds, limits, Some(centre), rng)
+        };
+        let joints = self.joints.iter().zip(limits).map(varied).collect();
         Self { seconds: self.seconds, joints }
     }
 

@@ -228,20 +228,20 @@ fn splines_through_the_waypoints_make_the_motion_again() {
         let points = waypoints(recording, 20.0).unwrap();
         for pair in points.windows(2) {
             let [from, to] = pair else { panic!("windows of two") };
-            let ends = [from, to].map(|point| point.nanoseconds as f64 / 1e9);
+            let ends = [from, to].map(|point| point.0 as f64 / 1e9);
             let h = ends[1] - ends[0];
             assert!(h > 0.0 && h <= 0.05 + 2e-6, "{h}");
             for part in [0.25, 0.5, 0.75] {
                 let state = recording.state_at(ends[0] + part * h);
                 for joint in 0..3 {
                     let of = |s: &State| [s.q[joint], s.dq[joint], s.ddq[joint]];
-                    let q = spline([part * h, h], of(&from.state), of(&to.state));
+                    let q = spline([part * h, h], of(&from.1), of(&to.1));
                     assert!((q - state.q[joint]).abs() < tolerance, "{} {ends:?}", recording.name);
                 }
             }
         }
-        assert_eq!(points[0].nanoseconds, 0);
-        assert_eq!(points.last().unwrap().state, recording.state_at(1e9));
+        assert_eq!(points[0].0, 0);
+        assert_eq!(points.last().unwrap().1, recording.state_at(1e9));
     }
 }
 

@@ -4,7 +4,7 @@ use super::{Arguments, Files};
 use crate::outcome::Outcome;
 use crate::table::Table;
 use serde_json::{Value, json};
-use torquewise::excite::{Excitation, Limits, Peaks, Torques};
+use torquewise::excite::{Bounds, Excitation, Limits, Torques};
 use torquewise::model::number;
 
 const UNKNOWN: &str = "Collisions are not checked: neither the shape of the arm nor its \
@@ -77,7 +77,7 @@ fn text(arguments: &Arguments, limits: &[Limits], planned: &Excitation, files: &
     )
 }
 
-fn peaks(planned: &Excitation, joint: usize) -> Peaks {
+fn peaks(planned: &Excitation, joint: usize) -> Bounds {
     let [mut most, others @ ..] = planned.peaks.each_ref().map(|peaks| peaks[joint]);
     for other in others {
         let [least, greatest] = other.position;
