@@ -1,7 +1,7 @@
 //! Arms: names, placements, axes and bodies of joints in a row, checked once.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
-use crate::error::{Result, SimError, check_joints};
+use crate::error::{Result, SimError, check_between, check_joints};
 use crate::spatial::{Body, Pose, is_positive_semidefinite, placement, pose};
 use nalgebra::{Unit, Vector3};
 use std::f64::consts::PI;
@@ -134,8 +134,8 @@ impl Arm {
     /// - `rotors` \[kg·m²\], n: inertia of each motor's rotor as felt at its joint, gear² × rotor
     ///
     /// # Errors
-    /// [`SimError::JointCount`] for another number of them than n;
-    /// [`SimError::NotFinite`] or [`SimError::Inertia`] for one that no rotor has.
+    /// [`SimError::JointCount`] for another number of them than n; [`SimError::Setting`] for one
+    /// that no rotor has.
     pub fn with_rotors(mut self, rotors: &[f64]) -> Result<Self> {
         check_joints("rotor inertia", rotors.len(), self.n_joints())?;
         for ((joint, name), &rotor) in self.joints.iter_mut().zip(&self.joint_names).zip(rotors) {
@@ -146,42 +146,31 @@ impl Arm {
     }
 }
 
-/// An arm by its frames and bodies, as a learned model has them.
-#[derive(Clone, Debug)]
-pub struct ArmParts {
-    /// What it is called.
-    pub name: String,
-    /// Joint names, base to tip, n.
-    pub joints: Vec<String>,
-    /// Where their axes lie, and gravity.
-    pub geometry: Geometry,
-    /// Inertial parameters of each body in the frame of its joint, 10n.
-    pub inertial: Vec<f64>,
-    /// Rotors as felt at their joints \[kg·m²\], n.
-    pub rotors: Vec<f64>,
-    /// Positions \[rad\] and largest speed \[rad/s\] of each joint, n.
-    pub limits: Vec<([f64; 2], f64)>,
-}
-
 impl Arm {
-    /// An arm of these parts, to simulate a learned model with.
+    /// The arm of a learned chain, called `twin`.
+    ///
+    /// - `joints`: names, base to tip, n
+    /// - `inertial`: inertial parameters of each body in the frame of its joint, 10n
+    /// - `limits`: positions \[rad\] and largest speed \[rad/s\] of each joint, n
     ///
     /// # Errors
     /// The variant of [`SimError`] that names the joint or number at fault.
-    pub fn from_parts(parts: ArmParts) -> Result<Self> {
-        let ArmParts { name, joints, geometry, inertial, rotors, limits } = parts;
-        let frames =
-            joints.into_iter().zip(geometry.placements()).zip(inertial.chunks_exact(PER_BODY));
-        let frames = frames.zip(rotors.into_iter().zip(limits));
-        let all = frames.enumerate().map(|(k, frame)| {
-            let (((name, placement), body), (rotor, (range, velocity))) = frame;
+    pub fn of_chain(
+        joints: &[String],
+        geometry: &Geometry,
+        inertial: &[f64],
+        limits: impl Iterator<Item = ([f64; 2], f64)>,
+    ) -> Result<Self> {
+        let frames = joints.iter().zip(geometry.placements()).zip(inertial.chunks_exact(PER_BODY));
+        let all = frames.zip(limits).enumerate().map(|(k, frame)| {
+            let (((name, placement), body), (range, velocity)) = frame;
             let kind = geometry.kinds().of(k);
             let body = Body::of_parameters(&std::array::from_fn(|k| body[k]));
             let limits = JointLimits::new(range, velocity, 0.0);
             let (X_PJ, range) = (pose(&placement), motion_range(kind, range));
-            (name, Joint { X_PJ, kind, body, rotor, range, limits })
+            (name.clone(), Joint { X_PJ, kind, body, rotor: 0.0, range, limits })
         });
-        Self::new(name, geometry.gravity(), all.collect())
+        Self::new("twin".to_owned(), geometry.gravity(), all.collect())
     }
 }
 
@@ -192,10 +181,7 @@ fn kinds(joints: &[Joint]) -> JointKinds {
 impl Joint {
     fn check(&self, name: &str) -> Result<()> {
         check_finite("placement", name, self.X_PJ.to_matrix().as_slice())?;
-        check_finite("rotor inertia", name, &[self.rotor])?;
-        if self.rotor < 0.0 {
-            return Err(SimError::Inertia { place: format!("{name} (rotor)") });
-        }
+        check_between(format!("rotor inertia of `{name}`"), self.rotor, SIZE, "0 or more")?;
         let [lower, upper] = self.range;
         if !(lower < upper && (upper - lower).is_finite()) {
             return Err(SimError::Range { joint: name.into(), lower, upper });
@@ -204,10 +190,11 @@ impl Joint {
     }
 }
 
+/// Between zero and infinity.
+const SIZE: [f64; 2] = [0.0, f64::MAX];
+
 pub(crate) fn check_body(place: &str, body: &Body) -> Result<()> {
-    if !(body.mass.is_finite() && body.mass >= 0.0) {
-        return Err(SimError::Mass { place: place.into(), mass: body.mass });
-    }
+    check_between(format!("mass of `{place}` [kg]"), body.mass, SIZE, "0 or more")?;
     check_finite("centre of mass", place, body.com.as_slice())?;
     check_finite("inertia", place, body.inertia.as_slice())?;
     let refused = || SimError::Inertia { place: place.into() };
@@ -234,9 +221,11 @@ pub(crate) fn motion_range(kind: JointKind, [lower, upper]: [f64; 2]) -> [f64; 2
     }
 }
 
-pub(crate) fn check_finite(what: &'static str, place: &str, values: &[f64]) -> Result<()> {
-    let refused = || SimError::NotFinite { what, place: place.into() };
-    values.iter().all(|value| value.is_finite()).then_some(()).ok_or_else(refused)
+pub(crate) fn check_finite(what: &str, place: &str, values: &[f64]) -> Result<()> {
+    let is_finite = |value: &f64| {
+        check_between(format!("{what} of `{place}`"), *value, [f64::MIN, f64::MAX], "a number")
+    };
+    values.iter().try_for_each(is_finite)
 }
 
 #[cfg(test)]

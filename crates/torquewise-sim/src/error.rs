@@ -3,7 +3,6 @@
 
 use torquewise_model::ModelError;
 use torquewise_motion::MotionError;
-use torquewise_regression::SparseError;
 use torquewise_stepwise::IdentifyError;
 
 /// What fails by [`SimError`].
@@ -48,9 +47,6 @@ pub enum SimError {
     #[error("link `{link}` hangs on itself through a loop of joints")]
     #[diagnostic(help("open the loop"))]
     Loop { link: String },
-    #[error("cannot lock joint `{joint}`, the URDF has no such joint")]
-    #[diagnostic(help("choose from {known}"))]
-    UnknownLocked { joint: String, known: String },
     #[error("only revolute, continuous and prismatic joints may move, found {joints}")]
     #[diagnostic(help("lock them (at 0, mass kept)"))]
     UnsupportedJoints { joints: String },
@@ -71,12 +67,6 @@ pub enum SimError {
     NoJoints,
 
     // Numbers of an arm
-    #[error("{what} of `{place}` is not finite")]
-    #[diagnostic(help("give a number"))]
-    NotFinite { what: &'static str, place: String },
-    #[error("mass of `{place}` is {mass:?} kg")]
-    #[diagnostic(help("a mass is a number that is not negative"))]
-    Mass { place: String, mass: f64 },
     #[error("inertia of `{place}` has a negative principal moment")]
     #[diagnostic(help("check the signs and the order ixx, iyy, izz, ixy, ixz, iyz"))]
     Inertia { place: String },
@@ -103,18 +93,10 @@ pub enum SimError {
     #[diagnostic(help("give all of them names, or none"))]
     Mixed { what: &'static str },
     #[error("{what} is {found:?}, expected {expected}")]
-    Setting { what: &'static str, found: f64, expected: &'static str },
-    #[error("{what} of joint `{joint}` is {found:?}, expected {expected}")]
-    Limit { what: &'static str, joint: String, found: f64, expected: &'static str },
+    Setting { what: String, found: f64, expected: &'static str },
     #[error("home of joint `{joint}` is {home:?} rad, it may move from {lower:?} to {upper:?}")]
     #[diagnostic(help("move it into the range"))]
     Home { joint: String, home: f64, lower: f64, upper: f64 },
-    #[error("noise case {0} is unknown")]
-    #[diagnostic(help("choose 1, 2 or 3"))]
-    NoiseCase(u8),
-    #[error("signal-to-noise ratio of {signal} is {db:?} dB")]
-    #[diagnostic(help("give a number, or +inf for no noise"))]
-    NoiseLevel { signal: &'static str, db: f64 },
 
     // Moving and controlling an arm
     #[error("mass matrix is not positive definite at joint {}", joint + 1)]
@@ -126,9 +108,6 @@ pub enum SimError {
     #[error("the desired motion is not even in time at row {row}")]
     #[diagnostic(help("give one row per control period"))]
     Uneven { row: usize },
-    #[error("the desired motion has {rows} rows, at least 2 are needed")]
-    #[diagnostic(help("make it longer"))]
-    TooFewRows { rows: usize },
     #[error("the motion of the arm runs away at {t:.3} s: the loop is unstable")]
     #[diagnostic(help("lower its bandwidth, or raise the rate or the limits of the torque"))]
     Diverged { t: f64 },
@@ -142,9 +121,6 @@ pub enum SimError {
     )]
     #[diagnostic(help("give it more seconds or the joints more speed"))]
     TooShort { recording: &'static str, seconds: f64, piece: &'static str },
-    #[error("a plan for {columns} columns would take too long, expected at most {limit}")]
-    #[diagnostic(help("lower the interaction order or lock joints"))]
-    TooManyColumns { columns: usize, limit: usize },
     #[error("the planned {what} of joint `{joint}` reaches {found:?}, allowed are {limit:?}")]
     #[diagnostic(help("this is a mistake of the planner, please report it"))]
     Exceeds { what: &'static str, joint: String, found: f64, limit: f64 },
@@ -154,12 +130,9 @@ pub enum SimError {
     )]
     #[diagnostic(help("raise its limit, narrow the ranges or take another home"))]
     Weak { joint: String, limit: f64, needed: f64 },
-    #[error("the library cannot be listed")]
+    #[error("the library cannot be listed or evaluated")]
     #[diagnostic(forward(0))]
     Library(#[from] IdentifyError),
-    #[error("the library cannot be evaluated")]
-    #[diagnostic(forward(0))]
-    Columns(#[from] SparseError),
 }
 
 pub(crate) fn check_joints(what: &'static str, found: usize, expected: usize) -> Result<()> {
@@ -168,16 +141,16 @@ pub(crate) fn check_joints(what: &'static str, found: usize, expected: usize) ->
 
 /// Refuses a number that is NaN or outside `[least, most]`.
 pub(crate) fn check_between(
-    what: &'static str,
+    what: impl Into<String>,
     found: f64,
     [least, most]: [f64; 2],
     expected: &'static str,
 ) -> Result<()> {
-    let refused = || SimError::Setting { what, found, expected };
+    let refused = || SimError::Setting { what: what.into(), found, expected };
     (least..=most).contains(&found).then_some(()).ok_or_else(refused)
 }
 
-pub(crate) fn check_above_zero(what: &'static str, found: f64) -> Result<()> {
+pub(crate) fn check_above_zero(what: &str, found: f64) -> Result<()> {
     check_between(what, found, [f64::MIN_POSITIVE, f64::INFINITY], "above 0")
 }
 

@@ -1,6 +1,6 @@
 //! The Stribeck curve (17) of each joint, forward and backward, and bristles.
 
-use crate::error::{Result, SimError};
+use crate::error::{Result, SimError, check_between};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -102,7 +102,7 @@ impl Friction {
     /// The same curve in both directions, one per joint.
     ///
     /// # Errors
-    /// [`SimError::Limit`] for a number out of bounds.
+    /// [`SimError::Setting`] for a number out of bounds.
     pub fn new(joints: &[Stribeck]) -> Result<Self> {
         let bristles = vec![None; joints.len()];
         Self::checked(joints.iter().map(|&both| [both; 2]).collect(), bristles, WIDTH)
@@ -129,7 +129,7 @@ impl Friction {
     ///
     /// # Errors
     /// [`SimError::FrictionTable`] for broken TOML; [`SimError::UnknownJoint`] for a
-    /// joint the arm does not have; [`SimError::Limit`] for a number out of bounds.
+    /// joint the arm does not have; [`SimError::Setting`] for a number out of bounds.
     pub fn from_toml(text: &str, joints: &[String]) -> Result<Self> {
         let mut table: Table = toml::from_str(text)
             .map_err(|source| SimError::FrictionTable { source: Box::new(source) })?;
@@ -155,10 +155,9 @@ impl Friction {
         bristles: Vec<Option<Bristles>>,
         width: f64,
     ) -> Result<Self> {
-        let above = |what, joint: usize, found: f64, least: f64, expected| {
-            let refused =
-                || SimError::Limit { what, joint: (joint + 1).to_string(), found, expected };
-            (found.is_finite() && found >= least).then_some(()).ok_or_else(refused)
+        let above = |what: &str, joint: usize, found: f64, least: f64, expected| {
+            let what = format!("{what} of joint `{}`", joint + 1);
+            check_between(what, found, [least, f64::MAX], expected)
         };
         for (joint, curve) in joints.iter().enumerate().flat_map(|(j, c)| c.map(|c| (j, c))) {
             above("coulomb", joint, curve.coulomb, 0.0, "0 N·m or more")?;
@@ -297,7 +296,7 @@ mod tests {
 
         for text in texts {
             let error = Friction::from_toml(text, &joints()).unwrap_err();
-            assert!(matches!(error, SimError::Limit { .. }), "{text}: {error}");
+            assert!(matches!(error, SimError::Setting { .. }), "{text}: {error}");
         }
     }
 

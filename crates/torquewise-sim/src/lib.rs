@@ -34,7 +34,7 @@ pub mod noise;
 pub mod excite;
 pub mod control;
 
-pub use arm::{Arm, ArmParts, JointLimits};
+pub use arm::{Arm, JointLimits};
 pub use arms::{ArmSummary, arms};
 pub use error::SimError;
 pub use friction::{Friction, Stribeck};

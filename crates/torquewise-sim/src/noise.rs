@@ -1,6 +1,6 @@
 //! White Gaussian noise at a given signal-to-noise ratio.
 
-use crate::error::{Result, SimError};
+use crate::error::{Result, check_between};
 use crate::random::normal;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -23,21 +23,20 @@ impl Noise {
     /// One of these cases.
     ///
     /// # Errors
-    /// [`SimError::NoiseCase`] for another number.
+    /// [`SimError::Setting`](crate::SimError::Setting) for another number.
     pub fn case(case: u8) -> Result<Self> {
-        let place = usize::from(case).wrapping_sub(1);
-        Self::CASES.get(place).copied().ok_or(SimError::NoiseCase(case))
+        check_between("noise case", f64::from(case), [1.0, 3.0], "1, 2 or 3")?;
+        Ok(Self::CASES[usize::from(case) - 1])
     }
 
     /// Ratios of q, q̇ and q̈ \[dB\].
     ///
     /// # Errors
-    /// [`SimError::NoiseLevel`] for NaN or −∞.
+    /// [`SimError::Setting`](crate::SimError::Setting) for NaN or −∞.
     pub fn from_db(q: f64, dq: f64, ddq: f64) -> Result<Self> {
         for (signal, db) in [("q", q), ("dq", dq), ("ddq", ddq)] {
-            if db.is_nan() || db == f64::NEG_INFINITY {
-                return Err(SimError::NoiseLevel { signal, db });
-            }
+            let what = format!("signal-to-noise ratio of {signal} [dB]");
+            check_between(what, db, [f64::MIN, f64::INFINITY], "a number, or inf for no noise")?;
         }
         Ok(Self([q, dq, ddq]))
     }
@@ -62,7 +61,7 @@ impl fmt::Display for Noise {
 /// Source: method.md, section 0. Checked against: `tests/noise.rs`.
 ///
 /// # Errors
-/// [`SimError::Motion`] if the ratio is so low that the noise overflows.
+/// [`SimError::Motion`](crate::SimError::Motion) if the ratio is so low that the noise overflows.
 pub fn add_noise(motion: &Motion, noise: &Noise, seed: u64) -> Result<Motion> {
     let mut signals = motion.clone().into_signals();
     // Stream 0 draws trajectories: one seed for both must not couple them.

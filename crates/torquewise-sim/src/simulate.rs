@@ -37,6 +37,8 @@ pub fn simulate(arm: &Arm, plan: &MotionPlan) -> Result<Simulation> {
 #[derive(Clone, Debug)]
 pub struct SimulatedLog {
     arm: Arm,
+    n_rows: usize,
+    rate: f64,
     trajectory: Trajectory,
     friction: Friction,
 }
@@ -47,8 +49,9 @@ impl SimulatedLog {
     /// # Errors
     /// `SimError::Setting` for a length or rate out of bounds.
     pub fn new(arm: &Arm, plan: &MotionPlan) -> Result<Self> {
-        let friction = Friction::none(arm.n_joints());
-        Ok(Self { arm: arm.clone(), trajectory: Trajectory::draw(arm, plan)?, friction })
+        let (n_rows, rate, friction) = (plan.n_rows()?, plan.rate, Friction::none(arm.n_joints()));
+        let trajectory = Trajectory::draw(arm, plan)?;
+        Ok(Self { arm: arm.clone(), n_rows, rate, trajectory, friction })
     }
 
     /// The same log of an arm that rubs: friction adds to its torque.
@@ -70,21 +73,21 @@ impl SimulatedLog {
 
     /// Number of rows m.
     pub fn n_rows(&self) -> usize {
-        self.trajectory.n_rows
+        self.n_rows
     }
 
     /// The named rows of the trajectory, with the torque they take.
     ///
     /// - `bent`: what the rows before have left of the bristles
     fn record(&self, rows: Range<usize>, bent: &mut Bent) -> Result<Simulation> {
-        let Self { arm, trajectory, friction } = self;
+        let Self { arm, trajectory, friction, rate, .. } = self;
         let (m, n) = (rows.len(), arm.n_joints());
         let (mut states, mut tau) = (Vec::with_capacity(m), Mat::zeros(m, n));
         let (mut t, mut truth) = (Vec::with_capacity(m), Vec::with_capacity(m));
         let (mut torque, mut moved) = (vec![0.0; n], Moved::default());
-        let step = 1.0 / trajectory.rate;
+        let step = 1.0 / rate;
         for (k, row) in rows.enumerate() {
-            let (time, state) = trajectory.state_at(row);
+            let (time, state) = trajectory.state_at(row, *rate);
             t.push(time);
             truth.push(Pattern::of(&state.dq, &state.ddq));
             let moving = MotionState { q: &state.q, dq: &state.dq, ddq: &state.ddq };

@@ -21,15 +21,7 @@ const ACCELERATION: [f64; 2] = [2.0, 6.0];
 
 /// A drawn motion: every random choice is made, every row can be asked for.
 #[derive(Clone, Debug)]
-pub(crate) struct Trajectory {
-    pub(crate) n_rows: usize,
-    /// Rows per second.
-    pub(crate) rate: f64,
-    path: Path,
-}
-
-#[derive(Clone, Debug)]
-enum Path {
+pub(crate) enum Trajectory {
     Moves(Moves),
     Sines(Sines),
     Staged(Staged),
@@ -37,24 +29,22 @@ enum Path {
 
 impl Trajectory {
     pub(crate) fn draw(arm: &Arm, plan: &MotionPlan) -> Result<Self> {
-        let n_rows = plan.n_rows()?;
-        let ranges = arm.ranges();
+        let (n_rows, ranges) = (plan.n_rows()?, arm.ranges());
         let mut rng = ChaCha8Rng::seed_from_u64(plan.seed);
-        let path = match plan.kind {
-            MotionKind::Moves => Path::Moves(Moves::draw(&ranges, plan.seconds, &mut rng)),
-            MotionKind::Sines => Path::Sines(Sines::draw(&ranges, &mut rng)),
-            MotionKind::Staged => Path::Staged(Staged::draw(&ranges, n_rows, plan.rate, &mut rng)),
-        };
-        Ok(Self { n_rows, rate: plan.rate, path })
+        Ok(match plan.kind {
+            MotionKind::Moves => Self::Moves(Moves::draw(&ranges, plan.seconds, &mut rng)),
+            MotionKind::Sines => Self::Sines(Sines::draw(&ranges, &mut rng)),
+            MotionKind::Staged => Self::Staged(Staged::draw(&ranges, n_rows, plan.rate, &mut rng)),
+        })
     }
 
-    /// Time \[s\] and state of a row.
-    pub(crate) fn state_at(&self, row: usize) -> (f64, State) {
-        let t = row as f64 / self.rate;
-        match &self.path {
-            Path::Moves(moves) => (t, moves.state_at(t)),
-            Path::Sines(sines) => (t, sines.state_at(t)),
-            Path::Staged(staged) => staged.state_at(row),
+    /// Time \[s\] and state of a row, of so many per second.
+    pub(crate) fn state_at(&self, row: usize, rate: f64) -> (f64, State) {
+        let t = row as f64 / rate;
+        match self {
+            Self::Moves(moves) => (t, moves.state_at(t)),
+            Self::Sines(sines) => (t, sines.state_at(t)),
+            Self::Staged(staged) => staged.state_at(row),
         }
     }
 }

@@ -27,16 +27,15 @@ impl Arm {
     /// otherwise the variant that names the link, joint or number at fault.
     pub fn from_urdf(text: &str, locked: &[String]) -> Result<Self> {
         let robot = Robot::read(text)?;
-        let tree = Tree::new(&robot, locked)?;
-        let (base, chain) = tree.chain()?;
+        let (base, chain) = Tree::new(&robot, locked)?.chain()?;
         // The base does not move, its mass must be one all the same.
-        tree.body(&base)?;
+        base.body()?;
         let mut joints = Vec::with_capacity(chain.len());
         for Hinge { joint, X_PJ, X_LJ, after } in chain {
             let range = if joint.kind == "continuous" { [0.0, 0.0] } else { joint.range };
             let [velocity, acceleration] = joint.peaks;
             let kind = joint.moves();
-            let body = tree.body(&after)?.seen_from(&X_LJ.inverse());
+            let body = after.body()?.seen_from(&X_LJ.inverse());
             let limits = JointLimits::new(range, velocity, acceleration);
             let range = motion_range(kind, range);
             let moved = Joint { X_PJ, kind, body, rotor: joint.rotor, range, limits };

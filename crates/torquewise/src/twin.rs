@@ -4,7 +4,6 @@ use crate::error::Result;
 use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::{Drive, Model, ModelError, Torque};
 use torquewise_motion::{Motion, ReadResult, Recording, Signals, Visit};
-use torquewise_sim::arm::ArmParts;
 use torquewise_sim::excite::{JointValues, State, Torques};
 use torquewise_sim::friction::{Friction, Stribeck};
 use torquewise_sim::{Arm, MotionPlan, SimulatedLog};
@@ -28,14 +27,8 @@ pub fn arm(model: &Model) -> Result<Arm> {
     }
     let training = &model.training;
     let limits = training.q_range.iter().copied().zip(training.dq_peak.iter().copied());
-    Ok(Arm::from_parts(ArmParts {
-        name: "twin".to_owned(),
-        joints: model.joints.clone(),
-        geometry: chain.axes()?,
-        inertial: chain.inertial(),
-        rotors,
-        limits: limits.collect(),
-    })?)
+    let arm = Arm::of_chain(&model.joints, &chain.axes()?, &chain.inertial(), limits)?;
+    Ok(arm.with_rotors(&rotors)?)
 }
 
 /// Limits of the torque of a model, friction included, for a plan; `None` if none is given.

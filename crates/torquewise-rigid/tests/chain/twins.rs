@@ -8,7 +8,7 @@ use torquewise_motion::Motion;
 use torquewise_rigid::geometry::{PER_BASE, PER_JOINT};
 use torquewise_rigid::inertia::plain_link;
 use torquewise_rigid::{Chain, ChainRows, Geometry};
-use torquewise_sim::{Arm, ArmParts, MotionKind, MotionPlan, simulate};
+use torquewise_sim::{Arm, MotionKind, MotionPlan, simulate};
 
 /// A chain of bodies that can be, with axes at all angles, in a base that is tilted.
 pub(crate) fn drawn(n: usize, seed: u64) -> Chain {
@@ -28,10 +28,9 @@ pub(crate) fn drawn(n: usize, seed: u64) -> Chain {
 /// The chain as rigid-body dynamics has it.
 pub(crate) fn arm(chain: &Chain) -> Arm {
     let n = chain.geometry.n_joints();
-    let (name, joints) = ("twin".into(), (1..=n).map(|joint| format!("joint{joint}")).collect());
-    let (rotors, limits) = (vec![0.0; n], vec![([-3.0, 3.0], 2.0); n]);
-    let Chain { geometry, inertial, .. } = chain.clone();
-    Arm::from_parts(ArmParts { name, joints, geometry, inertial, rotors, limits }).unwrap()
+    let joints: Vec<String> = (1..=n).map(|joint| format!("joint{joint}")).collect();
+    let limits = std::iter::repeat(([-3.0, 3.0], 2.0));
+    Arm::of_chain(&joints, &chain.geometry, &chain.inertial, limits).unwrap()
 }
 
 /// Smooth motion of an arm with the torque it takes.

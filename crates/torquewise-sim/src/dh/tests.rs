@@ -40,14 +40,18 @@ fn tables_that_are_broken_or_of_no_arm_that_can_be_are_refused() {
         ("com = [0.0, 0.0, 0.0]", "com = [0.0, 0.0]", "DhTable"),
         ("alpha = 0.0", "alpha = \"pi\"", "DhTable"),
         ("[[joints]]", "[[joints", "DhTable"),
-        ("mass = 2.0", "mass = -2.0", "Mass"),
-        ("mass = 2.0", "mass = nan", "Mass"),
+        ("mass = 2.0", "mass = -2.0", "Setting { what: \"mass"),
+        ("mass = 2.0", "mass = nan", "Setting { what: \"mass"),
         ("[0.1, 0.1, 0.1, ", "[0.1, 0.1, -0.1, ", "Inertia"),
-        ("d = 0.0", "d = 0.0\nrotor = -1.0", "Inertia"),
-        ("d = 0.0", "d = inf\noffset = 0.0", "NotFinite"),
-        ("d = 0.0", "d = 0.0\noffset = nan", "NotFinite"),
+        ("d = 0.0", "d = 0.0\nrotor = -1.0", "Setting { what: \"rotor inertia"),
+        ("d = 0.0", "d = inf\noffset = 0.0", "Setting { what: \"centre of mass"),
+        ("d = 0.0", "d = 0.0\noffset = nan", "Setting { what: \"placement"),
         ("d = 0.0", "d = 0.0\nrange = [1.0, -1.0]", "Range"),
-        ("name = \"one\"", "name = \"one\"\ngravity = [0.0, nan, 0.0]", "NotFinite"),
+        (
+            "name = \"one\"",
+            "name = \"one\"\ngravity = [0.0, nan, 0.0]",
+            "Setting { what: \"gravity",
+        ),
     ];
 
     let cases = cases.map(|(replaced, by, variant)| (table(replaced, by), variant));

@@ -4,9 +4,10 @@
 use crate::arm::{STANDARD_GRAVITY, check_finite};
 use crate::error::{Result, SimError};
 use crate::spatial::{Body, Pose, placement, pose};
-use crate::urdf::robot::{self, Robot};
-use crate::urdf::tree::{Hinge, Tree, Welded, WeldedLink};
+use crate::urdf::robot::{Joint, Robot};
+use crate::urdf::tree::{Hinge, Tree, WeldedLink};
 use torquewise_rigid::geometry::Placement;
+use torquewise_rigid::inertia::is_feasible;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Geometry, JointKind};
 
@@ -62,55 +63,43 @@ impl UrdfChain {
         gravity: Option<[f64; 3]>,
     ) -> Result<Self> {
         let robot = Robot::read(text)?;
-        let is_known = |name: &String| robot.joints.iter().any(|joint| joint.name == *name);
-        if !joints.iter().any(is_known) {
-            let chain = Self::of(&robot, |joint| !locked.contains(&joint.name), locked, gravity)?;
-            if chain.joints.len() == joints.len() {
-                return Ok(chain);
-            }
-            let (unknown, known) = (joints.join(", "), names(&chain.joints));
-            return Err(SimError::UnknownJoints { unknown, known });
-        }
-        if let Some(unknown) = joints.iter().find(|name| !is_known(name)) {
-            let known: Vec<&str> = robot.joints.iter().map(|joint| joint.name.as_str()).collect();
+        let known: Vec<String> = robot.joints.iter().map(|joint| joint.name.clone()).collect();
+        let is_numbered = !joints.iter().any(|name| known.contains(name));
+        let unknown = joints.iter().find(|name| !known.contains(name));
+        if let Some(unknown) = unknown.filter(|_| !is_numbered) {
             let (unknown, known) = (unknown.clone(), known.join(", "));
             return Err(SimError::UnknownJoints { unknown, known });
         }
-        let moves = |joint: &robot::Joint| joints.contains(&joint.name);
+        // Of numbered joints, all but those to lock.
+        let (listed, moving) = if is_numbered { (locked, false) } else { (joints, true) };
+        let moves = |name: &String| listed.contains(name) == moving;
         let chain = Self::of(&robot, moves, locked, gravity)?;
-        if chain.joints.iter().map(|joint| &joint.name).eq(joints) {
+        let expected: Vec<String> = chain.joints.iter().map(|joint| joint.name.clone()).collect();
+        if expected == joints || is_numbered && expected.len() == joints.len() {
             return Ok(chain);
         }
-        Err(SimError::JointOrder { expected: names(&chain.joints), found: joints.join(", ") })
+        let (expected, found) = (expected.join(", "), joints.join(", "));
+        Err(if is_numbered {
+            SimError::UnknownJoints { unknown: found, known: expected }
+        } else {
+            SimError::JointOrder { expected, found }
+        })
     }
 
     fn of(
         robot: &Robot,
-        moves: impl Fn(&robot::Joint) -> bool,
+        moves: impl Fn(&String) -> bool,
         named: &[String],
         gravity: Option<[f64; 3]>,
     ) -> Result<Self> {
-        let held = |joint: &&robot::Joint| {
-            joint.kind != "fixed" && (joint.mimics || !moves(joint)) && !named.contains(&joint.name)
-        };
-        let mut locked: Vec<String> =
-            robot.joints.iter().filter(held).map(|joint| joint.name.clone()).collect();
-        locked.extend_from_slice(named);
-        let tree = Tree::new(robot, &locked)?;
-        let links = |welded: &Welded<'_>| -> Vec<String> {
-            welded.links.iter().map(|(link, ..)| (*link).to_owned()).collect()
-        };
-        let (base, chain) = tree.chain()?;
-        let (mut joints, mut placements) = (Vec::new(), Vec::new());
-        let kinds: Vec<JointKind> = chain.iter().map(|hinge| hinge.joint.moves()).collect();
-        for Hinge { joint, X_PJ, X_LJ, after } in chain {
-            placements.push(placement(&X_PJ));
-            let (name, links) = (joint.name.clone(), links(&after));
-            let inertial_of_file = tree.body(&after).ok().map(|body| body.inertial_parameters());
-            let welded = tree.others(&after).collect();
-            joints.push(UrdfJoint { name, links, inertial_of_file, X_LG: X_LJ, welded });
+        let mut locked = named.to_vec();
+        for Joint { name, kind, mimics, .. } in &robot.joints {
+            if *kind != "fixed" && (*mimics || !moves(name)) && !named.contains(name) {
+                locked.push(name.clone());
+            }
         }
-        if joints.is_empty() {
+        let (base, chain) = Tree::new(robot, &locked)?.chain()?;
+        if chain.is_empty() {
             return Err(SimError::NoJoints);
         }
         let gravity = gravity.unwrap_or(STANDARD_GRAVITY);
@@ -118,18 +107,24 @@ impl UrdfChain {
         if gravity.iter().all(|g| *g == 0.0) {
             return Err(SimError::NoDirection { what: "gravity".into() });
         }
+        let kinds: Vec<JointKind> = chain.iter().map(|hinge| hinge.joint.moves()).collect();
+        let placements: Vec<_> = chain.iter().map(|hinge| placement(&hinge.X_PJ)).collect();
         let first = placements[0].rotation;
         let base_of_geometry = [0, 1, 2].map(|i| [0, 1, 2].map(|j| first[(i, j)]));
         let (geometry, frames) = Geometry::of_joints(&placements, &kinds.into(), gravity);
-        for (joint, frame) in joints.iter_mut().zip(frames) {
-            joint.X_LG *= pose(&frame);
-            let X_GL = joint.X_LG.inverse();
-            let seen = |own: &[f64; PER_BODY]| Body::of_parameters(own).seen_from(&X_GL);
-            let seen = joint.inertial_of_file.as_ref().map(|own| seen(own).inertial_parameters());
-            joint.inertial_of_file = seen.filter(|own| torquewise_rigid::inertia::is_feasible(own));
-        }
-        let name = robot.name.clone();
-        Ok(Self { name, base: links(&base), joints, geometry, base_of_geometry })
+        let joint = |(Hinge { joint, X_LJ, after, .. }, frame): (Hinge<'_>, Placement)| {
+            let (X_LG, name) = (X_LJ * pose(&frame), joint.name.clone());
+            let X_GL = X_LG.inverse();
+            let of_file = after.body().ok().map(|body| body.inertial_parameters());
+            let seen = of_file.map(|own| Body::of_parameters(&own).seen_from(&X_GL));
+            let inertial_of_file = seen.map(|body| body.inertial_parameters());
+            let inertial_of_file = inertial_of_file.filter(|own| is_feasible(own));
+            let (links, welded) = (after.names().collect(), after.others().collect());
+            UrdfJoint { name, links, inertial_of_file, X_LG, welded }
+        };
+        let joints = chain.into_iter().zip(frames).map(joint).collect();
+        let (name, base) = (robot.name.clone(), base.names().collect());
+        Ok(Self { name, base, joints, geometry, base_of_geometry })
     }
 }
 
@@ -155,7 +150,7 @@ impl UrdfJoint {
             let kept = kept.fold(Body::default(), |sum, body| sum.welded_to(&body));
             let rest = whole.without(&kept);
             let is_last = !others.iter().any(stay);
-            if !(is_last || torquewise_rigid::inertia::is_feasible(&rest.inertial_parameters())) {
+            if !(is_last || is_feasible(&rest.inertial_parameters())) {
                 continue;
             }
             let first = self.links.first().cloned().unwrap_or_default();
@@ -167,8 +162,4 @@ impl UrdfJoint {
         }
         (Vec::new(), true)
     }
-}
-
-fn names(joints: &[UrdfJoint]) -> String {
-    joints.iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>().join(", ")
 }

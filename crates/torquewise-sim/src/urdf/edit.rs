@@ -45,7 +45,7 @@ pub fn edited(
         let line = format!(
             "<dynamics damping=\"{damping:?}\" friction=\"{friction:?}\" armature=\"{armature:?}\"/>"
         );
-        edits.extend(put(text, named("joint", joint)?, "dynamics", Some(vec![line])));
+        edits.extend(put(text, named("joint", joint)?, "dynamics", Some(line)));
     }
     edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
     let mut out = text.to_owned();
@@ -60,12 +60,12 @@ fn put(
     text: &str,
     node: Node<'_, '_>,
     name: &str,
-    new: Option<Vec<String>>,
+    new: Option<String>,
 ) -> Vec<(Range<usize>, String)> {
     let before = &text[..node.range().start];
     let line = before.rsplit('\n').next().unwrap_or(before);
     let margin: String = line.chars().take_while(|c| *c == ' ' || *c == '\t').collect();
-    let lines = new.map(|lines| lines.join(&format!("\n{margin}  ")));
+    let lines = new.map(|lines| lines.replace('\n', &format!("\n{margin}  ")));
     let named = node.children().filter(|child| child.has_tag_name(name));
     let old: Vec<Range<usize>> = named.map(|child| child.range()).collect();
     if let Some((first, others)) = old.split_first() {
@@ -87,18 +87,11 @@ fn put(
     vec![(behind..behind, format!("\n{margin}  {lines}"))]
 }
 
-fn inertial(Body { mass, com, inertia }: &Body) -> Vec<String> {
-    let [x, y, z]: [f64; 3] = (*com).into();
-    let [xx, yy, zz] = [inertia.m11, inertia.m22, inertia.m33];
-    let [xy, xz, yz] = [inertia.m12, inertia.m13, inertia.m23];
-    vec![
-        "<inertial>".to_owned(),
-        format!("  <origin xyz=\"{x:?} {y:?} {z:?}\" rpy=\"0 0 0\"/>"),
-        format!("  <mass value=\"{mass:?}\"/>"),
-        format!(
-            "  <inertia ixx=\"{xx:?}\" ixy=\"{xy:?}\" ixz=\"{xz:?}\" iyy=\"{yy:?}\" \
-             iyz=\"{yz:?}\" izz=\"{zz:?}\"/>"
-        ),
-        "</inertial>".to_owned(),
-    ]
+fn inertial(Body { mass, com, inertia: i }: &Body) -> String {
+    format!(
+        "<inertial>\n  <origin xyz=\"{:?} {:?} {:?}\" rpy=\"0 0 0\"/>\n  <mass value=\"{mass:?}\"/>\n  \
+         <inertia ixx=\"{:?}\" ixy=\"{:?}\" ixz=\"{:?}\" iyy=\"{:?}\" iyz=\"{:?}\" izz=\"{:?}\"/>\n\
+         </inertial>",
+        com.x, com.y, com.z, i.m11, i.m12, i.m13, i.m22, i.m23, i.m33,
+    )
 }

@@ -17,8 +17,8 @@ pub(crate) struct Tree<'a> {
 
 /// Links that move as one body, and the moving joints that leave it.
 pub(crate) struct Welded<'a> {
-    /// Name and frame of each link, and whether all joints between it and the first are fixed.
-    pub(crate) links: Vec<(&'a str, Pose, bool)>,
+    /// Each link and its frame, and whether all joints between it and the first are fixed.
+    pub(crate) links: Vec<(&'a Link, Pose, bool)>,
     exits: Vec<(&'a Joint, Pose)>,
 }
 
@@ -49,7 +49,7 @@ impl<'a> Tree<'a> {
         if let Some(unknown) = locked.iter().find(|name| !joints.contains_key(name.as_str())) {
             let moving = robot.joints.iter().filter(|j| j.kind != "fixed");
             let known = moving.map(|j| j.name.as_str()).collect::<Vec<_>>().join(", ");
-            return Err(SimError::UnknownLocked { joint: unknown.clone(), known });
+            return Err(SimError::UnknownJoint { what: "a lock", joint: unknown.clone(), known });
         }
 
         let root = only_root(robot, &links)?;
@@ -81,7 +81,7 @@ impl<'a> Tree<'a> {
         let (mut links, mut exits) = (Vec::new(), Vec::new());
         let mut open = vec![(first, Pose::identity(), true)];
         while let Some((link, X_GL, is_fixed)) = open.pop() {
-            links.push((link, X_GL, is_fixed));
+            links.extend(self.links.get(link).map(|&link| (link, X_GL, is_fixed)));
             for &joint in self.joints_below(link) {
                 let X_GJ = X_GL * checked(&joint.name, joint.origin)?;
                 if self.moves(joint) {
@@ -92,25 +92,6 @@ impl<'a> Tree<'a> {
             }
         }
         Ok(Welded { links, exits })
-    }
-
-    /// Links with a body beside the first.
-    pub(crate) fn others(&self, welded: &Welded<'a>) -> impl Iterator<Item = WeldedLink> {
-        welded.links.iter().skip(1).filter_map(|&(name, X_GL, is_fixed)| {
-            let link = self.links.get(name).filter(|link| link.inertial.is_some())?;
-            let body = body_of(link).ok().map(|body| body.seen_from(&X_GL));
-            Some(WeldedLink { name: name.to_owned(), body, is_fixed })
-        })
-    }
-
-    pub(crate) fn body(&self, welded: &Welded<'a>) -> Result<Body> {
-        let mut body = Body::default();
-        for (link, X_GL, _) in &welded.links {
-            if let Some(link) = self.links.get(link) {
-                body = body.welded_to(&body_of(link)?.seen_from(X_GL));
-            }
-        }
-        Ok(body)
     }
 
     fn only_exit(&self, welded: &Welded<'a>) -> Result<Option<(&'a Joint, Pose)>> {
@@ -126,8 +107,8 @@ impl<'a> Tree<'a> {
         // The branch with the most joints is taken for the arm.
         branches.sort_by_key(|names| std::cmp::Reverse(names.len()));
         let lock = branches[1..].concat().join(", ");
-        let link = welded.links.first().map_or(self.root, |(link, ..)| link);
-        Err(SimError::Branches { link: link.into(), lock })
+        let link = welded.names().next().unwrap_or_default();
+        Err(SimError::Branches { link, lock })
     }
 
     /// What does not move, then each joint base to tip.
@@ -161,6 +142,27 @@ impl<'a> Tree<'a> {
             open.extend(self.joints_below(&joint.child));
         }
         all
+    }
+}
+
+impl Welded<'_> {
+    pub(crate) fn names(&self) -> impl Iterator<Item = String> {
+        self.links.iter().map(|(link, ..)| link.name.clone())
+    }
+
+    /// Links with a body beside the first.
+    pub(crate) fn others(&self) -> impl Iterator<Item = WeldedLink> {
+        let with_body = self.links.iter().skip(1).filter(|(link, ..)| link.inertial.is_some());
+        with_body.map(|(link, X_GL, is_fixed)| {
+            let body = body_of(link).ok().map(|body| body.seen_from(X_GL));
+            WeldedLink { name: link.name.clone(), body, is_fixed: *is_fixed }
+        })
+    }
+
+    pub(crate) fn body(&self) -> Result<Body> {
+        self.links.iter().try_fold(Body::default(), |sum, (link, X_GL, _)| {
+            Ok(sum.welded_to(&body_of(link)?.seen_from(X_GL)))
+        })
     }
 }
 
