@@ -117,12 +117,9 @@ pub(crate) fn period(motion: &Motion) -> Result<f64> {
     let (t, rows) = (motion.t(), motion.n_rows());
     check_between("rows of the desired motion", rows as f64, [2.0, f64::MAX], "2 or more")?;
     let period = (t[rows - 1] - t[0]) / (rows - 1) as f64;
-    let uneven = |pair: &[f64]| (pair[1] - pair[0] - period).abs() > SLACK * period.abs();
-    match t.windows(2).position(uneven) {
-        Some(row) => Err(SimError::Uneven { row: row + 1 }),
-        None if period > 0.0 => Ok(period),
-        None => Err(SimError::Uneven { row: 1 }),
-    }
+    let is_even = |pair: &[f64]| (pair[1] - pair[0] - period).abs() <= SLACK * period;
+    let uneven = t.windows(2).position(|pair| period <= 0.0 || !is_even(pair));
+    uneven.map_or(Ok(period), |row| Err(SimError::Uneven { row: row + 1 }))
 }
 
 #[cfg(test)]

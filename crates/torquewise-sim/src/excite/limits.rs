@@ -81,25 +81,19 @@ const SENSIBLE: [f64; 2] = [1e-4, 1e4];
 
 impl<T: Copy> JointValues<T> {
     pub(crate) fn resolve(&self, what: &'static str, joints: &[String]) -> Result<Vec<Option<T>>> {
-        let named = self.0.iter().filter(|(name, _)| name.is_some()).count();
         let (n, found) = (joints.len(), self.0.len());
-        if named == 0 {
+        if found > 0 && self.0.iter().all(|(name, _)| name.is_none()) {
             return match found {
-                0 => Ok(vec![None; n]),
                 1 => Ok(vec![Some(self.0[0].1); n]),
                 _ if found == n => Ok(self.0.iter().map(|(_, value)| Some(*value)).collect()),
                 _ => Err(SimError::Count { what, found, joints: n }),
             };
         }
-        if named < found {
-            return Err(SimError::Mixed { what });
-        }
         let mut values = vec![None; n];
         for (name, value) in &self.0 {
-            let name = name.clone().unwrap_or_default();
-            let Some(place) = joints.iter().position(|joint| *joint == name) else {
-                let known = joints.join(", ");
-                return Err(SimError::UnknownJoint { what, joint: name, known });
+            let Some(joint) = name.clone() else { return Err(SimError::Mixed { what }) };
+            let Some(place) = joints.iter().position(|own| *own == joint) else {
+                return Err(SimError::UnknownJoint { what, joint, known: joints.join(", ") });
             };
             values[place] = Some(*value);
         }

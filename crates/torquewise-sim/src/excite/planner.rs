@@ -1,6 +1,6 @@
 //! Three recordings that a model can be reconstructed from, on one page.
 
-use crate::error::{Result, SimError, check_between};
+use crate::error::{Result, SimError, check_between, check_joints};
 use crate::excite::design::Task;
 use crate::excite::information::DesignCriterion;
 use crate::excite::library::{Library, Stage};
@@ -185,10 +185,7 @@ impl Setting<'_> {
         let k = before.len();
         let (name, seconds, stage) = (NAMES[k], plan.seconds[k], self.stages()[k]);
         let library = &self.library.share(stage);
-        let mut known = Vec::new();
-        for recording in before {
-            known.extend(library.rows_of(&recording.parts, 1)?);
-        }
+        let known = library.rows_of(before.iter().flat_map(|recording| &recording.parts), 1)?;
         let rounds = match tries {
             1 => 0,
             _ if self.library.n_columns() > QUICK_COLUMNS => 1,
@@ -258,9 +255,7 @@ fn stacked(blocks: &[Mat<f64>]) -> Mat<f64> {
 /// The pose at both ends: as asked, else zero, else the middle of the range.
 fn home(limits: &[Limits], plan: &ExcitationPlan) -> Result<Vec<f64>> {
     let n = limits.len();
-    if let Some(home) = plan.home.as_ref().filter(|home| home.len() != n) {
-        return Err(SimError::Count { what: "home", found: home.len(), joints: n });
-    }
+    check_joints("home", plan.home.as_ref().map_or(n, Vec::len), n)?;
     let of_joint = |(joint, limits): (usize, &Limits)| {
         let [lower, upper] = limits.planned.position;
         let usual = if lower <= 0.0 && 0.0 <= upper { 0.0 } else { f64::midpoint(lower, upper) };

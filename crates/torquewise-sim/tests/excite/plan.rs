@@ -260,7 +260,7 @@ fn settings_that_make_no_plan_are_refused() {
         (ExcitationPlan { interaction: Some(0), ..quick() }, "interaction"),
         (ExcitationPlan { home: Some(vec![0.0; 3]), ..quick() }, "joint2"),
         (ExcitationPlan { home: Some(vec![0.0, 1.0, -1e300]), ..quick() }, "is -1e300 rad, it may"),
-        (ExcitationPlan { home: Some(vec![0.0; 2]), ..quick() }, "3 joints"),
+        (ExcitationPlan { home: Some(vec![0.0; 2]), ..quick() }, "expected 3"),
         (ExcitationPlan { home: Some(vec![f64::NAN; 3]), ..quick() }, "joint1"),
         (ExcitationPlan { seconds: [1.2, 60.0, 60.0], ..quick() }, "no room for a single pose"),
         (ExcitationPlan { seconds: [30.0, 2.0, 60.0], ..quick() }, "no room for a single sweep"),
