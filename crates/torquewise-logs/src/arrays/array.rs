@@ -22,16 +22,12 @@ pub(super) struct Array {
     pub(super) columns: usize,
     /// Whether its columns are stored one after the other, rather than its rows.
     pub(super) is_by_column: bool,
-    pub(super) body: Body,
-}
-
-#[derive(Clone, Debug)]
-pub(super) struct Body {
-    /// Where they begin, or what they are packed in.
+    /// Where its bytes begin, or what they are packed in.
     pub(super) start: u64,
     /// Bytes from there on at most.
     pub(super) stored: u64,
     pub(super) packing: Packing,
+    /// Bytes, once unpacked, before the first element.
     pub(super) before: u64,
     /// What is held against all bytes, if anything is.
     pub(super) checksum: Option<u32>,
@@ -46,7 +42,7 @@ pub(super) enum Packing {
     Zlib,
 }
 
-impl Body {
+impl Array {
     fn open(&self, file: &LogInput, element: Element, first: u64) -> io::Result<Numbers> {
         let mut input = file.open()?;
         input.seek(SeekFrom::Start(self.start))?;
@@ -66,25 +62,7 @@ impl Body {
         }
         Ok(Numbers::new(input, element))
     }
-}
 
-/// Bytes that are held against their checksum at the end.
-struct Checked {
-    input: CrcReader<Box<dyn Read + Send>>,
-    checksum: u32,
-}
-
-impl Read for Checked {
-    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        let n_read = self.input.read(into)?;
-        if n_read == 0 && !into.is_empty() && self.input.crc().sum() != self.checksum {
-            return Err(io::Error::new(io::ErrorKind::InvalidData, "its checksum is another"));
-        }
-        Ok(n_read)
-    }
-}
-
-impl Array {
     /// Whether it holds signals: instants, and no more series than a robot has.
     pub(super) fn is_signal(&self) -> bool {
         let (instants, series) = self.instants_and_series();
@@ -112,23 +90,51 @@ impl Array {
             array: shown(self.name.as_bytes()),
             reason,
         };
-        let element = self.body.element.map_err(refused)?;
+        let element = self.element.map_err(refused)?;
         let format = Format::of(file)?;
-        self.body.open(file, element, first).map_err(LogError::decode(file, format))
+        self.open(file, element, first).map_err(LogError::decode(file, format))
+    }
+}
+
+/// Bytes that are held against their checksum at the end.
+struct Checked {
+    input: CrcReader<Box<dyn Read + Send>>,
+    checksum: u32,
+}
+
+impl Read for Checked {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        let n_read = self.input.read(into)?;
+        if n_read == 0 && !into.is_empty() && self.input.crc().sum() != self.checksum {
+            return Err(io::Error::new(io::ErrorKind::InvalidData, "its checksum is another"));
+        }
+        Ok(n_read)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Array, Body, Packing};
+    use super::{Array, Packing};
 
     #[test]
     fn scalars_images_and_long_names_are_no_signals() {
         let (packing, element) = (Packing::Plain, Err("nothing"));
-        let body = Body { start: 0, stored: 0, packing, before: 0, checksum: None, element };
+        let (start, stored, before, checksum, is_by_column) = (0, 0, 0, None, false);
         let array = |name: &str, rows, columns| {
-            let (name, body) = (name.into(), body.clone());
-            Array { name, rows, columns, is_by_column: false, body }.is_signal()
+            let name = name.into();
+            Array {
+                name,
+                rows,
+                columns,
+                is_by_column,
+                start,
+                stored,
+                packing,
+                before,
+                checksum,
+                element,
+            }
+            .is_signal()
         };
         assert!(array("q", 2, 1) && array("q", 300, 256));
         assert!(!array("q", 1, 1) && !array("q", 0, 5) && !array("q", 300, 300));

@@ -1,6 +1,6 @@
 //! MATLAB files (.mat, version 5); fields of structures are joined to names by dots.
 
-use crate::arrays::array::{Array, Body, LONGEST_NAME, MAX_COLUMNS, Packing};
+use crate::arrays::array::{Array, LONGEST_NAME, MAX_COLUMNS, Packing};
 use crate::arrays::mat_elements::{COMPRESSED, Elements, MATRIX, Tag, held_by, sizes, wrong};
 use crate::arrays::numbers::Element;
 use crate::error::{LogError, Result};
@@ -54,7 +54,7 @@ impl Walk {
                 MATRIX => elements.within(tag, |inner| self.matrix(inner, None, 0))?,
                 COMPRESSED => {
                     self.compressed = Some(tag.start);
-                    elements.bytes_within(tag, |bytes| self.inflated(bytes))?;
+                    elements.within(tag, |inner| self.inflated(inner))?;
                     self.compressed = None;
                 }
                 _ => elements.skip(tag)?,
@@ -92,9 +92,7 @@ impl Walk {
         };
         let flags = elements.body(tag, 16)?;
         let class = *flags.first().ok_or(io::ErrorKind::UnexpectedEof)?;
-        let tag = elements.require()?;
-        let dimensions = elements.body(tag, LONGEST_NAME as u64)?;
-        let dimensions = sizes(&dimensions);
+        let dimensions = sizes(&elements.next_body(LONGEST_NAME as u64)?);
         let own_name = text(elements)?;
         let name = name.unwrap_or(own_name);
         match class {
@@ -115,11 +113,8 @@ impl Walk {
         dimensions: &[usize],
         depth: usize,
     ) -> io::Result<()> {
-        let tag = elements.require()?;
-        let length = elements.body(tag, 8)?;
-        let length = sizes(&length).first().copied().unwrap_or(0);
-        let tag = elements.require()?;
-        let names = elements.body(tag, LONGEST_NAMES)?;
+        let length = sizes(&elements.next_body(8)?).first().copied().unwrap_or(0);
+        let names = elements.next_body(LONGEST_NAMES)?;
         let fields: Vec<String> = names.chunks(length.max(1)).map(up_to_zero).collect();
         let count = dimensions.iter().fold(1_usize, |count, n| count.saturating_mul(*n));
         let n = if fields.is_empty() { 0 } else { count };
@@ -150,7 +145,11 @@ impl Walk {
             _ => return Ok(()),
         };
         // What it holds is known once its size is found to be that of a signal.
-        let body = Body {
+        let mut array = Array {
+            name,
+            rows,
+            columns,
+            is_by_column: true,
             start: self.compressed.unwrap_or_default(),
             stored: u64::MAX,
             packing: Packing::Zlib,
@@ -158,7 +157,6 @@ impl Walk {
             checksum: None,
             element: Err("an array holds cells, an encoding that is not read"),
         };
-        let mut array = Array { name, rows, columns, is_by_column: true, body };
         if !array.is_signal() {
             return Ok(());
         }
@@ -167,12 +165,12 @@ impl Walk {
         }
         let tag = elements.require()?;
         if self.compressed.is_some() {
-            array.body.before = tag.start;
+            array.before = tag.start;
         } else {
-            (array.body.start, array.body.packing) = (tag.start, Packing::Plain);
+            (array.start, array.packing) = (tag.start, Packing::Plain);
         }
         if class != CELLS {
-            array.body.element = element(tag, &array);
+            array.element = element(tag, &array);
         }
         self.arrays.push(array);
         Ok(())
@@ -190,8 +188,7 @@ fn element(tag: Tag, array: &Array) -> Result<Element, &'static str> {
 }
 
 fn text(elements: &mut Elements<'_>) -> io::Result<String> {
-    let tag = elements.require()?;
-    Ok(up_to_zero(&elements.body(tag, LONGEST_NAME as u64)?))
+    Ok(up_to_zero(&elements.next_body(LONGEST_NAME as u64)?))
 }
 
 fn up_to_zero(bytes: &[u8]) -> String {

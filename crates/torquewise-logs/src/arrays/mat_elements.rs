@@ -32,8 +32,7 @@ impl<'a> Elements<'a> {
     /// The next tag; `None` where the bytes end before it.
     pub(super) fn next(&mut self) -> io::Result<Option<Tag>> {
         let mut head = Vec::new();
-        let n_read = self.input.take(self.left.min(8)).read_to_end(&mut head)?;
-        self.passed(n_read as u64);
+        self.by_ref().take(8).read_to_end(&mut head)?;
         if head.is_empty() {
             return Ok(None);
         }
@@ -66,13 +65,18 @@ impl<'a> Elements<'a> {
         }
         let mut body = Vec::new();
         // Grows as bytes come, whatever the tag claims.
-        let n_read = self.input.take(tag.length.min(self.left)).read_to_end(&mut body)? as u64;
-        self.passed(n_read);
-        if n_read < tag.length {
+        self.by_ref().take(tag.length).read_to_end(&mut body)?;
+        if (body.len() as u64) < tag.length {
             return Err(io::ErrorKind::UnexpectedEof.into());
         }
         self.pad(tag)?;
         Ok(body)
+    }
+
+    /// The body of the next element, where there must be one.
+    pub(super) fn next_body(&mut self, longest: u64) -> io::Result<Vec<u8>> {
+        let tag = self.require()?;
+        self.body(tag, longest)
     }
 
     pub(super) fn skip(&mut self, tag: Tag) -> io::Result<()> {
@@ -88,46 +92,30 @@ impl<'a> Elements<'a> {
         if tag.small.is_some() || tag.length > self.left {
             return Err(io::ErrorKind::UnexpectedEof.into());
         }
-        let mut inner = Elements { input: &mut *self.input, at: self.at, left: tag.length };
+        let mut inner = Elements { at: self.at, left: tag.length, input: &mut *self };
         work(&mut inner)?;
-        inner.pass(inner.left)?;
-        self.passed(tag.length);
+        io::copy(&mut inner, &mut io::sink())?;
+        if inner.left > 0 {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
         self.pad(tag)
     }
 
-    /// Works on the bytes of the element whose tag was read last; all of them must be there.
-    pub(super) fn bytes_within(
-        &mut self,
-        tag: Tag,
-        work: impl FnOnce(&mut dyn Read) -> io::Result<()>,
-    ) -> io::Result<()> {
-        let mut body = (&mut *self.input).take(tag.length.min(self.left));
-        work(&mut body)?;
-        io::copy(&mut body, &mut io::sink())?;
-        if body.limit() > 0 || tag.length > self.left {
-            return Err(io::ErrorKind::UnexpectedEof.into());
-        }
-        self.passed(tag.length);
-        Ok(())
-    }
-
-    /// Elements begin at multiples of eight bytes; the last may lack its padding.
+    /// Elements that are not compressed begin at multiples of eight bytes; the last may lack its
+    /// padding.
     fn pad(&mut self, tag: Tag) -> io::Result<()> {
-        let padding = (tag.length.next_multiple_of(8) - tag.length).min(self.left);
-        let passed = io::copy(&mut self.input.take(padding), &mut io::sink())?;
-        self.passed(passed);
-        Ok(())
+        let padding = tag.length.next_multiple_of(8) - tag.length;
+        let padding = if tag.kind == COMPRESSED { 0 } else { padding };
+        io::copy(&mut self.take(padding), &mut io::sink()).map(drop)
     }
+}
 
-    fn passed(&mut self, length: u64) {
-        self.at += length;
-        self.left -= length;
-    }
-
-    fn pass(&mut self, length: u64) -> io::Result<()> {
-        let passed = io::copy(&mut self.input.take(length.min(self.left)), &mut io::sink())?;
-        self.passed(passed);
-        if passed < length { Err(io::ErrorKind::UnexpectedEof.into()) } else { Ok(()) }
+impl Read for Elements<'_> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        let n_read = (&mut self.input).take(self.left).read(into)?;
+        self.at += n_read as u64;
+        self.left -= n_read as u64;
+        Ok(n_read)
     }
 }
 

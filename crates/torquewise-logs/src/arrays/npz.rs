@@ -1,6 +1,6 @@
 //! The arrays of a NumPy archive (.npz of .npy, versions 1 to 3), read as they are inflated.
 
-use crate::arrays::array::{Array, Body, LONGEST_NAME, Packing};
+use crate::arrays::array::{Array, LONGEST_NAME, Packing};
 use crate::arrays::numbers::{Element, Kind};
 use crate::error::{LogError, Result, guarded, shown};
 use crate::format::Format;
@@ -52,10 +52,10 @@ fn array<R: Read>(file: &Path, mut entry: ZipFile<'_, R>) -> Result<Option<Array
     if name.len() > LONGEST_NAME {
         return Ok(None);
     }
-    let Some((header, element)) = header(&head) else {
+    let Some(header) = header(&head) else {
         return refused("it is not a whole NumPy array");
     };
-    let Some(element) = element else { return Ok(None) };
+    let Some(element) = header.element else { return Ok(None) };
     let (packing, growth) = match entry.compression() {
         CompressionMethod::Stored => (Packing::Plain, 1),
         CompressionMethod::Deflated => (Packing::Deflate, MOST_INFLATED),
@@ -66,28 +66,36 @@ fn array<R: Read>(file: &Path, mut entry: ZipFile<'_, R>) -> Result<Option<Array
         [rows, columns] => (*rows, *columns),
         _ => (0, 0),
     };
-    let (start, stored) = (entry.data_start(), entry.compressed_size());
-    let (before, checksum) = (header.length as u64, Some(entry.crc32()));
-    let body = Body { start, stored, packing, before, checksum, element: Ok(element) };
-    let mut array = Array { name, rows, columns, is_by_column: header.is_fortran, body };
-    let plain = entry.size().min(stored.saturating_mul(growth));
-    let n_bytes = array.n_bytes(element).and_then(|bytes| bytes.checked_add(array.body.before));
+    let mut array = Array {
+        name,
+        rows,
+        columns,
+        is_by_column: header.is_fortran,
+        start: entry.data_start(),
+        stored: entry.compressed_size(),
+        packing,
+        before: header.length as u64,
+        checksum: Some(entry.crc32()),
+        element: Ok(element),
+    };
+    let plain = entry.size().min(array.stored.saturating_mul(growth));
+    let n_bytes = array.n_bytes(element).and_then(|bytes| bytes.checked_add(array.before));
     if n_bytes.is_none_or(|bytes| bytes > plain) {
-        array.body.element = Err("it has fewer numbers than its header says");
+        array.element = Err("it has fewer numbers than its header says");
     }
     Ok(Some(array))
 }
 
-#[derive(Clone, Debug, PartialEq, Eq)]
 struct Header {
     shape: Vec<usize>,
     is_fortran: bool,
     length: usize,
+    /// What the elements are, if they are numbers.
+    element: Option<Element>,
 }
 
-/// The header at the start of `bytes`, and what the elements are if they are numbers; `None` where it
-/// is cut or no header.
-fn header(bytes: &[u8]) -> Option<(Header, Option<Element>)> {
+/// The header at the start of `bytes`; `None` where it is cut or no header.
+fn header(bytes: &[u8]) -> Option<Header> {
     let (start, length) = match bytes.get(..12)? {
         [magic @ .., 1, _, a, b, _, _] if magic == MAGIC => {
             (10, u32::from(u16::from_le_bytes([*a, *b])))
@@ -121,5 +129,5 @@ fn header(bytes: &[u8]) -> Option<(Header, Option<Element>)> {
         let (_, kind, _) = known.filter(|(.., sizes)| size.len() == 1 && sizes.contains(size))?;
         Some(Element { kind, size: size.parse().ok()?, is_big_endian })
     });
-    Some((Header { shape, is_fortran, length: start + length }, element))
+    Some(Header { shape, is_fortran, length: start + length, element })
 }
