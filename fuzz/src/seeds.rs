@@ -15,7 +15,7 @@ use torquewise::dynamics::plan::{MotionKind, MotionPlan};
 use torquewise::dynamics::{Arm, simulate};
 use torquewise::identify::plan::LibraryOptions;
 use torquewise::identify::{Method, PatternPlan, Plan, summarise};
-use torquewise::logs::LogWriter;
+use torquewise::logs::TableWriter;
 use torquewise::motion::Motion;
 use torquewise::{Fit, FitOptions};
 use zip::write::SimpleFileOptions;
@@ -83,8 +83,8 @@ pub fn seeds(reader: &str) -> Result<Vec<Seed>> {
     let array_columns = |name: &str| if name == "t" { 1 } else { 2 };
     Ok(match reader {
         "csv" | "parquet" => {
-            let mut writer = LogWriter::create(&file, motion(40)?.joints(), true)?;
-            writer.append(&motion(40)?)?;
+            let mut writer = TableWriter::log(&file, motion(40)?.joints(), true)?;
+            writer.append_motion(&motion(40)?)?;
             writer.finish()?;
             vec![Seed::whole(fs::read(file)?)]
         }

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use torquewise::identify::{find_patterns, survey};
 use torquewise::inspect::missing_patterns;
 use torquewise::log::Rows;
-use torquewise::logs::{self, Clock, Frame, Logs, Options, Profile};
+use torquewise::logs::{self, Frame, Logs, Options, Profile};
 use torquewise::motion::{Motion, Pattern, Recording};
 use torquewise::{Filter, FitOptions};
 
@@ -53,8 +53,7 @@ impl Log {
         delay: Option<f64>,
     ) -> PyResult<Self> {
         let profile = profile.map(|file| Profile::read(&file)).transpose().map_err(raised)?;
-        let clock = if repair { Clock::Repair } else { Clock::Strict };
-        let options = Options { profile, topic, clock };
+        let options = Options { profile, topic, repair };
         let files = match sources {
             Sources::Files(files) => py.detach(|| Logs::open_with(&files, &options)),
             Sources::Frames(frames) => {

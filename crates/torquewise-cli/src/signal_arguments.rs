@@ -6,7 +6,7 @@ use crate::files::read_model;
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::log::{Prepared, Rows};
-use torquewise::logs::{Clock, Options, Profile};
+use torquewise::logs::{Options, Profile};
 use torquewise::{Filter, Log};
 
 /// How the columns of a file become signals, and how these are conditioned.
@@ -43,8 +43,7 @@ impl SignalArguments {
 
     pub(crate) fn open(&self, paths: &[PathBuf]) -> Result<Log> {
         let profile = self.profile()?;
-        let clock = if self.repair { Clock::Repair } else { Clock::Strict };
-        let options = Options { profile, topic: self.topic.clone(), clock };
+        let options = Options { profile, topic: self.topic.clone(), repair: self.repair };
         let mut log = Log::open_all(paths, &options)?;
         (log.filter, log.delay) = (self.filter, self.delay);
         Ok(log)

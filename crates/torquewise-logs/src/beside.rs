@@ -123,16 +123,7 @@ impl Rows for SideBySide {
         Ok(true)
     }
 
-    fn is_null(&self, column: usize) -> bool {
-        let chosen = self.chosen.get(column);
-        chosen.is_some_and(|(part, place)| self.parts[*part].rows.is_null(*place))
-    }
-
     fn place(&self) -> RowPlace {
         self.parts[0].rows.place()
-    }
-
-    fn irregular(&self) -> [u64; 2] {
-        self.parts[0].rows.irregular()
     }
 }

@@ -155,9 +155,6 @@ pub enum LogError {
     #[error("{} has no torque", file.display())]
     #[diagnostic(help("record columns tau1…taun, in a bag effort, or see what inspect suggests"))]
     NoTorque { file: PathBuf },
-    #[error("{} is to hold torque, but the motion has none", file.display())]
-    #[diagnostic(help("leave tau out of its contents"))]
-    NoTorqueToWrite { file: PathBuf },
     #[error(
         "{}, row {row}: only {rows} rows up to the next gap or the end, {needed} are needed to \
          find dq or ddq",

@@ -6,7 +6,7 @@
 //! and `.mcap` with joint states), NumPy archives (`.npz`) and MATLAB files (`.mat`).
 //!
 //! [`Logs`] reads several files as one [`Recording`](torquewise_motion::Recording), or as recorded
-//! with [`Logs::read_raw`]; a [`Frame`] is a table in memory that is read as a file is; [`LogWriter`] and [`TableWriter`] write CSV and Parquet.
+//! with [`Logs::read_raw`]; a [`Frame`] is a table in memory that is read as a file is; [`TableWriter`] writes CSV and Parquet.
 //!
 //! ```
 //! use torquewise_logs::Logs;
@@ -78,9 +78,9 @@ pub use logs::Logs;
 #[cfg(feature = "formats")]
 pub use preview::preview;
 pub use profile::Profile;
-pub use signal_rows::{Clock, ReadReport};
+pub use signal_rows::ReadReport;
 pub use sink::{Column, Values};
 pub use source::Options;
 #[cfg(feature = "formats")]
 pub use suggest::{Suggestion, suggest};
-pub use table::{LogWriter, TableWriter, write_motion};
+pub use table::TableWriter;

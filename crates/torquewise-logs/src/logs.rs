@@ -283,7 +283,7 @@ impl Logs {
                 last = first + trajectory;
                 visit(last, block)?;
             }
-            let (report, trajectories) = (blocks.rows.report(), last + 1 - first);
+            let (report, trajectories) = (blocks.rows.report, last + 1 - first);
             let (usual_step, absurd) = (blocks.usual_step.map(|step| step.0), blocks.first_absurd);
             let reading = Reading { report, trajectories, usual_step, absurd };
             let mut readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
@@ -343,7 +343,7 @@ fn agreed_joints(sources: &[Source]) -> Result<Vec<String>> {
         let (file, found) = ((&other.file).into(), other.mapping.n_joints);
         return Err(LogError::JointCount { file, found, first: (&first.file).into(), expected });
     }
-    let mut named = sources.iter().filter_map(|s| Some((&*s.file, s.joints.as_ref()?)));
+    let mut named = sources.iter().filter_map(|s| Some((&*s.file, s.mapping.joints.as_ref()?)));
     let Some((first, expected)) = named.next() else { return Ok(joints::numbered(expected)) };
     if let Some((file, found)) = named.find(|(_, names)| *names != expected) {
         let (found, first, expected) = (found.join(", "), first.display(), expected.join(", "));

@@ -26,8 +26,8 @@ pub(crate) struct ParquetRows {
     chosen: Vec<usize>,
     group: Vec<NumberColumn>,
     groups: usize,
-    /// Values decoded of each chosen column; none of a null.
-    batch: Vec<Vec<Option<f64>>>,
+    /// Values decoded of each chosen column; NaN of a null.
+    batch: Vec<Vec<f64>>,
     taken: usize,
     row: u64,
 }
@@ -153,15 +153,10 @@ impl Rows for ParquetRows {
         }
         self.row += 1;
         for (value, column) in row.iter_mut().zip(&self.batch) {
-            *value = column[self.taken].unwrap_or(f64::NAN);
+            *value = column[self.taken];
         }
         self.taken += 1;
         Ok(true)
-    }
-
-    fn is_null(&self, column: usize) -> bool {
-        let last = self.taken.saturating_sub(1);
-        self.batch.get(column).is_some_and(|values| values.get(last) == Some(&None))
     }
 
     fn count(&self) -> Option<u64> {
@@ -218,7 +213,7 @@ struct NumberColumn {
 }
 
 impl NumberColumn {
-    fn read(&mut self, rows: usize) -> parquet::errors::Result<Vec<Option<f64>>> {
+    fn read(&mut self, rows: usize) -> parquet::errors::Result<Vec<f64>> {
         let (is_signed, present) = (self.is_signed, self.present);
         match &mut self.reader {
             ColumnReader::Int32ColumnReader(reader) => {
@@ -245,12 +240,13 @@ fn read<T: DataType>(
     rows: usize,
     present: i16,
     number: impl Fn(&T::T) -> f64,
-) -> parquet::errors::Result<Vec<Option<f64>>> {
+) -> parquet::errors::Result<Vec<f64>> {
     let (mut levels, mut values) = (Vec::new(), Vec::new());
     reader.read_records(rows, Some(&mut levels), None, &mut values)?;
     let mut numbers = values.iter().map(number);
     if present == 0 {
-        return Ok(numbers.map(Some).collect());
+        return Ok(numbers.collect());
     }
-    Ok(levels.iter().map(|&level| if level == present { numbers.next() } else { None }).collect())
+    let value = |level: &i16| if *level == present { numbers.next() } else { None };
+    Ok(levels.iter().map(value).map(|value| value.unwrap_or(f64::NAN)).collect())
 }

@@ -23,22 +23,11 @@ pub(crate) trait Rows {
     /// is not there is NaN.
     fn next(&mut self, row: &mut [f64]) -> Result<bool>;
 
-    /// Whether the file has a null where the row last read has NaN; `column` as chosen.
-    fn is_null(&self, column: usize) -> bool {
-        let _ = column;
-        false
-    }
-
     /// Where the row last read stands.
     fn place(&self) -> RowPlace;
 
     /// How many rows there are, if that is known before they are read.
     fn count(&self) -> Option<u64> {
         None
-    }
-
-    /// Rows so far that came after one with a later time stamp and were sorted, and rows passed over.
-    fn irregular(&self) -> [u64; 2] {
-        [0, 0]
     }
 }

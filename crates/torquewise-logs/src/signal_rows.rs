@@ -14,17 +14,6 @@ const LONGEST_RUN: f64 = 1e6;
 const FEW_REPEATED: u64 = 10;
 const MOST_REPEATED: u64 = 2;
 
-/// What becomes of rows that are not finite or whose time stamp goes back. Those that repeat a
-/// stamp are dropped and counted in any case.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Clock {
-    /// They are errors.
-    #[default]
-    Strict,
-    /// They are dropped and counted.
-    Repair,
-}
-
 /// What a reading came to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadReport {
@@ -34,16 +23,13 @@ pub struct ReadReport {
     pub repairs: Repairs,
     /// The first row that was earlier than one before, 1 for the first row of its file.
     pub first_back: Option<u64>,
-    /// Messages of a bag that came after one with a later time stamp and were sorted.
-    pub sorted: u64,
-    /// Messages of a bag that were about other joints.
-    pub passed_over: u64,
 }
 
 pub(crate) struct SignalRows {
     rows: Box<dyn Rows>,
     pub(crate) mapping: Mapping,
-    clock: Clock,
+    /// Whether faulty rows are dropped and counted rather than errors.
+    repair: bool,
     /// Whether rows after the last range have to be read too.
     reads_on: bool,
     raw: Vec<f64>,
@@ -64,13 +50,13 @@ impl SignalRows {
     pub(crate) fn new(
         mut rows: Box<dyn Rows>,
         mapping: Mapping,
-        clock: Clock,
+        repair: bool,
         reads_on: bool,
     ) -> Result<Self> {
         rows.choose(&mapping.chosen)?;
         let raw = vec![0.0; mapping.chosen.len()];
         let (number, report) = (0, ReadReport::default());
-        Ok(Self { rows, mapping, clock, reads_on, raw, number, first: None, last_t: None, report })
+        Ok(Self { rows, mapping, repair, reads_on, raw, number, first: None, last_t: None, report })
     }
 
     pub(crate) fn place(&self) -> RowPlace {
@@ -86,11 +72,6 @@ impl SignalRows {
         let problem = format!(": none of its {found} rows is left, {dropped} were not finite");
         let help = "check rows and seconds of the profile, and the columns";
         LogError::unusable(file.display(), &problem, help)
-    }
-
-    pub(crate) fn report(&self) -> ReadReport {
-        let [sorted, passed_over] = self.rows.irregular();
-        ReadReport { sorted, passed_over, ..self.report.clone() }
     }
 
     /// Puts the next row of the ranges into `row`, one value per slot; `None` at the end.
@@ -132,7 +113,7 @@ impl SignalRows {
     fn drops(&mut self, t: f64) -> Result<bool> {
         let Some(last) = self.last_t.filter(|last| t <= *last) else { return Ok(false) };
         if t < last {
-            if self.clock == Clock::Strict {
+            if !self.repair {
                 return Ok(false);
             }
             self.report.repairs.earlier_stamps += 1;
@@ -167,7 +148,7 @@ impl SignalRows {
 
     /// An error that names the column at fault, unless such rows are dropped.
     fn accept_fault(&self, slot: usize, value: f64) -> Result<()> {
-        if self.clock == Clock::Repair {
+        if self.repair {
             return Ok(());
         }
         let places: Vec<usize> = match slot.checked_sub(1) {
@@ -178,10 +159,6 @@ impl SignalRows {
         let Some(chosen) = at_fault.or(places.first()).copied() else { return Ok(()) };
         let name = self.rows.names().get(self.mapping.chosen[chosen]).cloned();
         let (place, column) = (self.place(), name.unwrap_or_default());
-        if self.rows.is_null(chosen) {
-            let problem = format!(", column {column} has no value (null)");
-            return Err(LogError::unusable(place, &problem, "fill it or drop the row"));
-        }
         let value = at_fault.map_or(value, |place| self.raw[*place]);
         Err(LogError::NotFinite { place, column, value })
     }
@@ -192,7 +169,5 @@ impl ReadReport {
         self.rows += other.rows;
         self.repairs.add(&other.repairs);
         self.first_back = self.first_back.or(other.first_back);
-        self.sorted += other.sorted;
-        self.passed_over += other.passed_over;
     }
 }

@@ -80,24 +80,25 @@ pub(crate) struct CsvSink {
 
 impl CsvSink {
     pub(crate) fn create(file: &Path, columns: &[Column], joints: Option<&str>) -> Result<Self> {
+        let names: Vec<_> = columns.iter().map(|column| [column.name.as_str()]).collect();
+        let header: Vec<_> = names.iter().map(|name| Values::Texts(name)).collect();
         let create = || {
-            let mut output = BufWriter::new(Output::create(file)?);
+            let output = BufWriter::new(Output::create(file)?);
+            let mut sink = Self { file: file.into(), output };
             if let Some(joints) = joints {
-                writeln!(output, "{CSV_COMMENT} {joints}")?;
+                writeln!(sink.output, "{CSV_COMMENT} {joints}")?;
             }
-            for (place, column) in columns.iter().enumerate() {
-                separate(&mut output, place)?;
-                write_text(&mut output, &column.name)?;
-            }
-            writeln!(output)?;
-            Ok(Self { file: file.into(), output })
+            sink.write_row(&header, 0)?;
+            Ok(sink)
         };
         create().map_err(write_error(file))
     }
 
     fn write_row(&mut self, values: &[Values<'_>], row: usize) -> io::Result<()> {
         for (place, column) in values.iter().enumerate() {
-            separate(&mut self.output, place)?;
+            if place > 0 {
+                self.output.write_all(b",")?;
+            }
             match column {
                 // The shortest digits that are read back to the same bits.
                 Values::Numbers(values) => write!(self.output, "{:?}", values[row])?,
@@ -107,10 +108,6 @@ impl CsvSink {
         }
         writeln!(self.output)
     }
-}
-
-fn separate(output: &mut impl Write, place: usize) -> io::Result<()> {
-    if place == 0 { Ok(()) } else { output.write_all(b",") }
 }
 
 /// A field, in quotes where it would not be read back without.

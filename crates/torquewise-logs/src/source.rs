@@ -19,7 +19,7 @@ use crate::plain::plain;
 use crate::profile::Profile;
 use crate::profile::unit::{of_step, time_factor};
 use crate::rows::Rows;
-use crate::signal_rows::{Clock, SignalRows};
+use crate::signal_rows::SignalRows;
 use std::fs;
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -36,21 +36,21 @@ pub struct Options {
     pub profile: Option<Profile>,
     /// Topic of the joint states of a bag; goes before that of the profile.
     pub topic: Option<String>,
-    /// What becomes of faulty rows. With a profile they are dropped in any case.
-    pub clock: Clock,
+    /// Whether rows that are not finite or whose time stamp goes back are dropped and counted, as
+    /// with a profile they are in any case, rather than errors. Those that repeat a stamp always are.
+    pub repair: bool,
 }
 
 #[derive(Clone, Debug)]
 pub(crate) struct Source {
     pub(crate) file: LogInput,
     pub(crate) mapping: Mapping,
-    pub(crate) joints: Option<Vec<String>>,
     origin: Origin,
     /// Further files with the same rows, and the column of the clock in all of them.
     beside: Vec<(String, LogInput)>,
     clock_column: Option<ClockColumn>,
     names: Vec<String>,
-    clock: Clock,
+    repair: bool,
     /// Why its torques may be none.
     pub(crate) torque_doubt: Option<&'static str>,
     /// About how many rows there are, if that can be told.
@@ -91,12 +91,11 @@ impl Source {
         let mut source = Self {
             file: file.clone(),
             mapping: Mapping::default(),
-            joints: None,
             origin,
             beside: beside.map(|(name, path)| (name.clone(), folder.join(path).into())).collect(),
             clock_column,
             names: Vec::new(),
-            clock: if profile.is_some() { Clock::Repair } else { options.clock },
+            repair: profile.is_some() || options.repair,
             torque_doubt: profile.and_then(Profile::torque_doubt),
             rows_hint: None,
         };
@@ -108,7 +107,7 @@ impl Source {
         };
         let named = source.mapping.joints.as_deref().or_else(|| rows.joints());
         let own = |names: &[String]| joints::checked(file, names.to_vec(), source.mapping.n_joints);
-        source.joints = named.map(own).transpose()?;
+        source.mapping.joints = named.map(own).transpose()?;
         source.names = rows.names().to_vec();
         source.rows_hint = rows.count().or_else(|| is_text.then(|| lines_of(file)).flatten());
         // Columns that cannot be read are told now.
@@ -140,7 +139,7 @@ impl Source {
 
     fn rows_from(&self, rows: Box<dyn Rows>) -> Result<SignalRows> {
         let reads_on = !self.beside.is_empty();
-        SignalRows::new(rows, self.mapping.clone(), self.clock, reads_on)
+        SignalRows::new(rows, self.mapping.clone(), self.repair, reads_on)
     }
 
     fn open_rows(&self) -> Result<Box<dyn Rows>> {

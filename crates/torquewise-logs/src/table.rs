@@ -29,9 +29,27 @@ impl TableWriter {
         Self::start(file, columns, None)
     }
 
-    /// The same of a file that keeps joint names: in the metadata of a `.parquet` file, in the first
-    /// line (`# joints: …`) of a `.csv` file.
-    pub(crate) fn start(file: &Path, columns: &[Column], joints: Option<&str>) -> Result<Self> {
+    /// Starts a `.csv` or `.parquet` log of the named joints: t, q, dq, ddq, and tau where it is
+    /// wanted.
+    ///
+    /// The names are kept in the metadata of a `.parquet` file. A `.csv` file has a first line with
+    /// them (`# joints: …`) only if they are not joint1 … jointn, since not every program reads
+    /// comments.
+    ///
+    /// # Errors
+    /// As [`create`](Self::create), and [`LogError::JointName`] if a name cannot be kept.
+    pub fn log(file: &Path, joints: &[String], with_tau: bool) -> Result<Self> {
+        let signals = if with_tau { &Signal::ALL[..] } else { &Signal::ALL[..3] };
+        let names: Vec<&str> = signals.iter().map(|signal| signal.name()).collect();
+        let is_named = joints != joints::numbered(joints.len());
+        if is_named {
+            joints::check(joints)?;
+        }
+        let kept = is_named.then(|| joints.join(","));
+        Self::start(file, &Column::of_joints(&names, joints.len()), kept.as_deref())
+    }
+
+    fn start(file: &Path, columns: &[Column], joints: Option<&str>) -> Result<Self> {
         let sink: Box<dyn Sink> = match Format::of(file)? {
             Format::Csv => Box::new(CsvSink::create(file, columns, joints)?),
             #[cfg(feature = "formats")]
@@ -73,6 +91,23 @@ impl TableWriter {
         if rows == 0 { Ok(()) } else { self.sink.append(values, rows) }
     }
 
+    /// Writes the rows of a block of motion to a [`log`](Self::log), which is to hold torque only if
+    /// the motion has it.
+    ///
+    /// # Errors
+    /// As [`append`](Self::append).
+    pub fn append_motion(&mut self, motion: &Motion) -> Result<()> {
+        let mut signals = vec![motion.q(), motion.dq(), motion.ddq()];
+        signals.extend(motion.tau());
+        let mut columns = vec![motion.t().to_vec()];
+        for column in signals.iter().flat_map(|signal| signal.col_iter()) {
+            columns.push(column.iter().copied().collect());
+        }
+        columns.truncate(self.columns.len());
+        let values: Vec<_> = columns.iter().map(|column| Values::Numbers(column)).collect();
+        self.append(&values)
+    }
+
     /// Puts the file in its place.
     ///
     /// # Errors
@@ -80,70 +115,4 @@ impl TableWriter {
     pub fn finish(self) -> Result<()> {
         self.sink.finish()
     }
-}
-
-/// A log file that is written block by block; it appears when it is whole.
-pub struct LogWriter {
-    with_tau: bool,
-    table: TableWriter,
-}
-
-impl LogWriter {
-    /// Starts a `.csv` or `.parquet` log of the named joints: t, q, dq, ddq, and tau where it is
-    /// wanted.
-    ///
-    /// A CSV file has a first line with the names only if they are not joint1 … jointn, since not
-    /// every program reads comments.
-    ///
-    /// # Errors
-    /// As [`TableWriter::create`], and [`LogError::JointName`] if a name cannot be kept.
-    pub fn create(file: &Path, joints: &[String], with_tau: bool) -> Result<Self> {
-        let signals = if with_tau { &Signal::ALL[..] } else { &Signal::ALL[..3] };
-        let names: Vec<&str> = signals.iter().map(|signal| signal.name()).collect();
-        let columns = Column::of_joints(&names, joints.len());
-        let is_named = joints != joints::numbered(joints.len());
-        if is_named {
-            joints::check(joints)?;
-        }
-        let kept = is_named.then(|| joints.join(","));
-        let table = TableWriter::start(file, &columns, kept.as_deref())?;
-        Ok(Self { with_tau, table })
-    }
-
-    /// Writes the rows of a block after those before.
-    ///
-    /// # Errors
-    /// [`LogError::NoTorqueToWrite`] if the log is to hold torques and the motion has none, or what
-    /// [`TableWriter::append`] returns.
-    pub fn append(&mut self, motion: &Motion) -> Result<()> {
-        let mut signals = vec![motion.q(), motion.dq(), motion.ddq()];
-        if self.with_tau {
-            let no_torque = || LogError::NoTorqueToWrite { file: self.table.file.clone() };
-            signals.push(motion.tau().ok_or_else(no_torque)?);
-        }
-        let mut columns = vec![motion.t().to_vec()];
-        for column in signals.iter().flat_map(|signal| signal.col_iter()) {
-            columns.push(column.iter().copied().collect());
-        }
-        let values: Vec<_> = columns.iter().map(|column| Values::Numbers(column)).collect();
-        self.table.append(&values)
-    }
-
-    /// Puts the log in its place.
-    ///
-    /// # Errors
-    /// As [`TableWriter::finish`].
-    pub fn finish(self) -> Result<()> {
-        self.table.finish()
-    }
-}
-
-/// Writes a whole motion as a `.csv` or `.parquet` log that reads back to the same bits.
-///
-/// # Errors
-/// As [`LogWriter::create`], [`LogWriter::append`] and [`LogWriter::finish`].
-pub fn write_motion(file: &Path, motion: &Motion) -> Result<()> {
-    let mut writer = LogWriter::create(file, motion.joints(), motion.tau().is_some())?;
-    writer.append(motion)?;
-    writer.finish()
 }

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use torquewise::excite::{
     ExcitationPlan, JointValues, Torques, Wishes, excite, joint_trajectory, limits,
 };
-use torquewise::logs::LogWriter;
+use torquewise::logs::TableWriter;
 use torquewise::motion::Recording;
 use torquewise::motion::stats::whole;
 use torquewise::twin;
@@ -141,8 +141,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         planned.recordings.iter().zip(&files.recordings).zip(texts)
     {
         let text = text?;
-        let mut writer = LogWriter::create(&staged(log)?, recording.joints(), false)?;
-        recording.read(&mut |_, block| Ok(writer.append(block)?))?;
+        let mut writer = TableWriter::log(&staged(log)?, recording.joints(), false)?;
+        recording.read(&mut |_, block| Ok(writer.append_motion(block)?))?;
         writer.finish()?;
         write_whole(trajectory, &text)?;
     }

@@ -13,7 +13,7 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use torquewise::dynamics::{MotionKind, MotionPlan, Noise, SimulatedLog, add_noise, arms};
 use torquewise::inspect::pattern_rows;
-use torquewise::logs::LogWriter;
+use torquewise::logs::TableWriter;
 use torquewise::motion::{Pattern, Recording};
 use torquewise::observe::Watched;
 use torquewise::twin::TwinLog;
@@ -131,10 +131,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 const MOST_NOISY_ROWS: f64 = 2e7;
 
 fn write_log(file: &Path, recording: &dyn Recording) -> Result<()> {
-    let mut writer = LogWriter::create(&staged(file)?, recording.joints(), true)?;
+    let mut writer = TableWriter::log(&staged(file)?, recording.joints(), true)?;
     let shown = watch();
     let write = Watched::new(recording, &shown, "writing", None);
-    write.read(&mut |_, block| Ok(writer.append(block)?))?;
+    write.read(&mut |_, block| Ok(writer.append_motion(block)?))?;
     Ok(writer.finish()?)
 }
 

@@ -44,8 +44,6 @@ pub(super) struct McapMessages {
     /// The records that are left of the chunk that is being read.
     chunk: Cursor<Vec<u8>>,
     channels: ChannelAccumulator<'static>,
-    /// Behind the data, where records repeat what was there.
-    in_summary: bool,
 }
 
 impl McapMessages {
@@ -60,7 +58,6 @@ impl McapMessages {
             reader: LinearReader::new_with_options(options),
             chunk: Cursor::default(),
             channels: ChannelAccumulator::default(),
-            in_summary: false,
         })
     }
 
@@ -88,8 +85,6 @@ impl McapMessages {
                     let read = self.input.read(self.reader.insert(wanted))?;
                     self.reader.notify_read(read);
                 }
-                LinearReadEvent::Record { .. } if self.in_summary => {}
-                LinearReadEvent::Record { opcode: op::DATA_END, .. } => self.in_summary = true,
                 LinearReadEvent::Record { opcode: op::CHUNK, data } => {
                     self.chunk = Cursor::new(decompressed(data)?);
                 }

@@ -9,7 +9,7 @@ use crate::error::{LogError, Result, RowPlace, listed, shown};
 use crate::format::Format;
 use crate::joints;
 use crate::log_input::LogInput;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Stamps beyond this \[ns\] are dates; seconds since 1970 cannot tell microseconds in 64 bits.
 const LONGEST_RUN: i64 = 1_000_000_000_000_000;
@@ -21,7 +21,7 @@ pub(crate) struct Survey {
     topic: String,
     pub(crate) joints: Vec<String>,
     /// Whether the joints were asked for by name, so that messages of others are passed over.
-    pub(super) passes_over: bool,
+    passes_over: bool,
     /// Whether the time of a message is that of its sender, not that of the bag.
     is_stamped: bool,
     /// Time stamp that counts as zero \[ns\].
@@ -58,11 +58,22 @@ impl Survey {
         Ok(survey)
     }
 
-    pub(super) fn messages(&self, file: &LogInput) -> Result<Box<dyn Messages>> {
-        Ok(match self.format {
+    /// The messages that are about the joints.
+    pub(super) fn states(&self, file: &LogInput) -> Result<JointStates> {
+        let messages: Box<dyn Messages> = match self.format {
             #[cfg(feature = "sqlite")]
             Format::Db3 => Box::new(Db3Messages::open(file, &self.topic)?),
             _ => Box::new(McapMessages::open(file, Some(&self.topic))?),
+        };
+        Ok(JointStates {
+            file: file.into(),
+            messages,
+            joints: self.joints.clone(),
+            passes_over: self.passes_over,
+            first_names: Vec::new(),
+            names: Vec::new(),
+            places: Vec::new(),
+            n_messages: 0,
         })
     }
 
@@ -72,34 +83,27 @@ impl Survey {
     }
 
     fn complete(&mut self, file: &LogInput) -> Result<()> {
-        let mut messages = self.messages(file)?;
-        let mut aligned = self.passes_over.then(|| Aligned::new(&self.joints, true));
+        let mut states = self.states(file)?;
         let (mut first_stamp, mut first_received) = (i64::MAX, i64::MAX);
-        let mut first_names = None;
-        let (mut n_messages, mut n_found) = (0, 0_u64);
-        while let Some(message) = messages.next()? {
-            n_messages += 1;
-            let place = || RowPlace { file: file.into(), row: n_messages, line: None };
-            let state = decoded(&message.bytes, place)?;
-            first_names.get_or_insert_with(|| state.names.clone());
-            let aligned = aligned.get_or_insert_with(|| Aligned::new(&state.names, false));
-            let Some(places) = aligned.find(&state, place)? else { continue };
+        let mut n_found = 0_u64;
+        while let Some((state, received)) = states.next()? {
             let is_known = |values: &[f64]| {
-                places.iter().any(|place| values.get(*place).is_some_and(|value| !value.is_nan()))
+                let mut places = states.places.iter();
+                places.any(|place| values.get(*place).is_some_and(|value| !value.is_nan()))
             };
             self.has_velocity |= is_known(&state.velocity);
             self.has_effort |= is_known(&state.effort);
             self.is_stamped |= state.stamp != 0;
             first_stamp = first_stamp.min(state.stamp);
-            first_received = first_received.min(message.received);
+            first_received = first_received.min(received);
             n_found += 1;
         }
-        let found = first_names.ok_or_else(|| LogError::NoRows { file: file.into() })?;
-        if self.joints.is_empty() {
-            self.joints.clone_from(&found);
+        if states.n_messages == 0 {
+            return Err(LogError::NoRows { file: file.into() });
         }
-        if n_found == 0 || found.is_empty() {
-            let (wanted, found) = (self.joints.join(", "), listed(&found, 40));
+        self.joints = states.joints;
+        if n_found == 0 || states.first_names.is_empty() {
+            let (wanted, found) = (self.joints.join(", "), listed(&states.first_names, 40));
             let problem =
                 format!(" has no message of the joints {wanted}, its first names {found}");
             let help = "name joints as the bag does";
@@ -109,14 +113,6 @@ impl Survey {
         self.zero = if first > LONGEST_RUN { first } else { 0 };
         Ok(())
     }
-}
-
-pub(super) fn decoded(bytes: &[u8], place: impl Fn() -> RowPlace) -> Result<JointState> {
-    let malformed = |reason| {
-        let problem = format!(": the message is no joint state, {reason}");
-        LogError::unusable(place(), &problem, "record or convert the bag again")
-    };
-    JointState::decode(bytes).map_err(malformed)
 }
 
 fn chosen(file: &Path, topics: &[Topic], wanted: Option<&str>) -> Result<String> {
@@ -159,42 +155,63 @@ fn chosen(file: &Path, topics: &[Topic], wanted: Option<&str>) -> Result<String>
     }
 }
 
-/// Finds the joints that are read in one message after the other.
-#[derive(Clone, Debug)]
-pub(super) struct Aligned {
+/// The messages of a bag that are about the joints which are read, one after the other.
+pub(super) struct JointStates {
+    file: PathBuf,
+    messages: Box<dyn Messages>,
+    /// Those of the first message where none were asked for.
     joints: Vec<String>,
     passes_over: bool,
+    first_names: Vec<String>,
     /// Names of the message last looked at, and where the joints stand in it.
     names: Vec<String>,
-    places: Vec<usize>,
+    pub(super) places: Vec<usize>,
+    /// Messages read so far, of other joints among them.
+    pub(super) n_messages: u64,
 }
 
-impl Aligned {
-    pub(super) fn new(joints: &[String], passes_over: bool) -> Self {
-        Self { joints: joints.to_vec(), passes_over, names: Vec::new(), places: Vec::new() }
+impl JointStates {
+    /// The next message, and when the bag received it \[ns\]; `None` at the end.
+    pub(super) fn next(&mut self) -> Result<Option<(JointState, i64)>> {
+        while let Some(message) = self.messages.next()? {
+            self.n_messages += 1;
+            let state = JointState::decode(&message.bytes).map_err(|reason| {
+                let problem = format!(": the message is no joint state, {reason}");
+                LogError::unusable(self.place(), &problem, "record or convert the bag again")
+            })?;
+            if self.n_messages == 1 {
+                self.first_names.clone_from(&state.names);
+                if self.joints.is_empty() {
+                    self.joints.clone_from(&state.names);
+                }
+            }
+            if self.is_about_the_joints(&state)? {
+                return Ok(Some((state, message.received)));
+            }
+        }
+        Ok(None)
     }
 
-    /// Where the joints stand in a message; `None` if it is about other joints, an error if it has
-    /// only some of them.
-    pub(super) fn find(
-        &mut self,
-        state: &JointState,
-        place: impl Fn() -> RowPlace,
-    ) -> Result<Option<&[usize]>> {
+    /// Finds where the joints stand in a message; an error if it has only some of them.
+    fn is_about_the_joints(&mut self, state: &JointState) -> Result<bool> {
         if self.places.is_empty() || self.names != state.names {
             let find = |joint: &String| state.names.iter().position(|name| name == joint);
             let places: Vec<_> = self.joints.iter().map(find).collect();
             if self.passes_over && places.iter().all(Option::is_none) {
-                return Ok(None);
+                return Ok(false);
             }
             if let Some(missing) = places.iter().position(Option::is_none) {
                 let joint = shown(self.joints[missing].as_bytes());
-                let (place, found) = (place(), listed(&state.names, 40));
+                let (place, found) = (self.place(), listed(&state.names, 40));
                 return Err(LogError::JointGone { place, joint, found });
             }
             self.places = places.into_iter().flatten().collect();
             self.names.clone_from(&state.names);
         }
-        Ok(Some(&self.places))
+        Ok(true)
+    }
+
+    fn place(&self) -> RowPlace {
+        RowPlace { file: self.file.clone(), row: self.n_messages, line: None }
     }
 }

@@ -4,7 +4,7 @@ use super::CsvRows;
 use crate::error::{LogError, Result};
 use crate::plain::plain;
 use crate::rows::Rows;
-use crate::signal_rows::{Clock, SignalRows};
+use crate::signal_rows::SignalRows;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
@@ -13,7 +13,7 @@ pub(crate) fn signal_rows(text: &[u8]) -> Result<SignalRows> {
     let file = Path::new("arm.csv");
     let rows = CsvRows::new(file, std::io::Cursor::new(text.to_vec()))?;
     let mapping = plain(file, rows.names())?;
-    SignalRows::new(Box::new(rows), mapping, Clock::Strict, false)
+    SignalRows::new(Box::new(rows), mapping, false, false)
 }
 
 fn read(text: &[u8]) -> Result<Vec<Vec<f64>>> {

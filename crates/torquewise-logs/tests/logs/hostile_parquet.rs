@@ -9,7 +9,7 @@ use parquet::schema::types::{Type, TypePtr};
 use std::fs::File;
 use std::path::Path;
 use std::sync::LazyLock;
-use torquewise_logs::{LogError, Options, write_motion};
+use torquewise_logs::{LogError, Options};
 use torquewise_motion::{Motion, Signals};
 
 type Read = Result<Vec<Motion>, LogError>;
@@ -79,7 +79,7 @@ static VALID: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let (joints, t) = (vec!["hip".into()], (0..50).map(f64::from).collect());
     let [q, dq, ddq, tau] = [0.0, 1.0, 2.0, 3.0].map(wave);
     let motion = Motion::new(Signals { joints, t, q, dq, ddq, tau: Some(tau) });
-    write_motion(&file, &motion.unwrap()).unwrap();
+    crate::write_motion(&file, &motion.unwrap()).unwrap();
     std::fs::read(file).unwrap()
 });
 
@@ -128,7 +128,7 @@ fn nulls_and_numbers_that_are_not_finite_are_named_by_row_and_column() {
     let null = read_columns(&[t(), holes]).unwrap_err();
     let nan = read_columns(&[t(), numbers("q1", &[0.0, f64::NAN, 0.0])]).unwrap_err();
 
-    assert!(null.to_string().contains("log.parquet, row 3, column q1 has no value"), "{null}");
+    assert!(null.to_string().contains("log.parquet, row 3, column q1 is NaN"), "{null}");
     assert!(nan.to_string().contains("log.parquet, row 2, column q1 is NaN"), "{nan}");
 }
 

@@ -2,7 +2,7 @@
 use crate::{Files, with};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
-use torquewise_logs::{Clock, LogError, Logs, Options, Profile};
+use torquewise_logs::{LogError, Logs, Options, Profile};
 use torquewise_motion::Motion;
 use torquewise_motion::signals::{Raw, Signal};
 
@@ -198,7 +198,7 @@ fn repeated_stamps_and_holes_are_dropped_with_a_profile_and_counted() {
     let logs = open(&log, "q = { columns = \"q\" }").unwrap();
     let parts = logs.read_all().unwrap();
     let strict = Logs::open(std::slice::from_ref(&log)).unwrap().read_all();
-    let repair = Options { clock: Clock::Repair, ..Options::default() };
+    let repair = Options { repair: true, ..Options::default() };
     let repaired = Logs::open_with(std::slice::from_ref(&log), &repair).unwrap();
 
     // Seven lost rows in a row are a gap.
