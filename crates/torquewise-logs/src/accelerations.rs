@@ -1,7 +1,7 @@
 //! Whether recorded accelerations follow from recorded velocities.
 
 use faer::MatRef;
-use std::ops::RangeInclusive;
+use std::ops::{Index, RangeInclusive};
 use torquewise_motion::Motion;
 use torquewise_motion::stats::quantile;
 
@@ -27,6 +27,23 @@ pub(crate) struct Accelerations {
     acceleration: Pairs,
 }
 
+/// Slope of a value over each window of rows, and the mean of the rate beside it.
+///
+/// - `t`: clock, and seconds of its unit
+pub(crate) fn slopes<X: Index<usize, Output = f64>>(
+    (t, seconds): (&[f64], f64),
+    value: &X,
+    rate: &X,
+) -> impl Iterator<Item = [f64; 2]> {
+    (0..(t.len() + 1).saturating_sub(WINDOW)).filter_map(move |first| {
+        let last = first + WINDOW - 1;
+        let step = (t[last] - t[first]) * seconds;
+        let slope = (value[last] - value[first]) / step;
+        let mean = (first..=last).map(|row| rate[row]).sum::<f64>() / WINDOW as f64;
+        (step > 0.0 && slope.is_finite() && mean.is_finite()).then_some([slope, mean])
+    })
+}
+
 /// Slopes, and the rates beside them, of each joint.
 #[derive(Default)]
 struct Pairs(Vec<Vec<[f64; 2]>>);
@@ -35,14 +52,7 @@ impl Pairs {
     fn add(&mut self, t: &[f64], value: MatRef<'_, f64>, rate: MatRef<'_, f64>) {
         self.0.resize_with(value.ncols().max(self.0.len()), Vec::new);
         for ((value, rate), pairs) in value.col_iter().zip(rate.col_iter()).zip(&mut self.0) {
-            for first in 0..(t.len() + 1).saturating_sub(WINDOW) {
-                let last = first + WINDOW - 1;
-                let slope = (value[last] - value[first]) / (t[last] - t[first]);
-                let mean = (first..=last).map(|row| rate[row]).sum::<f64>() / WINDOW as f64;
-                if slope.is_finite() && mean.is_finite() {
-                    pairs.push([slope, mean]);
-                }
-            }
+            pairs.extend(slopes((t, 1.0), &value, &rate));
         }
     }
 

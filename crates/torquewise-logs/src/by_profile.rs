@@ -2,7 +2,7 @@
 
 use crate::error::{LogError, Result, listed, shown};
 use crate::joints;
-use crate::mapping::{Mapping, Ranges, Slot, Time};
+use crate::mapping::{Mapping, Slot, Time};
 use crate::profile::unit::{factor, time_factor};
 use crate::profile::{Columns, PerJoint, Profile, SignalColumns};
 use crate::rows::Rows;
@@ -34,9 +34,17 @@ pub(crate) fn by_profile(
         slots.extend(kept.iter().filter_map(|joint| all.get(*joint).cloned()));
     }
     let joints = Some(kept.iter().filter_map(|joint| joints.get(*joint).cloned()).collect());
-    let ranges = Ranges { rows: profile.rows.clone(), seconds: profile.seconds.clone() };
-    let (n_joints, chosen) = (kept.len(), build.chosen);
-    Ok(Mapping { n_joints, present, chosen, time, slots, ranges, joints, ..Mapping::default() })
+    Ok(Mapping {
+        n_joints: kept.len(),
+        present,
+        chosen: build.chosen,
+        time,
+        slots,
+        rows: profile.rows.clone(),
+        seconds: profile.seconds.clone(),
+        joints,
+        ignored: Vec::new(),
+    })
 }
 
 struct Build<'a> {

@@ -4,7 +4,6 @@ use crate::clock::ClockRepair;
 use crate::error::{LogError, Result};
 use crate::logs::Logs;
 use crate::pieces::Pieces;
-use crate::raw_noise::RawNoise;
 use crate::trajectory::{Done, Trajectory};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -93,16 +92,17 @@ impl ConditionedLogs {
         all
     }
 
-    /// Conditions all files, or one of them, and noise beside them if there is any; returns whether
+    /// Conditions all files, or one of them, and noise beside them if it has a seed; returns whether
     /// a trajectory was long enough.
     fn visit(
         &self,
         file: Option<usize>,
-        noise: Option<&RawNoise>,
+        seed: Option<u64>,
         visit: VisitBoth<'_>,
     ) -> ReadResult<bool> {
         let mut out = Cutter { trajectory: 0, is_empty: true, visit };
         let failed = |trajectory: usize| move |source| signals(&self.logs, trajectory, source);
+        let noise = seed.map(|seed| (&self.report, seed));
         let mut first = 0;
         for file in file.map_or(0..self.logs.n_logs(), |file| file..file + 1) {
             let mut repairs = Repairs::default();
@@ -239,8 +239,7 @@ impl Recording for ConditionedLogs {
     }
 
     fn read_log_with_noise(&self, log: usize, seed: u64, visit: VisitPair<'_>) -> ReadResult<bool> {
-        let noise = RawNoise::of(&self.report, seed);
-        self.visit(Some(log), Some(&noise), &mut |trajectory, motion, noise| match noise {
+        self.visit(Some(log), Some(seed), &mut |trajectory, motion, noise| match noise {
             Some(noise) => visit(trajectory, motion, noise),
             None => Ok(()),
         })?;

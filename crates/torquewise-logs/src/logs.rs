@@ -120,11 +120,6 @@ impl Logs {
         &self.paths
     }
 
-    /// Joint names, base to tip; joint1 … jointn unless a file names them.
-    pub fn joints(&self) -> &[String] {
-        &self.joints
-    }
-
     /// Whether all files hold velocities.
     pub fn has_dq(&self) -> bool {
         self.all_have(Signal::Dq)
@@ -297,6 +292,7 @@ impl Logs {
 }
 
 impl Recording for Logs {
+    /// Joint names, base to tip; joint1 … jointn unless a file names them.
     fn joints(&self) -> &[String] {
         &self.joints
     }

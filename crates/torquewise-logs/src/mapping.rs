@@ -13,7 +13,10 @@ pub(crate) struct Mapping {
     pub(crate) time: Time,
     /// One per slot after t.
     pub(crate) slots: Vec<Slot>,
-    pub(crate) ranges: Ranges,
+    /// First and last rows that are read, 1 for the first of the file; all if it is empty.
+    pub(crate) rows: Vec<[u64; 2]>,
+    /// Begins and ends \[s\] of what is read, 0 for the first row of the file; all if it is empty.
+    pub(crate) seconds: Vec<[f64; 2]>,
     pub(crate) joints: Option<Vec<String>>,
     /// Columns with names that mean nothing here.
     pub(crate) ignored: Vec<String>,
@@ -40,15 +43,6 @@ pub(crate) struct Slot {
     pub(crate) offset: f64,
 }
 
-/// Which rows are read; empty lists stand for all.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Ranges {
-    /// First and last row, 1 for the first of the file.
-    pub(crate) rows: Vec<[u64; 2]>,
-    /// Begin and end \[s\], 0 for the first row of the file.
-    pub(crate) seconds: Vec<[f64; 2]>,
-}
-
 impl Mapping {
     pub(crate) fn n_slots(&self) -> usize {
         1 + self.present.len() * self.n_joints
@@ -66,6 +60,13 @@ impl Mapping {
         let place = self.present.iter().position(|present| *present == signal)?;
         Some(1 + place * self.n_joints)
     }
+
+    /// The trajectory of a row, by the ranges it is in; `None` if it is in none.
+    pub(crate) fn part(&self, row: u64, seconds: f64) -> Option<usize> {
+        let of_rows = place(&self.rows, row)?;
+        let of_seconds = place(&self.seconds, seconds)?;
+        Some(of_rows * self.seconds.len().max(1) + of_seconds)
+    }
 }
 
 impl Slot {
@@ -82,15 +83,6 @@ impl Slot {
     }
 }
 
-impl Ranges {
-    /// The trajectory of a row, by the ranges it is in; `None` if it is in none.
-    pub(crate) fn part(&self, row: u64, seconds: f64) -> Option<usize> {
-        let of_rows = place(&self.rows, row)?;
-        let of_seconds = place(&self.seconds, seconds)?;
-        Some(of_rows * self.seconds.len().max(1) + of_seconds)
-    }
-}
-
 fn place<T: PartialOrd + Copy>(ranges: &[[T; 2]], value: T) -> Option<usize> {
     if ranges.is_empty() {
         return Some(0);
@@ -100,7 +92,7 @@ fn place<T: PartialOrd + Copy>(ranges: &[[T; 2]], value: T) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Ranges, Slot};
+    use super::{Mapping, Slot};
 
     #[test]
     fn a_column_as_it_stands_keeps_its_bits() {
@@ -112,12 +104,13 @@ mod tests {
 
     #[test]
     fn rows_belong_to_the_ranges_they_are_in() {
-        let ranges = Ranges { rows: vec![[2, 3], [5, 9]], seconds: vec![[0.0, 0.4], [0.6, 1.0]] };
+        let (rows, seconds) = (vec![[2, 3], [5, 9]], vec![[0.0, 0.4], [0.6, 1.0]]);
+        let ranges = Mapping { rows, seconds, ..Mapping::default() };
 
         let parts: Vec<_> = (1..=9).map(|row| ranges.part(row, 0.1 * row as f64)).collect();
 
         assert_eq!(parts[..3], [None, Some(0), Some(0)]);
         assert_eq!(parts[3..], [None, None, Some(3), Some(3), Some(3), Some(3)]);
-        assert_eq!(Ranges::default().part(7, -1.0), Some(0));
+        assert_eq!(Mapping::default().part(7, -1.0), Some(0));
     }
 }

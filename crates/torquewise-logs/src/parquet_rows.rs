@@ -217,14 +217,13 @@ impl NumberColumn {
         let (is_signed, present) = (self.is_signed, self.present);
         match &mut self.reader {
             ColumnReader::Int32ColumnReader(reader) => {
-                let unsigned = |value: &i32| f64::from(value.cast_unsigned());
-                let signed = |value: &i32| f64::from(*value);
-                read(reader, rows, present, if is_signed { signed } else { unsigned })
+                let number =
+                    |x: &i32| if is_signed { f64::from(*x) } else { f64::from(x.cast_unsigned()) };
+                read(reader, rows, present, number)
             }
             ColumnReader::Int64ColumnReader(reader) => {
-                let unsigned = |value: &i64| value.cast_unsigned() as f64;
-                let signed = |value: &i64| *value as f64;
-                read(reader, rows, present, if is_signed { signed } else { unsigned })
+                let number = |x: &i64| if is_signed { *x as f64 } else { x.cast_unsigned() as f64 };
+                read(reader, rows, present, number)
             }
             ColumnReader::FloatColumnReader(reader) => {
                 read(reader, rows, present, |value| f64::from(*value))

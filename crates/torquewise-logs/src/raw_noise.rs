@@ -9,36 +9,24 @@ use torquewise_motion::{Motion, MotionError};
 /// The key before the first row.
 const FIRST_KEY: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// Standard deviation of the white noise of raw q of each joint, n: q̇ and q̈ are derived from it.
-#[derive(Clone, Debug)]
-pub(crate) struct RawNoise {
-    seed: u64,
-    deviations: Vec<f64>,
-}
-
 /// The noise of one trajectory on its way through the filter.
 pub(crate) struct NoiseLane {
-    noise: RawNoise,
+    /// Standard deviation of the white noise of raw q of each joint, n: q̇ and q̈ are derived from it.
+    deviations: Vec<f64>,
     pub(crate) conditioner: Conditioner,
     random: ChaCha8Rng,
     /// Made of the bits of all rows so far: from where two trajectories differ, so do their draws.
     key: u64,
 }
 
-impl RawNoise {
-    pub(crate) fn of(report: &ConditionReport, seed: u64) -> Self {
-        let positions = report.signals.iter().filter(|own| own.signal == "q");
-        Self { seed, deviations: positions.map(|own| own.noise).collect() }
-    }
-
-    pub(crate) fn lane(&self, plan: SignalPlan) -> NoiseLane {
-        let conditioner = Conditioner::new(plan.for_part());
-        let random = ChaCha8Rng::seed_from_u64(self.seed);
-        NoiseLane { noise: self.clone(), conditioner, random, key: FIRST_KEY }
-    }
-}
-
 impl NoiseLane {
+    pub(crate) fn new(report: &ConditionReport, seed: u64, plan: SignalPlan) -> Self {
+        let positions = report.signals.iter().filter(|own| own.signal == "q");
+        let deviations = positions.map(|own| own.noise).collect();
+        let conditioner = Conditioner::new(plan.for_part());
+        Self { deviations, conditioner, random: ChaCha8Rng::seed_from_u64(seed), key: FIRST_KEY }
+    }
+
     /// Noise for the next rows; hands out rows of noise as a conditioner does those of signals.
     pub(crate) fn push(&mut self, raw: &Raw) -> Result<Vec<Motion>, MotionError> {
         if raw.t.is_empty() {
@@ -53,7 +41,7 @@ impl NoiseLane {
             });
             self.random.set_stream(self.key);
             self.random.set_word_pos(0);
-            for (q, deviation) in q.iter_mut().zip(&self.noise.deviations) {
+            for (q, deviation) in q.iter_mut().zip(&self.deviations) {
                 let unit: f64 = StandardNormal.sample(&mut self.random);
                 q.push(deviation * unit);
             }

@@ -79,14 +79,14 @@ impl SignalRows {
     /// All values are finite. Time stamps advance if the clock is repaired.
     pub(crate) fn next(&mut self, row: &mut [f64]) -> Result<Option<Origin>> {
         loop {
-            let last = self.mapping.ranges.rows.last();
+            let last = self.mapping.rows.last();
             let is_over = !self.reads_on && last.is_some_and(|[_, last]| self.number >= *last);
             if is_over || !self.rows.next(&mut self.raw)? {
                 return Ok(None);
             }
             self.number += 1;
             let (t, since_first) = self.time();
-            let part = self.mapping.ranges.part(self.number, since_first);
+            let part = self.mapping.part(self.number, since_first);
             // A row without a time is in no range of time, but its fault is to be told.
             let part = if since_first.is_nan() { part.or(Some(0)) } else { part };
             let Some(part) = part else { continue };

@@ -2,8 +2,8 @@
 
 use crate::clock::{ClockLane, ClockRepair};
 use crate::pieces::FIRST_ROWS;
-use crate::raw_noise::{NoiseLane, RawNoise};
-use torquewise_motion::signals::{Conditioner, Conditioning, Raw, SignalPlan};
+use crate::raw_noise::NoiseLane;
+use torquewise_motion::signals::{ConditionReport, Conditioner, Conditioning, Raw, SignalPlan};
 use torquewise_motion::{Motion, MotionError, Repairs};
 
 /// Parts of motion that are done, and noise of the same rows where it is asked for.
@@ -15,7 +15,7 @@ pub(crate) struct Done {
 
 pub(crate) struct Trajectory<'a> {
     settings: &'a Conditioning,
-    noise: Option<&'a RawNoise>,
+    noise: Option<(&'a ConditionReport, u64)>,
     clock: ClockLane,
     /// Too few rows to plan by so far; none once there are filters.
     waiting: Raw,
@@ -23,10 +23,10 @@ pub(crate) struct Trajectory<'a> {
 }
 
 impl<'a> Trajectory<'a> {
-    /// - `noise`: whether noise is to be filtered beside the rows
+    /// - `noise`: what noise is to be filtered beside the rows, and its seed
     pub(crate) fn new(
         settings: &'a Conditioning,
-        noise: Option<&'a RawNoise>,
+        noise: Option<(&'a ConditionReport, u64)>,
         clock: ClockRepair,
     ) -> Self {
         let clock = ClockLane::new(clock);
@@ -73,7 +73,7 @@ impl<'a> Trajectory<'a> {
             filters
         } else {
             let plan = SignalPlan::new(&raw, self.settings)?;
-            let noise = self.noise.map(|noise| noise.lane(plan.clone()));
+            let noise = self.noise.map(|(report, seed)| NoiseLane::new(report, seed, plan.clone()));
             self.filters.insert((Conditioner::new(plan), noise))
         };
         let noise = noise.as_mut().map_or_else(|| Ok(Vec::new()), |lane| lane.push(&raw))?;

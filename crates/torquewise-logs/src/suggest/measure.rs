@@ -1,5 +1,6 @@
 //! Usual step and ranges of a log, and its velocities against the slopes of positions.
 
+use crate::accelerations::slopes;
 use crate::error::Result;
 use crate::log_input::LogInput;
 use crate::preview::first_values;
@@ -58,20 +59,14 @@ pub(super) fn units_of(ratio: f64) -> Option<(&'static str, &'static str)> {
     known.into_iter().find(|(x, _)| (ratio / x - 1.0).abs() < 0.1).map(|(_, units)| units)
 }
 
-/// Σ velocity · slope over Σ slope², slopes over ten rows so that noise counts little.
+/// Σ velocity · slope over Σ slope².
 fn ratio(t: &[f64], seconds: f64, q: &[Vec<f64>], dq: &[Vec<f64>]) -> Option<f64> {
-    const REACH: usize = 5;
     let (mut product, mut square) = (0.0, 0.0);
     for (q, dq) in q.iter().zip(dq) {
-        let rows = REACH..t.len().min(q.len()).min(dq.len()).saturating_sub(REACH);
-        for row in rows {
-            let step = (t[row + REACH] - t[row - REACH]) * seconds;
-            let slope = (q[row + REACH] - q[row - REACH]) / step;
-            let mean = dq[row - REACH..=row + REACH].iter().sum::<f64>() / (2 * REACH + 1) as f64;
-            if step > 0.0 && slope.is_finite() && mean.is_finite() {
-                product += mean * slope;
-                square += slope * slope;
-            }
+        let rows = t.len().min(q.len()).min(dq.len());
+        for [slope, mean] in slopes((&t[..rows], seconds), q, dq) {
+            product += mean * slope;
+            square += slope * slope;
         }
     }
     Some(product / square).filter(|ratio| ratio.is_finite())

@@ -4,7 +4,7 @@ use crate::{file_of, with};
 use mcap::{Compression, WriteOptions};
 use std::path::Path;
 use torquewise_logs::{LogError, Logs, Options};
-use torquewise_motion::Motion;
+use torquewise_motion::{Motion, Recording};
 
 const STORAGES: [&str; 2] = ["bag.db3", "bag.mcap"];
 const TOPIC: &str = "/joint_states";

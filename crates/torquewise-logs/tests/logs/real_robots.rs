@@ -6,6 +6,7 @@ use crate::shared::shared;
 use faer::MatRef;
 use std::path::Path;
 use torquewise_logs::{Logs, Options, Profile, ReadReport};
+use torquewise_motion::Recording;
 
 fn profile(name: &str) -> Profile {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../profiles");
