@@ -17,7 +17,6 @@ const JOINT_STATE: &str = "sensor_msgs/msg/JointState";
 /// Bytes of a message, or of a part of a bag that has to be held whole, at most.
 const MAX_BYTES: usize = 1 << 27;
 
-#[derive(Clone, Debug, PartialEq, Eq)]
 struct Topic {
     name: String,
     kind: String,
@@ -25,7 +24,6 @@ struct Topic {
     n_messages: u64,
 }
 
-#[derive(Clone, Debug, PartialEq, Eq)]
 struct Message {
     /// When the bag received it \[ns\].
     received: i64,

@@ -1,5 +1,7 @@
 //! Gaps in time, where one trajectory ends and the next begins.
 
+use torquewise_motion::stats::median;
+
 /// Steps that the first estimate of the usual step is the median of.
 pub(crate) const FIRST_STEPS: usize = 32;
 
@@ -24,8 +26,7 @@ impl UsualStep {
     pub(crate) fn new(t: &[f64]) -> Self {
         let mut steps: Vec<f64> =
             t.windows(2).take(FIRST_STEPS).map(|pair| pair[1] - pair[0]).collect();
-        steps.sort_by(f64::total_cmp);
-        Self(steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY))
+        Self(if steps.is_empty() { f64::INFINITY } else { median(&mut steps) })
     }
 
     /// Whether `step` is a gap; if not, it is learned from.

@@ -168,22 +168,17 @@ impl Rows for ParquetRows {
     }
 }
 
-/// Whole numbers with a sign, as older writers name them.
-const SIGNED: [ConvertedType; 4] =
-    [ConvertedType::INT_8, ConvertedType::INT_16, ConvertedType::INT_32, ConvertedType::INT_64];
-const UNSIGNED: [ConvertedType; 4] =
-    [ConvertedType::UINT_8, ConvertedType::UINT_16, ConvertedType::UINT_32, ConvertedType::UINT_64];
-
 /// Whether whole numbers of a column have a sign; `None` if it does not hold one number a row.
 fn is_signed(column: &ColumnDescriptor) -> Option<bool> {
+    use ConvertedType::{INT_8, INT_16, INT_32, INT_64, NONE, UINT_8, UINT_16, UINT_32, UINT_64};
     if column.max_rep_level() > 0 || column.path().parts().len() != 1 {
         return None;
     }
     let is_signed = match (column.logical_type_ref(), column.converted_type()) {
         (Some(LogicalType::Integer(int)), _) => int.is_signed,
-        (None, ConvertedType::NONE) => true,
-        (None, converted) if SIGNED.contains(&converted) => true,
-        (None, converted) if UNSIGNED.contains(&converted) => false,
+        // As older writers name them.
+        (None, NONE | INT_8 | INT_16 | INT_32 | INT_64) => true,
+        (None, UINT_8 | UINT_16 | UINT_32 | UINT_64) => false,
         _ => return None,
     };
     match column.physical_type() {

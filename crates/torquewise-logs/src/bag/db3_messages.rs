@@ -24,10 +24,18 @@ const TOPICS: &str = "SELECT t.name, t.type, t.serialization_format, COALESCE(m.
     FROM topics t LEFT JOIN (SELECT topic_id, COUNT(*) AS n FROM messages GROUP BY topic_id) m \
     ON m.topic_id = t.id ORDER BY t.id";
 
-/// As they were recorded: by time, each page would sort all messages where there is no index.
-const MESSAGES: &str = "SELECT rowid, timestamp, data FROM messages \
-    WHERE topic_id IN (SELECT id FROM topics WHERE name = ?1) AND rowid > ?2 \
-    ORDER BY rowid LIMIT ?3";
+/// By the index on time that a recorder makes.
+const BY_TIME: &str = "SELECT id, timestamp, data FROM messages \
+    WHERE topic_id IN (SELECT id FROM topics WHERE name = ?1) AND (timestamp, id) > (?2, ?3) \
+    ORDER BY timestamp, id LIMIT ?4";
+
+/// Without, as they were recorded: each page would sort all messages.
+const AS_RECORDED: &str = "SELECT rowid, timestamp, data FROM messages \
+    WHERE topic_id IN (SELECT id FROM topics WHERE name = ?1) AND rowid > ?3 AND ?2 IS NOT NULL \
+    ORDER BY rowid LIMIT ?4";
+
+const INDICES: &str = "SELECT COUNT(*) FROM pragma_index_list('messages') AS list, \
+    pragma_index_info(list.name) AS part WHERE part.seqno = 0 AND part.name = 'timestamp'";
 
 /// A view or a virtual table under these names could do anything.
 const TABLES: &str = "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND rootpage > 0 \
@@ -57,35 +65,40 @@ pub(super) struct Db3Messages {
     file: PathBuf,
     connection: Bag,
     topic: String,
+    query: &'static str,
     page: VecDeque<Message>,
-    /// Row of the message last read.
-    last: i64,
+    last: (i64, i64),
 }
 
 impl Db3Messages {
     pub(super) fn open(file: &Path, topic: &str) -> Result<Self> {
         let connection = open(file)?;
+        let is_indexed = count(&connection.0, file, INDICES)? > 0;
         Ok(Self {
             file: file.into(),
             connection,
             topic: topic.to_owned(),
+            query: if is_indexed { BY_TIME } else { AS_RECORDED },
             page: VecDeque::new(),
-            last: i64::MIN,
+            last: (i64::MIN, i64::MIN),
         })
     }
 
     fn next_page(&mut self) -> Result<()> {
         let refused = LogError::decode(&self.file, Format::Db3);
-        let mut statement = self.connection.0.prepare_cached(MESSAGES).map_err(&refused)?;
-        let mut rows = statement.query(params![self.topic, self.last, PAGE]).map_err(&refused)?;
+        let mut statement = self.connection.0.prepare_cached(self.query).map_err(&refused)?;
+        let (received, id) = self.last;
+        let mut rows =
+            statement.query(params![self.topic, received, id, PAGE]).map_err(&refused)?;
         let mut bytes_held = 0;
         while bytes_held < PAGE_BYTES
             && let Some(row) = rows.next().map_err(&refused)?
         {
-            self.last = row.get(0).map_err(&refused)?;
+            let id = row.get(0).map_err(&refused)?;
             let received = row.get(1).map_err(&refused)?;
             let bytes: Vec<u8> = row.get(2).map_err(&refused)?;
             bytes_held += bytes.len();
+            self.last = (received, id);
             self.page.push_back(Message { received, bytes });
         }
         Ok(())
@@ -158,7 +171,7 @@ fn unchanging(file: &Path) -> Option<String> {
     let mut address = String::from("file://");
     for byte in path.to_str()?.bytes() {
         match byte {
-            b'/' => address.push('/'),
+            b'/' | b'.' | b'-' | b'_' => address.push(char::from(byte)),
             _ if byte.is_ascii_alphanumeric() => address.push(char::from(byte)),
             _ => write!(address, "%{byte:02x}").ok()?,
         }

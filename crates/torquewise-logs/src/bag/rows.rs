@@ -24,14 +24,10 @@ pub(crate) struct BagRows {
 
 impl BagRows {
     pub(crate) fn open(file: &LogInput, survey: Survey) -> Result<Self> {
-        let of_joints = |signal: &'static str| {
-            survey.joints.iter().map(move |joint| format!("{joint}.{signal}"))
-        };
+        let (velocity, effort) = (("velocity", survey.has_velocity), ("effort", survey.has_effort));
         let mut names = vec!["t".to_owned()];
-        names.extend(of_joints("position"));
-        for (signal, is_known) in [("velocity", survey.has_velocity), ("effort", survey.has_effort)]
-        {
-            names.extend(of_joints(signal).filter(|_| is_known));
+        for (signal, _) in [("position", true), velocity, effort].iter().filter(|own| own.1) {
+            names.extend(survey.joints.iter().map(|joint| format!("{joint}.{signal}")));
         }
         Ok(Self {
             file: file.into(),
