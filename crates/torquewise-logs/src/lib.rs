@@ -83,4 +83,4 @@ pub use sink::{Column, Values};
 pub use source::Options;
 #[cfg(feature = "formats")]
 pub use suggest::{Suggestion, suggest};
-pub use table::TableWriter;
+pub use table::{TableWriter, write_motion};

@@ -116,3 +116,13 @@ impl TableWriter {
         self.sink.finish()
     }
 }
+
+/// Writes a whole motion as a `.csv` or `.parquet` log that reads back to the same bits.
+///
+/// # Errors
+/// As [`TableWriter::log`], [`TableWriter::append_motion`] and [`TableWriter::finish`].
+pub fn write_motion(file: &Path, motion: &Motion) -> Result<()> {
+    let mut writer = TableWriter::log(file, motion.joints(), motion.tau().is_some())?;
+    writer.append_motion(motion)?;
+    writer.finish()
+}

@@ -9,7 +9,7 @@ use parquet::schema::types::{Type, TypePtr};
 use std::fs::File;
 use std::path::Path;
 use std::sync::LazyLock;
-use torquewise_logs::{LogError, Options};
+use torquewise_logs::{LogError, Options, write_motion};
 use torquewise_motion::{Motion, Signals};
 
 type Read = Result<Vec<Motion>, LogError>;
@@ -79,7 +79,7 @@ static VALID: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let (joints, t) = (vec!["hip".into()], (0..50).map(f64::from).collect());
     let [q, dq, ddq, tau] = [0.0, 1.0, 2.0, 3.0].map(wave);
     let motion = Motion::new(Signals { joints, t, q, dq, ddq, tau: Some(tau) });
-    crate::write_motion(&file, &motion.unwrap()).unwrap();
+    write_motion(&file, &motion.unwrap()).unwrap();
     std::fs::read(file).unwrap()
 });
 

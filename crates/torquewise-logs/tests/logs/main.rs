@@ -14,7 +14,7 @@ mod shared;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use torquewise_logs::{LogError, LogInput, Logs, Options, Profile, TableWriter};
+use torquewise_logs::{LogError, LogInput, Logs, Options, Profile};
 use torquewise_motion::{Motion, Recording};
 
 struct Files(tempfile::TempDir);
@@ -59,13 +59,6 @@ fn read_both(file: &Path, options: &Options) -> Result<Vec<Motion>, LogError> {
         assert_eq!(format!("{held:?}"), format!("{from_disk:?}"));
     }
     from_disk
-}
-
-/// Writes a whole motion as a log.
-fn write_motion(file: &Path, motion: &Motion) -> Result<(), LogError> {
-    let mut writer = TableWriter::log(file, motion.joints(), motion.tau().is_some())?;
-    writer.append_motion(motion)?;
-    writer.finish()
 }
 
 fn with(profile: &str) -> Options {

@@ -1,10 +1,10 @@
 //! What is written is read back to the same bits, in either format.
 
-use crate::{file_of, seen, write_motion};
+use crate::{file_of, seen};
 use faer::Mat;
 use proptest::prelude::*;
 use std::path::Path;
-use torquewise_logs::{Column, LogError, Logs, TableWriter, Values};
+use torquewise_logs::{Column, LogError, Logs, TableWriter, Values, write_motion};
 use torquewise_motion::{Motion, Signals};
 
 const FORMATS: [&str; 2] = ["log.csv", "log.parquet"];
