@@ -1,7 +1,7 @@
 //! Derivatives of q(t) by local polynomial least squares, on any time stamps.
 
 use crate::error::{MotionError, Result};
-use faer::{ColRef, Mat, MatRef};
+use faer::{Mat, MatRef};
 
 /// Rows on each side of a row that the polynomial around it is fitted to by [`derivative`].
 pub const HALF_WINDOW: usize = 10;
@@ -34,24 +34,23 @@ pub fn derivative(t: &[f64], x: MatRef<'_, f64>, order: usize) -> Result<Mat<f64
 ///
 /// Near an end the window of a row keeps its number of rows and moves inwards, so that the ends are
 /// fitted as well as the middle and never padded.
-pub(crate) fn derivative_by(
+fn derivative_by(
     (half_window, degree): (usize, usize),
     t: &[f64],
     x: MatRef<'_, f64>,
     order: usize,
 ) -> Result<Mat<f64>> {
     check(t, x, degree)?;
-    let mut stencil = Stencil { degree, order, ..Stencil::default() };
     let mut derived = Mat::zeros(x.nrows(), x.ncols());
     let width = (2 * half_window + 1).min(t.len());
     for row in 0..t.len() {
         let start = row.saturating_sub(half_window).min(t.len() - width);
         let window = start..start + width;
-        stencil.fit(&t[window.clone()], t[row]);
+        let weights = stencil(&t[window.clone()], t[row], degree, order);
         for column in 0..x.ncols() {
             // Weights of a derivative sum to zero: relative to the middle, rounding is smaller.
             let middle = x[(row, column)];
-            let weighted = stencil.weights.iter().zip(window.clone());
+            let weighted = weights.iter().zip(window.clone());
             let sum: f64 = weighted.map(|(w, k)| w * (x[(k, column)] - middle)).sum();
             derived[(row, column)] = if order == 0 { middle + sum } else { sum };
         }
@@ -65,70 +64,45 @@ fn check(t: &[f64], x: MatRef<'_, f64>, degree: usize) -> Result<()> {
     if rows <= degree {
         return Err(MotionError::TooFewRows { rows, needed: degree + 1 });
     }
-    MotionError::check_finite("t", ColRef::from_slice(t).as_mat())?;
+    MotionError::check_finite("t", 0, t)?;
     MotionError::check_order(t)?;
-    MotionError::check_finite("x", x)
+    MotionError::check_all_finite("x", x)
 }
 
-/// Weights w with x⁽ʳ⁾(at) ≈ Σ wₖ xₖ for the rows of one window, and the space to find them.
-#[derive(Default)]
-struct Stencil {
-    degree: usize,
-    order: usize,
-    weights: Vec<f64>,
-    /// Window times relative to `at`, in half widths of the window.
-    u: Vec<f64>,
-    /// Orthogonal polynomials Pₖ₋₁ and Pₖ on the window; `slopes_previous` and `slopes` are their
-    /// derivatives at `at`.
-    previous: Vec<f64>,
-    current: Vec<f64>,
-    slopes_previous: Vec<f64>,
-    slopes: Vec<f64>,
-}
-
-impl Stencil {
-    /// w = Σₖ Pₖ⁽ʳ⁾(at) Pₖ / ‖Pₖ‖², by Pₖ₊₁ = (u − aₖ) Pₖ − bₖ Pₖ₋₁ from P₀ = 1 on.
-    fn fit(&mut self, t: &[f64], at: f64) {
-        let half_width = 0.5 * (t[t.len() - 1] - t[0]);
-        self.u.clear();
-        self.u.extend(t.iter().map(|t| (t - at) / half_width));
-        let all = [&mut self.weights, &mut self.previous, &mut self.current];
-        for (values, first) in all.into_iter().zip([0.0, 0.0, 1.0]) {
-            values.clear();
-            values.resize(t.len(), first);
+/// Weights w with x⁽ʳ⁾(at) ≈ Σ wₖ xₖ for the rows of one window, r the order:
+/// w = Σₖ Pₖ⁽ʳ⁾(at) Pₖ / ‖Pₖ‖² with the polynomials that are orthogonal on the window,
+/// Pₖ₊₁ = (u − aₖ) Pₖ − bₖ Pₖ₋₁ from P₀ = 1 on.
+pub(crate) fn stencil(t: &[f64], at: f64, degree: usize, order: usize) -> Vec<f64> {
+    let half_width = 0.5 * (t[t.len() - 1] - t[0]);
+    let u: Vec<f64> = t.iter().map(|t| (t - at) / half_width).collect();
+    let mut weights = vec![0.0; t.len()];
+    // Pₖ₋₁ and Pₖ on the window, and their derivatives at `at`.
+    let (mut previous, mut current) = (vec![0.0; t.len()], vec![1.0; t.len()]);
+    let (mut slopes_previous, mut slopes) = (vec![0.0; order + 1], vec![0.0; order + 1]);
+    slopes[0] = 1.0;
+    let mut norm_previous = f64::INFINITY;
+    for k in 0..=degree {
+        let norm: f64 = current.iter().map(|p| p * p).sum();
+        let gain = slopes[order] / norm;
+        weights.iter_mut().zip(&current).for_each(|(weight, p)| *weight += gain * p);
+        if k == degree {
+            break;
         }
-        for slopes in [&mut self.slopes, &mut self.slopes_previous] {
-            slopes.clear();
-            slopes.resize(self.order + 1, 0.0);
+        let moment: f64 = u.iter().zip(&current).map(|(u, p)| u * p * p).sum();
+        let (a, b) = (moment / norm, norm / norm_previous);
+        norm_previous = norm;
+        for ((previous, current), u) in previous.iter_mut().zip(&current).zip(&u) {
+            *previous = (u - a) * current - b * *previous;
         }
-        self.slopes[0] = 1.0;
-        let mut norm_previous = f64::INFINITY;
-        for k in 0..=self.degree {
-            let norm: f64 = self.current.iter().map(|p| p * p).sum();
-            let gain = self.slopes[self.order] / norm;
-            for (weight, p) in self.weights.iter_mut().zip(&self.current) {
-                *weight += gain * p;
-            }
-            if k == self.degree {
-                break;
-            }
-            let moment: f64 = self.u.iter().zip(&self.current).map(|(u, p)| u * p * p).sum();
-            let (a, b) = (moment / norm, norm / norm_previous);
-            norm_previous = norm;
-            let known = self.previous.iter_mut().zip(&self.current);
-            for ((previous, current), u) in known.zip(&self.u) {
-                *previous = (u - a) * current - b * *previous;
-            }
-            for r in 0..=self.order {
-                let inner = if r == 0 { 0.0 } else { r as f64 * self.slopes[r - 1] };
-                self.slopes_previous[r] = inner - a * self.slopes[r] - b * self.slopes_previous[r];
-            }
-            std::mem::swap(&mut self.previous, &mut self.current);
-            std::mem::swap(&mut self.slopes_previous, &mut self.slopes);
+        for r in 0..=order {
+            let inner = if r == 0 { 0.0 } else { r as f64 * slopes[r - 1] };
+            slopes_previous[r] = inner - a * slopes[r] - b * slopes_previous[r];
         }
-        let per_unit = (0..self.order).fold(1.0, |product, _| product / half_width);
-        self.weights.iter_mut().for_each(|weight| *weight *= per_unit);
+        std::mem::swap(&mut previous, &mut current);
+        std::mem::swap(&mut slopes_previous, &mut slopes);
     }
+    let per_unit = (0..order).fold(1.0, |product, _| product / half_width);
+    weights.iter().map(|weight| weight * per_unit).collect()
 }
 
 #[cfg(test)]

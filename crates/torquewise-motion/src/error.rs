@@ -21,9 +21,6 @@ pub enum MotionError {
     #[error("{signal}{} is not finite at row {row}", joint + 1)]
     #[diagnostic(help("drop the row or repair the signal"))]
     NotFinite { signal: &'static str, joint: usize, row: usize },
-    #[error("not finite at row {row}")]
-    #[diagnostic(help("drop the row or repair the signal"))]
-    NotFiniteAt { row: usize },
     #[error("{0} is missing, and this work needs it")]
     Missing(&'static str),
     #[error("{rows} rows are too few, at least {needed} are needed")]
@@ -76,17 +73,22 @@ impl MotionError {
     }
 
     /// Refuses a signal with a number that is not finite.
-    pub(crate) fn check_finite(signal: &'static str, values: MatRef<'_, f64>) -> Result<(), Self> {
+    pub(crate) fn check_all_finite(
+        signal: &'static str,
+        values: MatRef<'_, f64>,
+    ) -> Result<(), Self> {
         let mut columns = values.col_iter().enumerate();
-        let place = columns
-            .find_map(|(joint, column)| Some((joint, column.iter().position(|x| !x.is_finite())?)));
-        place.map_or(Ok(()), |(joint, row)| Err(Self::NotFinite { signal, joint, row }))
+        columns.try_for_each(|(joint, column)| Self::check_finite(signal, joint, column.iter()))
     }
 
-    /// Refuses numbers of which one is not finite.
-    pub(crate) fn check_numbers(values: &[f64]) -> Result<()> {
-        let row = values.iter().position(|x| !x.is_finite());
-        row.map_or(Ok(()), |row| Err(Self::NotFiniteAt { row }))
+    /// Refuses values of a signal of a joint of which one is not finite.
+    pub(crate) fn check_finite<'x>(
+        signal: &'static str,
+        joint: usize,
+        values: impl IntoIterator<Item = &'x f64>,
+    ) -> Result<(), Self> {
+        let row = values.into_iter().position(|x| !x.is_finite());
+        row.map_or(Ok(()), |row| Err(Self::NotFinite { signal, joint, row }))
     }
 
     /// Refuses stamps that stand still or go back.

@@ -1,7 +1,7 @@
 //! Motion: q, q̇, q̈ and τ of n joints at m instants, shapes checked once.
 
 use crate::error::{MotionError, Result};
-use faer::{ColRef, Mat, MatRef};
+use faer::{Mat, MatRef};
 
 /// More than any joint reaches, of q, q̇, q̈ and τ \[rad, rad/s, –, N·m; m and m/s of a slide\]: eight
 /// turns are less than half a turn written in degrees; accelerations have no bound.
@@ -100,9 +100,9 @@ impl Motion {
         for (signal, values) in named {
             let Some(values) = values else { continue };
             MotionError::check_shape(signal, values.as_ref(), [rows, columns])?;
-            MotionError::check_finite(signal, values.as_ref())?;
+            MotionError::check_all_finite(signal, values.as_ref())?;
         }
-        MotionError::check_finite("t", ColRef::from_slice(&signals.t).as_mat())?;
+        MotionError::check_finite("t", 0, &signals.t)?;
         Ok(Self { signals, memory: None, removed_tau: None })
     }
 

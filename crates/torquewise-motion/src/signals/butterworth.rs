@@ -97,7 +97,6 @@ pub(crate) fn filtfilt(sections: &LowPass, x: &mut [f64]) -> Result<()> {
     if n <= pad {
         return Err(MotionError::TooFewRows { rows: n, needed: pad + 1 });
     }
-    MotionError::check_numbers(x)?;
     let (first, last) = (x[0], x[n - 1]);
     let mut padded = Vec::with_capacity(n + 2 * pad);
     padded.extend((1..=pad).rev().map(|k| 2.0 * first - x[k]));

@@ -1,6 +1,6 @@
 //! Derivatives q̇, q̈ of evenly sampled, filtered q, without delay.
 
-use crate::differentiate::derivative_by;
+use crate::differentiate::stencil;
 use crate::error::{MotionError, Result};
 use faer::{Mat, MatRef};
 
@@ -25,14 +25,14 @@ pub(crate) fn even_derivative(x: MatRef<'_, f64>, rate: f64, order: usize) -> Re
     }
     // One stencil per place in the window, on exact time steps: the same bits for any part.
     let steps: Vec<f64> = (0..=DEGREE).map(|k| k as f64 - REACH as f64).collect();
-    let impulses = Mat::identity(DEGREE + 1, DEGREE + 1);
-    let stencils = derivative_by((REACH, DEGREE), &steps, impulses.as_ref(), order)?;
+    let stencils: Vec<Vec<f64>> =
+        steps.iter().map(|&at| stencil(&steps, at, DEGREE, order)).collect();
     let scale = (0..order).fold(1.0, |scale, _| scale * rate);
     Ok(Mat::from_fn(x.nrows(), x.ncols(), |row, column| {
         let begin = row.saturating_sub(REACH).min(x.nrows() - DEGREE - 1);
         let terms = (0..=DEGREE).map(|k| {
             // Weights sum to zero: relative to the middle, rounding is smaller.
-            stencils[(row - begin, k)] * (x[(begin + k, column)] - x[(row, column)])
+            stencils[row - begin][k] * (x[(begin + k, column)] - x[(row, column)])
         });
         scale * terms.sum::<f64>()
     }))

@@ -1,7 +1,6 @@
 //! Raw signals of one trajectory, checked and changed column by column.
 
 use crate::error::{MotionError, Result};
-use crate::signals::spline::check_increasing;
 use faer::Mat;
 
 /// The signals of an arm.
@@ -48,10 +47,8 @@ impl Raw {
         if self.joints.is_empty() {
             return Err(MotionError::NoJoints);
         }
-        check_increasing(&self.t).map_err(|e| match e {
-            order @ MotionError::TimeOrder { .. } => order,
-            other => other.of("t", "every joint"),
-        })?;
+        MotionError::check_finite("t", 0, &self.t)?;
+        MotionError::check_order(&self.t)?;
         if self.signals[0].is_none() {
             return Err(MotionError::Missing("q"));
         }
@@ -61,8 +58,9 @@ impl Raw {
             if found != expected {
                 return Err(MotionError::Shape { signal: signal.name(), found, expected });
             }
-            for (column, joint) in columns.iter().zip(&self.joints) {
-                MotionError::check_numbers(column).map_err(|e| e.of(signal.name(), joint))?;
+            for (joint, (column, name)) in columns.iter().zip(&self.joints).enumerate() {
+                MotionError::check_finite(signal.name(), joint, column)
+                    .map_err(|e| e.of(signal.name(), name))?;
             }
         }
         Ok(())

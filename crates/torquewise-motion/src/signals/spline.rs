@@ -15,8 +15,6 @@ pub(crate) fn interpolate(t: &[f64], x: &[f64], at: &[f64]) -> Result<Vec<f64>> 
     if t.len() < 4 {
         return Err(MotionError::TooFewRows { rows: t.len(), needed: 4 });
     }
-    check_increasing(t)?;
-    MotionError::check_numbers(x)?;
     let slopes = slopes(t, x);
     let mut piece = 0;
     let mut values = Vec::with_capacity(at.len());
@@ -31,12 +29,6 @@ pub(crate) fn interpolate(t: &[f64], x: &[f64], at: &[f64]) -> Result<Vec<f64>> 
         values.push(x[piece] + u * rise + bend);
     }
     Ok(values)
-}
-
-/// Refuses stamps that are not finite, stand still or go back.
-pub(crate) fn check_increasing(t: &[f64]) -> Result<()> {
-    MotionError::check_numbers(t)?;
-    MotionError::check_order(t)
 }
 
 /// Weights of values at `t` in the polynomial through them, at one time.
@@ -104,12 +96,5 @@ mod tests {
         for (value, t) in values.iter().zip([-1.5, 0.6, 1.9, 2.5]) {
             assert_abs_diff_eq!(*value, cubic(t), epsilon = 1e-12);
         }
-    }
-
-    #[test]
-    fn stamps_that_stand_still_are_refused() {
-        let found = interpolate(&[0.0, 1.0, 1.0, 2.0], &[0.0; 4], &[0.5]);
-
-        assert_eq!(found, Err(MotionError::TimeOrder { row: 2 }));
     }
 }

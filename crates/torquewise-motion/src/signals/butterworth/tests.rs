@@ -49,8 +49,6 @@ fn impossible_cut_offs_and_signals_no_longer_than_the_padding_are_refused() {
     let sections = low_pass(0.25, 2.0).unwrap();
 
     let short = filtfilt(&sections, &mut [0.0; 15]);
-    let broken = filtfilt(&sections, &mut [f64::NAN; 16]);
 
     assert_eq!(short, Err(MotionError::TooFewRows { rows: 15, needed: 16 }));
-    assert_eq!(broken, Err(MotionError::NotFiniteAt { row: 0 }));
 }

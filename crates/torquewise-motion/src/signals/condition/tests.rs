@@ -157,9 +157,14 @@ fn errors_say_which_signal_of_which_joint() {
     torque_of(&mut raw)[17] = f64::NAN;
     let error = condition(&raw, &Conditioning::default()).unwrap_err();
     assert_eq!(error.to_string(), "cannot condition tau of joint arm_1");
-    assert_eq!(error.source().unwrap().to_string(), "not finite at row 17");
+    assert_eq!(error.source().unwrap().to_string(), "tau1 is not finite at row 17");
     let help = miette::Diagnostic::help(&error).unwrap().to_string();
     assert_eq!(help, "drop the row or repair the signal");
+
+    let mut repeated = measure(&BAD);
+    repeated.t[2] = repeated.t[1];
+    let error = condition(&repeated, &Conditioning::default()).unwrap_err();
+    assert_eq!(error, MotionError::TimeOrder { row: 2 });
 
     let short = measure(&Measured { n: 40, ..BAD });
     assert!(condition(&short, &Conditioning::default()).is_err());
