@@ -75,15 +75,14 @@ const STEP: f64 = 1e-5;
 /// [`ModelError::Shape`] if a state has another length than the model has joints.
 pub fn check(model: &Model, states: &[(Vec<f64>, Vec<f64>)]) -> Result<Checks, ModelError> {
     let torque = Torque::new(model);
-    let (mut weakest, mut asymmetry, mut defect) = (UNSEEN, 0.0_f64, 0.0_f64);
+    let (smallest_eigenvalue, weakest_q) = weakest_state(model, states.iter().map(|(q, _)| q))?;
+    let (mut asymmetry, mut defect) = (0.0_f64, 0.0_f64);
     for (q, dq) in states {
         let mass = torque.mass_matrix(q)?;
-        see(&mut weakest, &mass, q);
         let scale = mass.norm_l2().max(f64::MIN_POSITIVE);
         asymmetry = asymmetry.max((&mass - mass.transpose()).norm_l2() / scale);
         defect = defect.max(skew_defect(&torque, q, dq)?);
     }
-    let (smallest_eigenvalue, weakest_q) = weakest;
     Ok(Checks {
         states: states.len(),
         smallest_eigenvalue,
@@ -92,17 +91,6 @@ pub fn check(model: &Model, states: &[(Vec<f64>, Vec<f64>)]) -> Result<Checks, M
         skew_defect: defect,
         driving: driving_friction(model),
     })
-}
-
-/// The weakest of no states.
-const UNSEEN: (f64, Vec<f64>) = (f64::INFINITY, Vec::new());
-
-/// Keeps the state of the smallest eigenvalue so far.
-fn see(weakest: &mut (f64, Vec<f64>), mass: &Mat<f64>, q: &[f64]) {
-    let eigenvalue = smallest_eigenvalue(mass);
-    if eigenvalue < weakest.0 {
-        *weakest = (eigenvalue, q.to_vec());
-    }
 }
 
 /// The smallest eigenvalue of M(q) \[kg·m²\] over states, and the q \[rad\] that has it: infinite
@@ -116,9 +104,12 @@ pub fn weakest_state<'q>(
     model: &Model,
     states: impl IntoIterator<Item = &'q Vec<f64>>,
 ) -> Result<(f64, Vec<f64>), ModelError> {
-    let (torque, mut weakest) = (Torque::new(model), UNSEEN);
+    let (torque, mut weakest) = (Torque::new(model), (f64::INFINITY, Vec::new()));
     for q in states {
-        see(&mut weakest, &torque.mass_matrix(q)?, q);
+        let eigenvalue = smallest_eigenvalue(&torque.mass_matrix(q)?);
+        if eigenvalue < weakest.0 {
+            weakest = (eigenvalue, q.clone());
+        }
     }
     Ok(weakest)
 }

@@ -36,14 +36,9 @@ pub enum ModelError {
     #[error("the model has steps 1 to {known}, step {found} was asked for")]
     #[diagnostic(help("name one of its steps"))]
     Step { found: usize, known: usize },
-    #[error("the model file is damaged: {what} is not finite in {place}")]
+    #[error("the model file is damaged: {reason}")]
     #[diagnostic(help("fit the model anew"))]
-    NotFinite { what: &'static str, place: String },
-    #[error(
-        "the model file is damaged: {what} of the friction {place} is {found}, expected {expected}"
-    )]
-    #[diagnostic(help("fit the model anew"))]
-    Friction { what: &'static str, place: String, found: String, expected: &'static str },
+    Damaged { reason: String },
     #[error(transparent)]
     #[diagnostic(transparent)]
     Motion(#[from] torquewise_motion::MotionError),

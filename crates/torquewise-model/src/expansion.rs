@@ -260,16 +260,10 @@ impl Basis {
 /// Rows of the real discrete Fourier transform of `base` points: 1, cos, sin, cos 2, sin 2 …
 fn fourier(base: usize) -> Vec<Vec<f64>> {
     let step = std::f64::consts::TAU / base as f64;
-    (0..base)
-        .map(|digit| {
-            let harmonic = digit.div_ceil(2) as f64;
-            (0..base)
-                .map(|k| {
-                    let angle = harmonic * step * k as f64;
-                    let scale = if digit == 0 { 1.0 } else { 2.0 } / base as f64;
-                    scale * if digit % 2 == 1 || digit == 0 { angle.cos() } else { angle.sin() }
-                })
-                .collect()
-        })
-        .collect()
+    let entry = |digit: usize, k: usize| {
+        let angle = digit.div_ceil(2) as f64 * step * k as f64;
+        let scale = if digit == 0 { 1.0 } else { 2.0 } / base as f64;
+        scale * if digit % 2 == 1 || digit == 0 { angle.cos() } else { angle.sin() }
+    };
+    (0..base).map(|digit| (0..base).map(|k| entry(digit, k)).collect()).collect()
 }

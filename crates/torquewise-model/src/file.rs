@@ -55,7 +55,7 @@ impl Model {
 /// The text of a model file.
 ///
 /// # Errors
-/// [`ModelError::NotFinite`] if a coefficient is not finite, which JSON cannot hold, or what
+/// [`ModelError::Damaged`] if a coefficient is not finite, which JSON cannot hold, or what
 /// [`from_json`] would find wrong with the parts of the model.
 pub fn to_json(model: &Model) -> Result<String, ModelError> {
     check(model)?;
@@ -69,8 +69,8 @@ pub fn to_json(model: &Model) -> Result<String, ModelError> {
 ///
 /// # Errors
 /// [`ModelError::NotAModel`] if it is cut off, no JSON or no model, [`ModelError::Version`] if it
-/// is of another version, [`ModelError::Shape`], [`ModelError::NotFinite`] or
-/// [`ModelError::Friction`] if its parts do not fit.
+/// is of another version, [`ModelError::Shape`], [`ModelError::Damaged`] or
+/// [`ModelError::Chain`] if its parts do not fit.
 pub fn from_json(text: &str) -> Result<Model, ModelError> {
     let not_a_model =
         |error: serde_json::Error| ModelError::NotAModel { reason: error.to_string() };
@@ -108,11 +108,9 @@ fn check(model: &Model) -> Result<(), ModelError> {
         friction.iter().try_for_each(|weighted| check_friction(weighted, n))?;
     }
     for candidate in model.choices.iter().flat_map(|choice| &choice.from) {
-        for (what, value) in
-            [("a held-out error", candidate.error), ("its standard error", candidate.std_error)]
-        {
-            finite(what, value, || candidate.label.clone())?;
-        }
+        let place = || candidate.label.clone();
+        finite("a held-out error", candidate.error, place)?;
+        finite("its standard error", candidate.std_error, place)?;
     }
     if let Some(chain) = &model.chain {
         chain.check(n, model.friction.len())?;
@@ -172,9 +170,10 @@ fn check_friction(weighted: &Weighted<FrictionTerm>, n: usize) -> Result<(), Mod
     for &shaft in &term.shaft {
         finite("a shaft", shaft, || term.name())?;
     }
-    let refuse = |what, found: &dyn Display, expected| {
-        let (place, found) = (term.name(), found.to_string());
-        Err(ModelError::Friction { what, place, found, expected })
+    let refuse = |what: &str, found: &dyn Display, expected: &str| {
+        let place = term.name();
+        let reason = format!("{what} of the friction {place} is {found}, expected {expected}");
+        Err(ModelError::Damaged { reason })
     };
     if term.shaft.iter().all(|shaft| *shaft == 0.0) {
         return refuse("every entry of the shaft", &0, "one that turns with it");
@@ -208,10 +207,7 @@ fn check_friction(weighted: &Weighted<FrictionTerm>, n: usize) -> Result<(), Mod
     finite("a standard error", weighted.std_error, || term.name())
 }
 
-fn finite(
-    what: &'static str,
-    value: f64,
-    place: impl FnOnce() -> String,
-) -> Result<(), ModelError> {
-    if value.is_finite() { Ok(()) } else { Err(ModelError::NotFinite { what, place: place() }) }
+fn finite(what: &str, value: f64, place: impl FnOnce() -> String) -> Result<(), ModelError> {
+    let reason = || format!("{what} is not finite in {}", place());
+    if value.is_finite() { Ok(()) } else { Err(ModelError::Damaged { reason: reason() }) }
 }

@@ -83,10 +83,7 @@ impl Direction {
 
     /// Whether a law acts at this speed of the shaft.
     pub(crate) fn holds(self, speed: f64) -> bool {
-        match self {
-            Self::Both => true,
-            Self::Backward => speed < 0.0,
-        }
+        self == Self::Both || speed < 0.0
     }
 }
 

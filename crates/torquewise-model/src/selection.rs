@@ -53,9 +53,7 @@ impl Selection {
         if let Some(top) = self.top {
             let mut sizes: Vec<f64> = kept.iter().map(|w| w.coefficient.abs()).collect();
             sizes.sort_by(|a, b| b.total_cmp(a));
-            let least = top
-                .checked_sub(1)
-                .map_or(f64::INFINITY, |last| sizes.get(last).copied().unwrap_or(0.0));
+            let least = sizes.get(top.saturating_sub(1)).copied().unwrap_or(0.0);
             kept.retain(|weighted| weighted.coefficient.abs() >= least);
             kept.truncate(top);
         }

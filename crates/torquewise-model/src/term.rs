@@ -45,12 +45,7 @@ pub enum Kind {
 impl Kind {
     /// `inertia`, `coriolis`, `gravity` or `friction`.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Inertia => "inertia",
-            Self::Coriolis => "coriolis",
-            Self::Gravity => "gravity",
-            Self::Friction => "friction",
-        }
+        ["friction", "gravity", "coriolis", "inertia"][self as usize]
     }
 }
 

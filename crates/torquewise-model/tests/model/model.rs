@@ -116,7 +116,8 @@ fn parts_that_do_not_fit_are_refused() {
     if let Form::Energy(terms) = &mut infinite.form {
         terms[0].coefficient = f64::INFINITY;
     }
-    assert!(matches!(to_json(&infinite), Err(ModelError::NotFinite { .. })));
+    let refused = to_json(&infinite).unwrap_err().to_string();
+    assert!(refused.contains("a coefficient is not finite in"), "{refused}");
 }
 
 #[test]
