@@ -7,6 +7,7 @@ use crate::rigid_chain::{Drive, RigidChain};
 use crate::selection::Selection;
 use crate::shaft_friction::Estimated;
 use crate::weighted::LEAST_T;
+use faer::Mat;
 use serde::Serialize;
 use torquewise_rigid::base_parameters::base_parameters;
 use torquewise_rigid::geometry::Placement;
@@ -215,12 +216,9 @@ fn link_parameters(
     let inertial = chain.inertial();
     let base = base_parameters(&axes, &inertial);
     // The map is linear: its columns are what unit parameters come to.
-    let columns: Vec<Vec<f64>> = (0..inertial.len())
-        .map(|k| {
-            let unit: Vec<f64> = (0..inertial.len()).map(|j| f64::from(u8::from(j == k))).collect();
-            base_parameters(&axes, &unit)
-        })
-        .collect();
+    let units = Mat::<f64>::identity(inertial.len(), inertial.len());
+    let columns: Vec<Vec<f64>> =
+        (0..inertial.len()).map(|k| base_parameters(&axes, units.col_as_slice(k))).collect();
     let of = |(joint, name): (usize, &String)| {
         let cell = |&(k, what): &(usize, &str)| {
             let at = PER_BODY * joint + k;

@@ -29,12 +29,10 @@ impl Degree {
 
     /// All of F₂ up to a total degree, for one-shot SINDy.
     pub fn up_to(total: u8) -> Vec<Self> {
-        (0..=total)
-            .flat_map(|degree| {
-                (0..=degree)
-                    .map(move |acceleration| Self { velocity: degree - acceleration, acceleration })
-            })
-            .collect()
+        let of = |degree: u8| {
+            (0..=degree).map(move |own| Self { velocity: degree - own, acceleration: own })
+        };
+        (0..=total).flat_map(of).collect()
     }
 }
 
@@ -71,15 +69,11 @@ fn monomials(n: usize, degree: u8) -> Vec<Vec<u8>> {
     if n == 0 {
         return if degree == 0 { vec![Vec::new()] } else { Vec::new() };
     }
-    (0..=degree)
-        .rev()
-        .flat_map(|first| {
-            monomials(n - 1, degree - first).into_iter().map(move |mut rest| {
-                rest.insert(0, first);
-                rest
-            })
-        })
-        .collect()
+    let beginning = |first: u8| {
+        let rest = monomials(n - 1, degree - first).into_iter();
+        rest.map(move |rest| [vec![first], rest].concat())
+    };
+    (0..=degree).rev().flat_map(beginning).collect()
 }
 
 /// The product library F = F₁·F₂ (13), without repeats.

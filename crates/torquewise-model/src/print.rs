@@ -348,15 +348,13 @@ pub fn weighted_equations(model: &Model) -> Vec<Vec<Weighted<Term>>> {
 
 /// The friction of each joint, with the coefficients and errors its shafts hand on to it.
 pub fn weighted_friction(model: &Model) -> Vec<Vec<Weighted<FrictionTerm>>> {
-    (0..model.n_joints())
-        .map(|joint| {
-            let terms = model.friction.iter().filter(|w| w.term.acts_on(joint));
-            let share = |w: &Weighted<FrictionTerm>| {
-                let shaft = w.term.shaft[joint];
-                let (coefficient, std_error) = (shaft * w.coefficient, shaft.abs() * w.std_error);
-                Weighted { coefficient, std_error, ..w.clone() }
-            };
-            terms.map(share).collect()
-        })
-        .collect()
+    let of_joint = |joint: usize| {
+        let share = |w: &Weighted<FrictionTerm>| {
+            let shaft = w.term.shaft[joint];
+            let (coefficient, std_error) = (shaft * w.coefficient, shaft.abs() * w.std_error);
+            Weighted { coefficient, std_error, ..w.clone() }
+        };
+        model.friction.iter().filter(|w| w.term.acts_on(joint)).map(share).collect()
+    };
+    (0..model.n_joints()).map(of_joint).collect()
 }

@@ -99,14 +99,11 @@ impl Drive {
             Self::Rotor { shaft, inertia } => {
                 let n = shaft.len();
                 let pairs = (0..n).flat_map(|i| (i..n).map(move |j| (i, j)));
-                pairs
-                    .filter(|&(i, j)| shaft[i] * shaft[j] != 0.0)
-                    .map(|(i, j)| {
-                        let term =
-                            EnergyTerm { place: Place::Inertia(i, j), function: Term::one(n) };
-                        (term, inertia * shaft[i] * shaft[j])
-                    })
-                    .collect()
+                let of_pair = |(i, j)| {
+                    let term = EnergyTerm { place: Place::Inertia(i, j), function: Term::one(n) };
+                    (term, inertia * shaft[i] * shaft[j])
+                };
+                pairs.filter(|&(i, j)| shaft[i] * shaft[j] != 0.0).map(of_pair).collect()
             }
         }
     }
@@ -118,12 +115,10 @@ impl Drive {
                 let turning: f64 = shaft.iter().zip(ddq).map(|(s, a)| s * a).sum();
                 shaft.iter().map(|s| s * turning).collect()
             }
-            Self::Energy { term, .. } => (0..q.len())
-                .map(|joint| {
-                    let sum = term.torque(joint);
-                    sum.iter().map(|(weight, term)| weight * term.value(q, dq, ddq)).sum()
-                })
-                .collect(),
+            Self::Energy { term, .. } => {
+                let value = |(weight, term): &(f64, Term)| weight * term.value(q, dq, ddq);
+                (0..q.len()).map(|joint| term.torque(joint).iter().map(value).sum()).collect()
+            }
         }
     }
 }
@@ -180,14 +175,10 @@ impl RigidChain {
         let n = self.n_joints();
         let axes = self.axes()?;
         let mut jacobian = Mat::zeros(n, self.n_parameters(friction.len()));
-        let mut moved = Moved::default();
-        let (inertial, mut torque) = (self.inertial(), vec![0.0; n]);
-        Kinematics::new(&axes).inverse_dynamics(
-            MotionState { q, dq, ddq },
-            &inertial,
-            &mut moved,
-            &mut torque,
-        );
+        let (mut moved, mut torque) = (Moved::default(), vec![0.0; n]);
+        let state = MotionState { q, dq, ddq };
+        let kinematics = Kinematics::new(&axes);
+        kinematics.inverse_dynamics(state, &self.inertial(), &mut moved, &mut torque);
         moved.regressor(|joint, parameter, value| jacobian[(joint, parameter)] = value);
         let mut next = PER_BODY * n;
         for drive in &self.drives {
@@ -205,7 +196,7 @@ impl RigidChain {
         let derivatives = axes.derivatives();
         for &parameter in &self.fitted {
             moved.geometry_derivative(&derivatives[parameter], &mut torque);
-            (0..n).for_each(|joint| jacobian[(joint, next)] = torque[joint]);
+            jacobian.col_as_slice_mut(next).copy_from_slice(&torque);
             next += 1;
         }
         Ok(jacobian)

@@ -5,7 +5,7 @@ use crate::friction::FrictionTerm;
 use crate::links::Links;
 use crate::model::{Form, Model, Weighted};
 use crate::products::{Product, numbered};
-use crate::rigid_chain::{Drive, RigidChain};
+use crate::rigid_chain::Drive;
 use crate::term::{Factor, Kind};
 use faer::{Mat, prelude::Solve};
 use torquewise_motion::Motion;
@@ -69,7 +69,11 @@ impl Torque {
     pub fn new(model: &Model) -> Self {
         let links = model.chain.as_ref().and_then(Links::of);
         let equations = match (&model.chain, &links) {
-            (Some(chain), Some(_)) => drives(chain).equations(model.n_joints()),
+            (Some(chain), Some(_)) => {
+                let terms = chain.drives.iter().flat_map(Drive::energy_terms);
+                let weighted = terms.map(|(term, weight)| Weighted::new(term, weight));
+                Form::Energy(weighted.collect()).equations(model.n_joints())
+            }
             _ => model.equations(),
         };
         let (factors, joints) = numbered(&equations);
@@ -368,9 +372,4 @@ impl Torque {
         });
         Ok(())
     }
-}
-
-fn drives(chain: &RigidChain) -> Form {
-    let terms = chain.drives.iter().flat_map(Drive::energy_terms);
-    Form::Energy(terms.map(|(term, weight)| Weighted::new(term, weight)).collect())
 }

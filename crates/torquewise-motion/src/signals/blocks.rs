@@ -9,7 +9,7 @@ use crate::signals::smooth::{filter, kept, smooth};
 use crate::{Motion, Repairs};
 
 /// Rows that are conditioned at once, besides the overlap.
-pub(crate) const PART_ROWS: usize = 1 << 15;
+const PART_ROWS: usize = 1 << 15;
 
 /// Conditions one trajectory block by block.
 ///
@@ -21,7 +21,6 @@ pub struct Conditioner {
     plan: SignalPlan,
     /// Rows to each side on which a conditioned row depends.
     overlap: usize,
-    part: usize,
     waiting: Raw,
     origin: Option<f64>,
     /// Raw rows before those that wait.
@@ -37,12 +36,10 @@ impl Conditioner {
     /// A conditioner for one trajectory, by a plan made from its first part.
     pub fn new(plan: SignalPlan) -> Self {
         let overlap = plan.reach();
-        let part = PART_ROWS.max(4 * overlap) + 2 * overlap;
         let next = plan.trim;
         Self {
             plan,
             overlap,
-            part,
             waiting: Raw::default(),
             origin: None,
             rows_before: 0,
@@ -75,9 +72,10 @@ impl Conditioner {
         let new = self.waiting.t.len().saturating_sub(1);
         self.waiting.append(block);
         count_gaps(&self.waiting.t[new..], self.plan.rate, &mut self.repairs);
+        let part = PART_ROWS.max(4 * self.overlap) + 2 * self.overlap;
         let mut done = Vec::new();
-        while self.waiting.t.len() >= self.part {
-            done.extend(self.work_off(self.part, false)?);
+        while self.waiting.t.len() >= part {
+            done.extend(self.work_off(part, false)?);
         }
         Ok(done)
     }
