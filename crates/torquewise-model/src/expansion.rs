@@ -130,7 +130,8 @@ fn grids(
                     values[j].extend_from_slice(&<[f64; N_LANES]>::from(value)[..points.len()]);
                 }
             };
-            kinematics.mass_matrix(&q, inertial, &mut moved, keep);
+            kinematics.place_into(&q, &mut moved);
+            moved.mass_matrix(inertial, keep);
         }
         grids.extend(row.into_iter().map(|j| {
             let values = std::mem::take(&mut values[j]);

@@ -176,9 +176,8 @@ impl RigidChain {
         let axes = self.axes()?;
         let mut jacobian = Mat::zeros(n, self.n_parameters(friction.len()));
         let (mut moved, mut torque) = (Moved::default(), vec![0.0; n]);
-        let state = MotionState { q, dq, ddq };
-        let kinematics = Kinematics::new(&axes);
-        kinematics.inverse_dynamics(state, &self.inertial(), &mut moved, &mut torque);
+        Kinematics::new(&axes).move_into(MotionState { q, dq, ddq }, &mut moved);
+        moved.torque(&self.inertial(), &mut torque);
         moved.regressor(|joint, parameter, value| jacobian[(joint, parameter)] = value);
         let mut next = PER_BODY * n;
         for drive in &self.drives {

@@ -213,8 +213,9 @@ impl Torque {
             }
         }
         if let Some(links) = &self.links {
-            let moved = &mut Moved::default();
-            links.kinematics.mass_matrix(q, &links.inertial, moved, |i, j, value| {
+            let mut moved = Moved::default();
+            links.kinematics.place_into(q, &mut moved);
+            moved.mass_matrix(&links.inertial, |i, j, value| {
                 matrix[(i, j)] += value;
                 if i != j {
                     matrix[(j, i)] += value;

@@ -28,8 +28,8 @@ pub const N_LANES: usize = 4;
 pub type Lanes = WideF64x4;
 
 /// Scalar type of the recursion: `f64` or [`Lanes`].
-pub trait Scalar: SimdRealField<Element = f64> + Copy {}
-impl<T: SimdRealField<Element = f64> + Copy> Scalar for T {}
+pub trait Scalar: SimdRealField<Element = f64> + Copy + Default {}
+impl<T: SimdRealField<Element = f64> + Copy + Default> Scalar for T {}
 
 /// The joint frames of a chain and the gravity it stands in.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,8 +56,8 @@ pub struct MotionState<'a, T> {
 }
 
 /// Motion of one body, all vectors in its own frame.
-#[derive(Clone, Copy, Debug)]
-struct Body<T> {
+#[derive(Clone, Copy, Debug, Default)]
+struct Body<T: Scalar> {
     /// Rotation from this frame to its parent.
     rotation: Matrix3<T>,
     /// Its origin in the parent frame \[m\].
@@ -71,15 +71,15 @@ struct Body<T> {
 }
 
 /// Force \[N\] and moment \[N·m\] about the origin of a frame.
-#[derive(Clone, Copy, Debug)]
-struct Wrench<T> {
+#[derive(Clone, Copy, Debug, Default)]
+struct Wrench<T: Scalar> {
     force: Vector3<T>,
     moment: Vector3<T>,
 }
 
 /// Mass, first moment and rotational inertia of a body, ready for the recursion.
-#[derive(Clone, Copy, Debug)]
-pub struct Inertia<T> {
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Inertia<T: Scalar> {
     /// \[kg\]
     pub mass: T,
     /// m·c \[kg·m\]
@@ -89,8 +89,8 @@ pub struct Inertia<T> {
 }
 
 /// The motion of all bodies at one state: what torque, regressor and derivatives start from.
-#[derive(Clone, Debug)]
-pub struct Moved<T> {
+#[derive(Clone, Debug, Default)]
+pub struct Moved<T: Scalar> {
     bodies: Vec<Body<T>>,
     base: Body<T>,
     /// What [`Self::torque`] came by, for the derivatives.
@@ -156,37 +156,43 @@ impl Kinematics {
 
     /// - `state`: q, q̇ and q̈ of a joint
     fn move_bodies<T: Scalar>(&self, state: impl Fn(usize) -> [T; 3], moved: &mut Moved<T>) {
-        moved.base = Body { acceleration: -splat(&self.gravity), ..Body::at_rest() };
+        moved.base = self.base();
         moved.coupling.clone_from(&self.coupling);
         moved.kinds.clone_from(&self.kinds);
         moved.slides.clear();
         moved.bodies.clear();
         moved.bodies.reserve(self.n_joints());
-        for (joint, placement) in self.placements.iter().enumerate() {
-            let state =
-                [0, 1, 2].map(|signal| self.coupling.drive(joint, |joint| state(joint)[signal]));
-            let before = moved.bodies.last().unwrap_or(&moved.base);
-            let body = if self.kinds.all_turn() {
-                before.next(placement, state)
-            } else {
-                let kind = self.kinds.of(joint);
-                moved.slides.push(state.map(|signal| signal * T::splat(kind.twist[1])));
-                before.moved(placement, kind, state)
-            };
+        for (joint, (body, state)) in self.bodies(state).enumerate() {
             moved.bodies.push(body);
+            if !self.kinds.all_turn() {
+                let slide = T::splat(self.kinds.of(joint).twist[1]);
+                moved.slides.push(state.map(|signal| signal * slide));
+            }
         }
     }
 
-    /// Torques \[N·m\] of all joints for the inertial parameters of all bodies, 10 each.
-    pub fn inverse_dynamics<T: Scalar>(
+    /// The base, at rest under gravity.
+    fn base<T: Scalar>(&self) -> Body<T> {
+        Body { acceleration: -splat(&self.gravity), ..Body::default() }
+    }
+
+    /// The bodies from the base outward, each with q, q̇ and q̈ of its joint in the chain.
+    ///
+    /// - `state`: q, q̇ and q̈ of a logged coordinate
+    fn bodies<T: Scalar>(
         &self,
-        state: MotionState<'_, T>,
-        inertial: &[f64],
-        moved: &mut Moved<T>,
-        torque: &mut [T],
-    ) {
-        self.move_into(state, moved);
-        moved.torque(inertial, torque);
+        state: impl Fn(usize) -> [T; 3],
+    ) -> impl Iterator<Item = (Body<T>, [T; 3])> {
+        self.placements.iter().enumerate().scan(self.base(), move |before, (joint, placement)| {
+            let state =
+                [0, 1, 2].map(|signal| self.coupling.drive(joint, |joint| state(joint)[signal]));
+            *before = if self.kinds.all_turn() {
+                before.next(placement, state)
+            } else {
+                before.moved(placement, self.kinds.of(joint), state)
+            };
+            Some((*before, state))
+        })
     }
 
     /// Potential energy \[J\] at q, up to a constant.
@@ -214,21 +220,6 @@ fn turned_about_z<T: Scalar>(rotation: &Matrix3<T>, sin: T, cos: T) -> Matrix3<T
     Matrix3::from_columns(&[x * cos + y * sin, y * cos - x * sin, z.into_owned()])
 }
 
-impl<T: Scalar> Default for Moved<T> {
-    fn default() -> Self {
-        Self {
-            bodies: Vec::new(),
-            base: Body::at_rest(),
-            inertias: Vec::new(),
-            wrenches: Vec::new(),
-            tangents: Vec::new(),
-            coupling: Coupling::default(),
-            kinds: JointKinds::default(),
-            slides: Vec::new(),
-        }
-    }
-}
-
 impl<T: Scalar> Moved<T> {
     /// The inward half of the recursion: torques \[N·m\], n.
     ///
@@ -238,7 +229,7 @@ impl<T: Scalar> Moved<T> {
         self.inertias.extend(inertial.chunks_exact(PER_BODY).map(Inertia::of));
         self.wrenches.clear();
         self.wrenches.reserve(self.bodies.len());
-        let mut wrench = Wrench::none();
+        let mut wrench = Wrench::default();
         for (joint, body) in self.bodies.iter().enumerate().rev() {
             wrench = wrench.plus(&body.wrench(&self.inertias[joint]));
             self.wrenches.push(wrench);
@@ -286,12 +277,6 @@ impl<T: Scalar> Moved<T> {
 }
 
 impl<T: Scalar> Body<T> {
-    fn at_rest() -> Self {
-        let zero = Vector3::zeros();
-        let rotation = Matrix3::identity();
-        Self { rotation, origin: zero, omega: zero, alpha: zero, acceleration: zero }
-    }
-
     /// The body behind the next joint.
     ///
     /// - `state`: its q, q̇ and q̈
@@ -368,10 +353,6 @@ impl<T: Scalar> Inertia<T> {
 }
 
 impl<T: Scalar> Wrench<T> {
-    fn none() -> Self {
-        Self { force: Vector3::zeros(), moment: Vector3::zeros() }
-    }
-
     fn plus(&self, other: &Self) -> Self {
         Self { force: self.force + other.force, moment: self.moment + other.moment }
     }

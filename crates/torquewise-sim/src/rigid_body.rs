@@ -29,7 +29,8 @@ impl Arm {
     ) {
         let MotionState { q, dq, ddq } = state;
         self.check_lengths(&[("q", q), ("dq", dq), ("ddq", ddq), ("tau", tau)]);
-        self.kinematics.inverse_dynamics(state, &self.inertial, moved, tau);
+        self.kinematics.move_into(state, moved);
+        moved.torque(&self.inertial, tau);
         for ((tau, ddq), joint) in tau.iter_mut().zip(ddq).zip(&self.joints) {
             *tau += joint.rotor * ddq;
         }

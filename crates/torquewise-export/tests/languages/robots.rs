@@ -121,7 +121,9 @@ fn an_mjcf_moves_as_the_model() {
         for [q, dq, ddq] in states(n, 200, 1) {
             let mut found = vec![0.0; n];
             let state = MotionState { q: &q, dq: &dq, ddq: &ddq };
-            kinematics.inverse_dynamics(state, &inertial, &mut Moved::default(), &mut found);
+            let mut moved = Moved::default();
+            kinematics.move_into(state, &mut moved);
+            moved.torque(&inertial, &mut found);
             for joint in 0..n {
                 found[joint] += number(hinges[joint], "armature") * ddq[joint];
             }

@@ -13,7 +13,7 @@ impl<T: Scalar> Moved<T> {
         let moved = derivative.joint;
         let mut tangents = std::mem::take(&mut self.tangents);
         tangents.clear();
-        let mut known = MotionDerivative::none();
+        let mut known = MotionDerivative::default();
         for (joint, body) in self.bodies.iter().enumerate().skip(moved) {
             let before = if joint == 0 { &self.base } else { &self.bodies[joint - 1] };
             let own = (joint == moved).then(|| {
@@ -28,7 +28,7 @@ impl<T: Scalar> Moved<T> {
             };
             tangents.push(known);
         }
-        let mut wrench = Wrench::none();
+        let mut wrench = Wrench::default();
         for (joint, body) in self.bodies.iter().enumerate().rev() {
             if joint >= moved {
                 wrench = wrench.plus(&tangents[joint - moved].wrench(body, &self.inertias[joint]));
@@ -54,19 +54,14 @@ impl<T: Scalar> Moved<T> {
 }
 
 /// How the motion of a body changes with one parameter of the geometry, in its own frame.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct MotionDerivative<T> {
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct MotionDerivative<T: Scalar> {
     omega: Vector3<T>,
     alpha: Vector3<T>,
     acceleration: Vector3<T>,
 }
 
 impl<T: Scalar> MotionDerivative<T> {
-    fn none() -> Self {
-        let zero = Vector3::zeros();
-        Self { omega: zero, alpha: zero, acceleration: zero }
-    }
-
     /// The change of the next body.
     ///
     /// - `before`, `body`: the motion of the body before and of this one

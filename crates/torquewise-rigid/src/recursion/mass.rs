@@ -1,26 +1,8 @@
 //! M(q) by composite rigid bodies, from the tip inward.
 
-use super::{Body, Inertia, Kinematics, Moved, PER_BODY, Scalar, Wrench, along_z, times};
+use super::{Body, Inertia, Moved, PER_BODY, Scalar, Wrench, along_z, times};
 use crate::joint::JointKind;
-use nalgebra::{Matrix3, Vector3};
-
-impl Kinematics {
-    /// M(q) \[kg·m²\]: torque per unit of each acceleration. `put(i, j, value)` is called for
-    /// i ≤ j.
-    ///
-    /// - `q` \[rad\]: n
-    /// - `inertial`: inertial parameters of all bodies, 10 each
-    pub fn mass_matrix<T: Scalar>(
-        &self,
-        q: &[T],
-        inertial: &[f64],
-        moved: &mut Moved<T>,
-        put: impl FnMut(usize, usize, T),
-    ) {
-        self.place_into(q, moved);
-        moved.mass_matrix(inertial, put);
-    }
-}
+use nalgebra::Matrix3;
 
 impl<T: Scalar> Moved<T> {
     /// M(q) \[kg·m²\] where the bodies are, however they move. `put(i, j, value)` is called for
@@ -54,7 +36,7 @@ impl<T: Scalar> Moved<T> {
 
     /// M of the joints of the chain.
     fn mass_matrix_of_chain(&self, inertial: &[f64], mut put: impl FnMut(usize, usize, T)) {
-        let mut composite = Inertia::none();
+        let mut composite = Inertia::default();
         for (j, body) in self.bodies.iter().enumerate().rev() {
             composite = composite.plus(&Inertia::of(&inertial[PER_BODY * j..]));
             let mut wrench = composite.unit_wrench(self.kinds.of(j));
@@ -69,10 +51,6 @@ impl<T: Scalar> Moved<T> {
 }
 
 impl<T: Scalar> Inertia<T> {
-    fn none() -> Self {
-        Self { mass: T::zero(), first: Vector3::zeros(), about_origin: Matrix3::zeros() }
-    }
-
     /// Both welded together.
     pub fn plus(&self, other: &Self) -> Self {
         Self {

@@ -2,54 +2,27 @@
 
 use super::{
     Body, Inertia, Kinematics, Lanes, MOST_JOINTS, MotionState, N_LANES, PER_BODY, Scalar, Wrench,
-    splat,
 };
-use crate::joint::JointKind;
 use faer::MatRef;
 use simba::simd::SimdValue;
+use smallvec::SmallVec;
 
 impl Kinematics {
-    /// Torques \[N·m\] of all joints, n, at most [`MOST_JOINTS`].
+    /// Torques \[N·m\] of all joints, n.
     ///
     /// - `inertial`: inertial parameters of all bodies, 10 each
     ///
     /// # Panics
-    /// If the chain has more than [`MOST_JOINTS`] joints, or the arguments are of another one.
+    /// If the arguments are of another chain.
     pub fn torque<T: Scalar>(&self, state: MotionState<'_, T>, inertial: &[f64], torque: &mut [T]) {
-        // Short chains should not pay for clearing what only long ones need.
-        if !self.kinds.all_turn() {
-            return self.torque_within::<MOST_JOINTS, true, T>(state, inertial, torque);
-        }
-        match self.n_joints() {
-            0..=4 => self.torque_within::<4, false, T>(state, inertial, torque),
-            5..=8 => self.torque_within::<8, false, T>(state, inertial, torque),
-            _ => self.torque_within::<MOST_JOINTS, false, T>(state, inertial, torque),
-        }
-    }
-
-    fn torque_within<const MOST: usize, const SLIDES: bool, T: Scalar>(
-        &self,
-        state: MotionState<'_, T>,
-        inertial: &[f64],
-        torque: &mut [T],
-    ) {
-        let mut bodies = [Body::at_rest(); MOST];
-        let mut before = Body { acceleration: -splat(&self.gravity), ..Body::at_rest() };
-        for (joint, placement) in self.placements.iter().enumerate() {
-            let state = [state.q, state.dq, state.ddq]
-                .map(|signal| self.coupling.drive(joint, |joint| signal[joint]));
-            before = if SLIDES {
-                before.moved(placement, self.kinds.of(joint), state)
-            } else {
-                before.next(placement, state)
-            };
-            bodies[joint] = before;
-        }
-        let mut wrench = Wrench::none();
-        for (joint, body) in bodies[..self.n_joints()].iter().enumerate().rev() {
+        // Room that is not cleared: short chains should not pay for what only long ones need.
+        let MotionState { q, dq, ddq } = state;
+        let bodies = self.bodies(|joint| [q[joint], dq[joint], ddq[joint]]);
+        let bodies: SmallVec<[Body<T>; MOST_JOINTS]> = bodies.map(|(body, _)| body).collect();
+        let mut wrench = Wrench::default();
+        for (joint, body) in bodies.iter().enumerate().rev() {
             wrench = wrench.plus(&body.wrench(&Inertia::of(&inertial[PER_BODY * joint..])));
-            let kind = if SLIDES { self.kinds.of(joint) } else { JointKind::default() };
-            torque[joint] = wrench.effort(kind);
+            torque[joint] = wrench.effort(self.kinds.of(joint));
             wrench = wrench.before(body);
         }
         self.coupling.load(&mut torque[..self.n_joints()]);
@@ -62,7 +35,7 @@ impl Kinematics {
     /// - `inertial`: inertial parameters of all bodies, 10 each
     ///
     /// # Panics
-    /// As [`Self::torque`].
+    /// If the chain has more than [`MOST_JOINTS`] joints, or the arguments are of another one.
     pub fn torques(
         &self,
         signals: [Option<MatRef<'_, f64>>; 3],

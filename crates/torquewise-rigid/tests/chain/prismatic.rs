@@ -31,7 +31,8 @@ pub(crate) fn torque_of(geometry: &Geometry, inertial: &[f64], [q, dq, ddq]: &St
     let mut torque = vec![0.0; q.len()];
     let state = MotionState { q, dq, ddq };
     let mut moved = Moved::default();
-    Kinematics::new(geometry).inverse_dynamics(state, inertial, &mut moved, &mut torque);
+    Kinematics::new(geometry).move_into(state, &mut moved);
+    moved.torque(inertial, &mut torque);
     torque
 }
 
@@ -63,7 +64,9 @@ fn torque_follows_from_the_energies_by_lagrange() {
         let kinematics = Kinematics::new(&geometry);
         let mass = |q: &[f64]| {
             let mut mass = vec![vec![0.0; n]; n];
-            kinematics.mass_matrix(q, &inertial, &mut Moved::default(), |i, j, value| {
+            let mut moved = Moved::default();
+            kinematics.place_into(q, &mut moved);
+            moved.mass_matrix(&inertial, |i, j, value| {
                 (mass[i][j], mass[j][i]) = (value, value);
             });
             mass

@@ -78,7 +78,8 @@ fn derivatives_by_the_geometry_are_those_of_central_differences_and_so_where_axe
         let [q, dq, ddq] = &state;
         let (mut moved, mut change) = (Moved::default(), vec![0.0; n]);
         let kinematics = Kinematics::new(&geometry);
-        kinematics.inverse_dynamics(MotionState { q, dq, ddq }, &inertial, &mut moved, &mut change);
+        kinematics.move_into(MotionState { q, dq, ddq }, &mut moved);
+        moved.torque(&inertial, &mut change);
 
         for (parameter, derivative) in geometry.derivatives().iter().enumerate() {
             moved.geometry_derivative(derivative, &mut change);
@@ -115,7 +116,8 @@ fn four_states_at_once_are_four_states() {
     let [q, dq, ddq] = &lanes;
     let (mut moved, mut torque) = (Moved::default(), [Lanes::splat(0.0); 5]);
     let kinematics = Kinematics::new(&geometry);
-    kinematics.inverse_dynamics(MotionState { q, dq, ddq }, &inertial, &mut moved, &mut torque);
+    kinematics.move_into(MotionState { q, dq, ddq }, &mut moved);
+    moved.torque(&inertial, &mut torque);
 
     for (k, state) in states.iter().enumerate() {
         let expected = torque_of(&geometry, &inertial, state);

@@ -45,8 +45,9 @@ fn check(text: &str, joints: &[String], locked: &[String], mass: f64) -> String 
         let [q, dq, ddq] = [(); 3]
             .map(|()| -> Vec<f64> { (0..n).map(|_| random.random_range(-3.0..3.0)).collect() });
         let state = MotionState { q: &q, dq: &dq, ddq: &ddq };
-        let mut torque = vec![0.0; n];
-        kinematics.inverse_dynamics(state, &inertial, &mut Moved::default(), &mut torque);
+        let (mut moved, mut torque) = (Moved::default(), vec![0.0; n]);
+        kinematics.move_into(state, &mut moved);
+        moved.torque(&inertial, &mut torque);
         let expected = arm.inverse_dynamics(&q, &dq, &ddq);
         assert_relative_eq!(torque[..], expected[..], epsilon = 1e-9, max_relative = 1e-10);
     }
