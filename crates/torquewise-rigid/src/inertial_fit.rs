@@ -11,6 +11,7 @@ use torquewise_regression::products::{add_gram_at, product};
 /// The linear half of the fit: parameters that the torque is proportional to, at a fixed geometry.
 #[derive(Clone, Debug)]
 pub(crate) struct InertialFit {
+    pub(crate) geometry: Geometry,
     /// Of each joint, n.
     columns: Vec<JointColumns>,
     /// One over the RMS of each column, zero for one that is nothing, p.
@@ -21,7 +22,7 @@ pub(crate) struct InertialFit {
     pub(crate) coefficients: Vec<f64>,
     /// Weighted residual, m·n.
     pub(crate) residual: Vec<f64>,
-    /// Mean square of the weighted residual, the ridge counted in.
+    /// Mean square of the weighted residual, ridge and prior of the geometry counted in.
     pub(crate) cost: f64,
 }
 
@@ -116,7 +117,7 @@ impl InertialFit {
     /// Ridge regression of the torque at a geometry.
     ///
     /// `ridge` is relative to the mean square of a column; `weights` is one over the noise of each
-    /// joint, n.
+    /// joint, n. The cost may not be finite, and counts no prior yet.
     pub(crate) fn fit(
         geometry: &Geometry,
         rows: &ChainRows,
@@ -155,11 +156,8 @@ impl InertialFit {
         let squares: f64 = residual.iter().map(|r| r * r).sum();
         let scaled = scaled.col_as_slice(0);
         let penalty: f64 = ridge * scaled.iter().map(|c| c * c).sum::<f64>();
-        let cost = squares / size + penalty;
-        if !cost.is_finite() {
-            return Err(ChainError::Singular);
-        }
-        Ok(Self { columns, per_rms, factor, coefficients, residual, cost })
+        let (geometry, cost) = (geometry.clone(), squares / size + penalty);
+        Ok(Self { geometry, columns, per_rms, factor, coefficients, residual, cost })
     }
 
     /// What a change of the weighted torque at fixed coefficients leaves of itself once the

@@ -24,15 +24,6 @@ pub(crate) struct Target<'a> {
     pub(crate) strength: f64,
 }
 
-/// A geometry with its masses.
-#[derive(Clone, Debug)]
-pub(crate) struct Fitted {
-    pub(crate) geometry: Geometry,
-    pub(crate) masses: InertialFit,
-    /// Mean square of the weighted residual, ridge and prior counted in.
-    pub(crate) cost: f64,
-}
-
 /// Longest step of a parameter in one round: rad or m.
 const LONGEST: f64 = 0.5;
 /// A round that gains less than this part of the cost is the last.
@@ -56,7 +47,8 @@ pub(crate) fn changes(
     let (mut moved, mut torque) = (Moved::default(), [Lanes::splat(0.0); MOST_JOINTS]);
     let mut changes = Mat::zeros(m * n, free.len());
     each_four(n, rows.signals(), |state, first, count| {
-        kinematics.inverse_dynamics(state, inertial, &mut moved, &mut torque[..n]);
+        kinematics.move_into(state, &mut moved);
+        moved.torque(inertial, &mut torque[..n]);
         for (column, &parameter) in free.iter().enumerate() {
             moved.geometry_derivative(&derivatives[parameter], &mut torque[..n]);
             for (joint, &change) in torque[..n].iter().enumerate() {
@@ -69,13 +61,10 @@ pub(crate) fn changes(
 }
 
 impl Target<'_> {
-    pub(crate) fn fit(&self, geometry: &Geometry) -> Result<Fitted> {
-        let masses = InertialFit::fit(geometry, self.rows, self.weights, self.ridge)?;
-        let cost = masses.cost + self.strength * self.usual.cost(geometry);
-        if !cost.is_finite() {
-            return Err(ChainError::Singular);
-        }
-        Ok(Fitted { geometry: geometry.clone(), masses, cost })
+    pub(crate) fn fit(&self, geometry: &Geometry) -> Result<InertialFit> {
+        let mut fitted = InertialFit::fit(geometry, self.rows, self.weights, self.ridge)?;
+        fitted.cost += self.strength * self.usual.cost(geometry);
+        if fitted.cost.is_finite() { Ok(fitted) } else { Err(ChainError::Singular) }
     }
 
     /// Improves the free parameters of a geometry in at most `rounds` rounds.
@@ -90,15 +79,15 @@ impl Target<'_> {
         free: &[usize],
         rounds: usize,
         watch: SearchWatch<'_>,
-    ) -> Result<Fitted> {
+    ) -> Result<InertialFit> {
         let mut best = self.fit(start)?;
         let size = self.rows.torque.len() as f64;
         let mut damping = 1e-2;
         for _ in 0..rounds {
             tell(watch, SearchStage::Round)?;
             let changes =
-                changes((self.rows, self.weights), &best.geometry, &best.masses.coefficients, free);
-            let mut curvature = best.masses.projected(&changes);
+                changes((self.rows, self.weights), &best.geometry, &best.coefficients, free);
+            let mut curvature = best.projected(&changes);
             let mut slope = vec![0.0; free.len()];
             for (j, &parameter) in free.iter().enumerate() {
                 let stiffness = size * self.strength * self.usual.precision[parameter];
@@ -106,7 +95,7 @@ impl Target<'_> {
                 let usual = self.usual.parameters[parameter];
                 let apart = best.geometry.parameters()[parameter] - usual;
                 let column = changes.col_as_slice(j).iter();
-                let falls: f64 = column.zip(&best.masses.residual).map(|(d, r)| d * r).sum();
+                let falls: f64 = column.zip(&best.residual).map(|(d, r)| d * r).sum();
                 slope[j] = falls - stiffness * apart;
             }
             let before = best.cost;
@@ -121,7 +110,7 @@ impl Target<'_> {
     /// Takes the longest step that lowers the cost; false if none does.
     fn step(
         &self,
-        best: &mut Fitted,
+        best: &mut InertialFit,
         free: &[usize],
         (curvature, slope): (&Mat<f64>, &[f64]),
         damping: &mut f64,

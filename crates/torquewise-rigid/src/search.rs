@@ -3,8 +3,9 @@
 use crate::coupling::Coupling;
 use crate::error::{ChainError, Result, expect};
 use crate::geometry::{Geometry, PER_BASE, PER_JOINT, RIGHT_ANGLES};
+use crate::inertial_fit::InertialFit;
 use crate::joint::JointKinds;
-use crate::levenberg_marquardt::{Fitted, Target};
+use crate::levenberg_marquardt::Target;
 use crate::recursion::PER_BODY;
 use crate::rows::ChainRows;
 use crate::usual_arm::UsualArm;
@@ -70,11 +71,11 @@ impl Chain {
         self.inertial.chunks(PER_BODY).skip(joint).map(|body| body[0]).sum()
     }
 
-    pub(crate) fn new(fitted: &Fitted, rows: &ChainRows, weights: &[f64]) -> Self {
+    pub(crate) fn new(fitted: &InertialFit, rows: &ChainRows, weights: &[f64]) -> Self {
         let of_bodies = PER_BODY * fitted.geometry.n_joints();
-        let (inertial, drive) = fitted.masses.coefficients.split_at(of_bodies);
+        let (inertial, drive) = fitted.coefficients.split_at(of_bodies);
         let (inertial, drive) = (inertial.to_vec(), drive.to_vec());
-        let variances = fitted.masses.variances(rows, weights);
+        let variances = fitted.variances(rows, weights);
         let residual_rms = variances.into_iter().map(f64::sqrt).collect();
         let geometry = fitted.geometry.clone();
         Self { geometry, inertial, drive, residual_rms, cost: fitted.cost }
@@ -84,13 +85,8 @@ impl Chain {
     pub fn torque(&self, rows: &ChainRows) -> Vec<f64> {
         let (m, n) = (rows.len(), rows.n_joints());
         let mut out = vec![0.0; m * n];
-        rows.kinematics(&self.geometry).torques(
-            rows.signals(),
-            &self.inertial,
-            |row, joint, tau| {
-                out[joint * m + row] = tau;
-            },
-        );
+        let put = |row, joint, tau| out[joint * m + row] = tau;
+        rows.kinematics(&self.geometry).torques(rows.signals(), &self.inertial, put);
         for (j, coefficient) in self.drive.iter().enumerate() {
             for (out, x) in out.iter_mut().zip(rows.extras.col_as_slice(j)) {
                 *out += coefficient * x;
@@ -304,7 +300,7 @@ fn right_angles(
     weights: &[f64],
     (search, place): (&Search, usize),
     watch: SearchWatch<'_>,
-) -> Option<Fitted> {
+) -> Option<InertialFit> {
     let n = rows.n_joints();
     let mut random = ChaCha8Rng::seed_from_u64(search.seed);
     random.set_stream(place as u64);
@@ -354,8 +350,8 @@ fn right_angles(
 }
 
 /// Sum over joints of the logarithm of the mean square residual.
-fn logarithm(fitted: &Fitted, target: &Target<'_>) -> f64 {
-    let variances = fitted.masses.variances(target.rows, target.weights);
+fn logarithm(fitted: &InertialFit, target: &Target<'_>) -> f64 {
+    let variances = fitted.variances(target.rows, target.weights);
     let relative = variances.iter().zip(target.weights).map(|(v, w)| v * w * w);
     relative.map(|part| part.max(LEAST_RESIDUAL * LEAST_RESIDUAL).ln()).sum()
 }
