@@ -1,7 +1,5 @@
 //! Atoms: one harmonic times one monomial, the letters of every library.
 
-use std::collections::BTreeMap;
-
 /// Which of the two real functions of a harmonic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Phase {
@@ -82,31 +80,4 @@ pub struct Atom {
     pub wave: Wave,
     /// Its monomial.
     pub monomial: Monomial,
-}
-
-/// Numbers the distinct values handed to it, in the order they come.
-#[derive(Debug)]
-pub struct Numbering<T> {
-    places: BTreeMap<T, usize>,
-    /// The values, in the order of their numbers.
-    pub values: Vec<T>,
-}
-
-impl<T> Default for Numbering<T> {
-    fn default() -> Self {
-        Self { places: BTreeMap::new(), values: Vec::new() }
-    }
-}
-
-impl<T: Ord + Clone> Numbering<T> {
-    /// The number of a value, the next one if it is new.
-    pub fn place(&mut self, value: &T) -> usize {
-        if let Some(&place) = self.places.get(value) {
-            return place;
-        }
-        let place = self.values.len();
-        self.places.insert(value.clone(), place);
-        self.values.push(value.clone());
-        place
-    }
 }

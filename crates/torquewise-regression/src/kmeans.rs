@@ -148,13 +148,11 @@ const SHAPELESS: f64 = 1.25;
 pub fn elbow(inertias: &[f64]) -> usize {
     let Some(&first) = inertias.first() else { return 0 };
     let part = |inertia: f64| (inertia / first).clamp(0.0, 1.0);
-    let counted = || (1_u32..).zip(inertias);
-    let falls = |(k, &inertia): (u32, &f64)| k > 1 && part(inertia) < f64::from(k).powf(-SHAPELESS);
+    let counted = || (1_usize..).zip(inertias);
+    let falls = |(k, &own): (usize, &f64)| k > 1 && part(own) < (k as f64).powf(-SHAPELESS);
     if first <= 0.0 || !counted().any(falls) {
         return 1;
     }
-    let cost = |(k, &inertia): (u32, &f64)| part(inertia).sqrt() + PRICE * f64::from(k);
-    let costs: Vec<f64> = counted().map(cost).collect();
-    let cheapest = costs.iter().copied().fold(f64::INFINITY, f64::min);
-    costs.iter().position(|&cost| cost <= cheapest).map_or(1, |at| at + 1)
+    let cost = |(k, own): &(usize, &f64)| part(**own).sqrt() + PRICE * *k as f64;
+    counted().min_by(|a, b| cost(a).total_cmp(&cost(b))).map_or(1, |(k, _)| k)
 }

@@ -1,12 +1,13 @@
 //! Moments Σₜ wave(θₜ)·x(t)^α, and the normal equations YᵀY and Yᵀy that follow from them without
 //! the rows (E3).
 
-use crate::atom::{Monomial, Numbering, Wave};
+use crate::atom::{Monomial, Wave};
 use crate::design::Design;
 use crate::normal_equations::NormalEquations;
 use crate::products::add_product;
 use crate::samples::{Samples, monomial_values, wave_cost, wave_values};
 use faer::Mat;
+use indexmap::IndexSet;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -23,21 +24,20 @@ pub struct MomentPlan {
     products: BTreeMap<usize, (usize, usize)>,
     /// ½·sign and row of the two waves of each product of waves, a ≤ b, packed.
     wave_pairs: Vec<[(f64, usize); 2]>,
-    /// Column of each product of two monomials.
+    /// Column of each product of two monomials, all with the first before all with the second.
     monomial_pairs: Vec<usize>,
 }
 
 impl MomentPlan {
     /// Lists the products that the Gram matrix of a design is made of.
     pub fn new(design: &Design) -> Self {
-        let (mut waves, mut monomials) = (Numbering::default(), Numbering::default());
-        design.waves.iter().for_each(|wave| _ = waves.place(wave));
-        design.monomials.iter().for_each(|monomial| _ = monomials.place(monomial));
+        let mut waves: IndexSet<Wave> = design.waves.iter().cloned().collect();
+        let mut monomials: IndexSet<Monomial> = design.monomials.iter().cloned().collect();
         let mut wave_pairs = Vec::with_capacity(packed(0, design.waves.len()));
         for (b, right) in design.waves.iter().enumerate() {
             for left in &design.waves[..=b] {
                 wave_pairs.push(left.product(right).map(|term| match term {
-                    Some((sign, wave)) => (0.5 * sign, waves.place(&wave)),
+                    Some((sign, wave)) => (0.5 * sign, waves.insert_full(wave).0),
                     None => (0.0, 0),
                 }));
             }
@@ -47,15 +47,15 @@ impl MomentPlan {
         for (i, a) in design.monomials.iter().enumerate() {
             for (j, b) in design.monomials.iter().enumerate() {
                 let powers = a.powers.iter().zip(&b.powers).map(|(a, b)| a + b).collect();
-                let place = monomials.place(&Monomial { powers });
+                let place = monomials.insert_full(Monomial { powers }).0;
                 monomial_pairs.push(place);
                 if place >= design.monomials.len() {
                     products.entry(place).or_insert((i, j));
                 }
             }
         }
-        let (design, waves, monomials) = (design.clone(), waves.values, monomials.values);
-        Self { design, waves, monomials, products, wave_pairs, monomial_pairs }
+        let (waves, monomials) = (Vec::from_iter(waves), Vec::from_iter(monomials));
+        Self { design: design.clone(), waves, monomials, products, wave_pairs, monomial_pairs }
     }
 
     /// Multiplications per row with `n_responses` responses: harmonics, then two products of
@@ -107,12 +107,6 @@ impl MomentPlan {
                 energy[(r, 0)] += response.squared_norm_l2();
             }
         }
-    }
-
-    /// Places of the products of monomial i with each monomial.
-    pub(crate) fn monomial_pairs(&self, i: usize) -> &[usize] {
-        let n = self.design.monomials.len();
-        &self.monomial_pairs[i * n..(i + 1) * n]
     }
 }
 
@@ -202,7 +196,7 @@ fn gather_gram(plan: &MomentPlan, table: &Mat<f64>, columns: &[Entries]) -> Mat<
 
 /// Splits columns into parts, and numbers the functions of the angles in them.
 fn parts_of(design: &Design, columns: &[Entries]) -> (Vec<Function>, Vec<Vec<Part>>) {
-    let mut functions = Numbering::default();
+    let mut functions = IndexSet::new();
     let mut split = |entries: &Entries| {
         let mut by_monomial: BTreeMap<usize, BTreeMap<usize, f64>> = BTreeMap::new();
         for &(atom, weight) in entries {
@@ -214,7 +208,7 @@ fn parts_of(design: &Design, columns: &[Entries]) -> (Vec<Function>, Vec<Vec<Par
             let weight = *waves.values().next()?;
             let shape: Vec<(usize, u64)> =
                 waves.into_iter().map(|(wave, own)| (wave, (own / weight).to_bits())).collect();
-            Some(Part { function: functions.place(&shape), monomial, weight })
+            Some(Part { function: functions.insert_full(shape).0, monomial, weight })
         };
         by_monomial.into_iter().filter_map(&mut part).collect()
     };
@@ -222,7 +216,7 @@ fn parts_of(design: &Design, columns: &[Entries]) -> (Vec<Function>, Vec<Vec<Par
     let spell = |shape: Vec<(usize, u64)>| {
         shape.into_iter().map(|(wave, bits)| (wave, f64::from_bits(bits))).collect()
     };
-    (functions.values.into_iter().map(spell).collect(), columns)
+    (functions.into_iter().map(spell).collect(), columns)
 }
 
 /// The Gram matrix of parts: functions f and g share their sum of moments, one entry per monomial,
@@ -261,7 +255,7 @@ fn part_gram(
             }
             for (column, out) in columns.iter().zip(strip.as_mut().col_iter_mut()) {
                 let Some(out) = out.try_as_col_major_mut() else { continue };
-                let places = plan.monomial_pairs(column.monomial);
+                let places = &plan.monomial_pairs[column.monomial * plan.design.monomials.len()..];
                 for (out, row) in out.as_slice_mut()[first..].iter_mut().zip(rows) {
                     *out = row.weight * column.weight * product[places[row.monomial]];
                 }
