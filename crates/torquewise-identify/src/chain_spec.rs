@@ -4,11 +4,12 @@ use crate::drive_terms::{DriveTerm, Gravity};
 use crate::learn::residual_rms;
 use crate::unseen::geometric_mean;
 use rayon::prelude::*;
-use torquewise_model::model::Choice;
 use torquewise_rigid::search::SearchWatch;
 use torquewise_rigid::{Chain, ChainRows, Search, refine};
 use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::held_out::{BLOCKS, CvScore, choose_worth, split};
+use torquewise_stepwise::held_out::{BLOCKS, CvScore, split};
+
+pub(crate) use torquewise_stepwise::held_out::record_worth;
 
 /// What a fit is made of, beside the geometry.
 #[derive(Clone, Debug)]
@@ -64,17 +65,4 @@ pub(crate) fn error(chain: &Chain, held: &ChainRows, all: &ChainRows) -> f64 {
         .map(|(rms, spread)| (rms / spread).max(LEAST_ERROR))
         .collect();
     geometric_mean(&parts)
-}
-
-/// Makes a choice and its record; a gain below a part is not worth it.
-pub(crate) fn record_worth(
-    what: &str,
-    trials: &[CvScore],
-    part: f64,
-    choices: &mut Vec<Choice>,
-) -> usize {
-    choose_worth(what, trials, part).map_or(0, |(place, choice)| {
-        choices.push(choice);
-        place
-    })
 }

@@ -57,20 +57,21 @@ pub fn standard_error(x: &[f64]) -> f64 {
 /// blocks, the standard error is that of the difference to the best. Complexity may have a price of
 /// its own: a trial also passes for the best if it is worse by no more than `part` of it.
 ///
-/// Returns its place and the record of the choice; `None` without trials.
-pub fn choose_worth(what: &str, trials: &[CvScore], part: f64) -> Option<(usize, Choice)> {
-    let best = trials.iter().min_by(|a, b| a.error().total_cmp(&b.error()))?;
+/// Returns its place and puts the choice on record; without trials that is 0 and there is none.
+pub fn record_worth(what: &str, trials: &[CvScore], part: f64, choices: &mut Vec<Choice>) -> usize {
+    let order = |a: &CvScore, b: &CvScore| a.error().total_cmp(&b.error());
+    let Some(best) = trials.iter().min_by(|a, b| order(a, b)) else { return 0 };
     let near = |trial: &&CvScore| {
         let pairs = trial.errors.iter().zip(&best.errors);
         let apart = standard_error(&pairs.map(|(a, b)| a - b).collect::<Vec<_>>());
         trial.error() <= best.error() + apart.max(part * best.error())
     };
-    let last = trials.iter().position(|trial| near(&trial))?;
+    let Some(last) = trials.iter().position(|trial| near(&trial)) else { return 0 };
     // Of two, one that is simpler and better may have the smaller error of its difference.
-    let place = (0..=last).min_by(|&a, &b| trials[a].error().total_cmp(&trials[b].error()))?;
-    let from = listed(trials);
-    let chosen = trials[place].label.clone();
-    Some((place, Choice { what: what.into(), chosen, rule: RULE.into(), from }))
+    let place = (0..=last).min_by(|&a, &b| order(&trials[a], &trials[b])).unwrap_or(0);
+    let (chosen, from) = (trials[place].label.clone(), listed(trials));
+    choices.push(Choice { what: what.into(), chosen, rule: RULE.into(), from });
+    place
 }
 
 /// Trials as a choice has them on record.
@@ -86,7 +87,7 @@ pub fn listed(trials: &[CvScore]) -> Vec<Candidate> {
 
 #[cfg(test)]
 mod tests {
-    use super::{BLOCKS, CvScore, choose_worth, split};
+    use super::{BLOCKS, CvScore, record_worth, split};
 
     fn trial(label: &str, errors: [f64; BLOCKS]) -> CvScore {
         CvScore { label: label.into(), complexity: 1, errors: errors.to_vec() }
@@ -113,9 +114,10 @@ mod tests {
         };
         let near = both([[0.11, 0.09, 0.12, 0.10, 0.08], [0.10, 0.10, 0.10, 0.10, 0.09]]);
         let gain = both([[0.100, 0.200, 0.300, 0.400, 0.500], [0.099, 0.199, 0.299, 0.399, 0.499]]);
-        assert_eq!(choose_worth("x", &near, 0.0).unwrap().0, 0);
-        let (place, choice) = choose_worth("x", &gain, 0.0).unwrap();
-        assert_eq!((place, choice.chosen.as_str()), (1, "complex"), "a gain on every block");
-        assert_eq!(choose_worth("x", &gain, 0.02).unwrap().0, 0);
+        let mut choices = Vec::new();
+        assert_eq!(record_worth("x", &near, 0.0, &mut choices), 0);
+        let place = record_worth("x", &gain, 0.0, &mut choices);
+        assert_eq!((place, choices[1].chosen.as_str()), (1, "complex"), "a gain on every block");
+        assert_eq!(record_worth("x", &gain, 0.02, &mut choices), 0);
     }
 }

@@ -3,7 +3,7 @@
 use crate::candidates::Candidates;
 use crate::error::IdentifyError;
 use crate::friction::{FrictionKind, FrictionLibrary, REVERSAL, WIDTHS, WORTH, reversal_label};
-use crate::held_out::{BLOCKS, CvScore, choose_worth, mean, split};
+use crate::held_out::{BLOCKS, CvScore, mean, record_worth, split};
 use crate::plan::{LibraryKind, LibraryOptions, MOST_CANDIDATES, Regression};
 use crate::rows::{clear_of_reversals, samples_of};
 use crate::step::{self, Step, of_joint};
@@ -12,11 +12,8 @@ use rayon::prelude::*;
 use torquewise_model::library::energy_library_size;
 use torquewise_model::model::Choice;
 use torquewise_model::{FrictionTerm, JointKind};
-use torquewise_regression::SparseError;
-use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_regression::row_sums::{PreparedDesign, RowAdder};
-use torquewise_regression::select::Selector;
 use torquewise_regression::select::criterion::Criterion;
+use torquewise_regression::{NormalEquations, PreparedDesign, RowAdder, Selector, SparseError};
 
 /// What a plan leaves open, as it is settled on the sample of a survey: fitted without a block of
 /// time and judged on it.
@@ -64,7 +61,7 @@ pub(crate) fn choose_laws(
         trials.push(validation.trial(reversal_label(part), None, &settled.selector)?);
         widths.push((validation, laws));
     }
-    let place = settled.choose(REVERSAL, 0.0, &trials);
+    let place = record_worth(REVERSAL, &trials, 0.0, &mut settled.choices);
     let (validation, laws) = widths.swap_remove(place);
     if options.friction != FrictionKind::Auto {
         return Ok((laws.of(options.friction), settled.choices));
@@ -81,7 +78,7 @@ pub(crate) fn choose_laws(
         validation.trial((*label).into(), Some(laws), &settled.selector)
     };
     let trials = offers.iter().map(trial).collect::<Result<Vec<_>, _>>()?;
-    let place = settled.choose("friction", WORTH, &trials);
+    let place = record_worth("friction", &trials, WORTH, &mut settled.choices);
     Ok((offers.swap_remove(place).1, settled.choices))
 }
 
@@ -114,7 +111,7 @@ pub(crate) fn select_model<'a>(
             validation.trial(format!("{gamma}"), Some(&settled.friction), &stricter(gamma))
         };
         let trials = gammas.iter().map(trial).collect::<Result<Vec<_>, _>>()?;
-        let place = settled.choose("EBIC gamma", 0.0, &trials);
+        let place = record_worth("EBIC gamma", &trials, 0.0, &mut settled.choices);
         settled.selector = stricter(gammas[place]);
     }
     Ok(settled)
@@ -139,14 +136,6 @@ impl<'a> ModelSelection<'a> {
     ) -> Result<CrossValidation<'a>, IdentifyError> {
         let candidates = Candidates::new(&self.kinds, library, self.options.regression, laws)?;
         CrossValidation::new(self.survey, candidates)
-    }
-
-    /// Chooses among trials, simplest first, and puts the choice on record; returns its place.
-    fn choose(&mut self, what: &str, worth: f64, trials: &[CvScore]) -> usize {
-        choose_worth(what, trials, worth).map_or(0, |(place, choice)| {
-            self.choices.push(choice);
-            place
-        })
     }
 
     /// Adds joint angles to a term of an energy library whose order is open, one at a time, while
@@ -174,7 +163,7 @@ impl<'a> ModelSelection<'a> {
                 break;
             }
         }
-        let place = self.choose("joint angles in a term", 0.0, &trials);
+        let place = record_worth("joint angles in a term", &trials, 0.0, &mut self.choices);
         self.library = LibraryKind::Energy { interaction: Some(place + 1) };
         Ok(Some(validations.swap_remove(place)))
     }
@@ -184,8 +173,6 @@ impl<'a> ModelSelection<'a> {
 struct CrossValidation<'a> {
     survey: &'a Survey,
     candidates: Candidates,
-    /// Joints whose torque is explained by the same coefficients.
-    groups: Vec<Vec<usize>>,
     /// `[block][equation]`
     blocks: Vec<Vec<NormalEquations>>,
 }
@@ -203,8 +190,7 @@ impl<'a> CrossValidation<'a> {
         };
         let blocks = (0..BLOCKS).into_par_iter().map(of_block);
         let blocks = blocks.collect::<Result<_, IdentifyError>>()?;
-        let groups = candidates.groups();
-        Ok(Self { survey, candidates, groups, blocks })
+        Ok(Self { survey, candidates, blocks })
     }
 
     /// Selects among all terms and some laws of friction, all of them by default, with each block
@@ -245,7 +231,8 @@ impl<'a> CrossValidation<'a> {
             };
             Ok(moving.map(error).collect::<Vec<f64>>())
         };
-        let errors = self.groups.par_iter().map(of_group);
+        let groups = self.candidates.groups();
+        let errors = groups.par_iter().map(of_group);
         Ok(mean(&errors.collect::<Result<Vec<_>, SparseError>>()?.concat()).exp())
     }
 }

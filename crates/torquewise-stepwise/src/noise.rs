@@ -151,7 +151,7 @@ impl NoiseSum {
         let starts: Vec<usize> =
             (0..places).filter(|&row| (row..row + FOURTH_DIFFERENCE.len()).all(&still)).collect();
         if starts.len() >= LEAST_ROWS {
-            self.blocks.push(place, variances(&columns().collect::<Vec<_>>(), &starts));
+            self.blocks.push(place, || variances(&columns().collect::<Vec<_>>(), &starts));
         }
     }
 

@@ -186,10 +186,7 @@ impl SurveySum {
         let path = self.path.get_or_insert_with(|| Path::new(n, &TRAVELS));
         let block = path.follow(trajectory, block);
         for row in 0..block.n_rows() {
-            let place = (self.rows + row) as u64;
-            if self.sampled.is_sampled(place) {
-                self.sampled.push(place, row_of(&block, row));
-            }
+            self.sampled.push((self.rows + row) as u64, || row_of(&block, row));
         }
         self.rows += block.n_rows();
         Ok(())

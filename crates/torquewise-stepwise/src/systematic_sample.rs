@@ -27,11 +27,15 @@ impl SystematicSample {
         Self { most, width, stride: 1, logs: vec![Kept::default()] }
     }
 
-    /// Hands over the record at a place of the log, if it is to be kept.
-    pub(crate) fn push(&mut self, place: u64, values: impl IntoIterator<Item = f64>) {
+    /// Hands over the record at a place of the log, which is made if it is to be kept.
+    pub(crate) fn push<V: IntoIterator<Item = f64>>(
+        &mut self,
+        place: u64,
+        values: impl FnOnce() -> V,
+    ) {
         if let Some(log) = self.logs.last_mut().filter(|_| place.is_multiple_of(self.stride)) {
             log.places.push(place);
-            log.values.extend(values);
+            log.values.extend(values());
             self.thin();
         }
     }
@@ -103,7 +107,7 @@ mod tests {
 
     fn log(first: f64, count: u32) -> SystematicSample {
         let mut even = SystematicSample::new(2, 100);
-        (0..count).for_each(|k| even.push(k.into(), [first + f64::from(k), 0.5]));
+        (0..count).for_each(|k| even.push(k.into(), || [first + f64::from(k), 0.5]));
         even
     }
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use torquewise_rigid::UsualArm;
 use torquewise_rigid::feasible::{curvature, minimise};
 use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::held_out::{CvScore, choose_worth};
+use torquewise_stepwise::held_out::{CvScore, record_worth};
 
 /// Blocks of time that a score test needs.
 const LEAST_BLOCKS: u64 = 30;
@@ -49,8 +49,7 @@ impl Step<'_> {
             let errors = self.errors(indices)?;
             trials.push(CvScore { label: label.to_owned(), complexity: 0, errors });
         }
-        let is_better =
-            choose_worth("geometry", &trials, WORTH).is_some_and(|(place, _)| place == 1);
+        let is_better = record_worth("geometry", &trials, WORTH, &mut Vec::new()) == 1;
         Ok(if is_better { more } else { active })
     }
 
