@@ -20,4 +20,10 @@ pub mod elimination;
 pub mod select;
 pub mod kmeans;
 
+pub use design::{AtomSum, Design};
 pub use error::SparseError;
+pub use normal_equations::{KeptColumns, NormalEquations, ascending};
+pub use normal_sums::{Alike, BlockSums, NormalSums};
+pub use row_sums::{PreparedDesign, RowAdder, RowSums};
+pub use samples::Samples;
+pub use select::Selector;

@@ -7,10 +7,7 @@ use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use torquewise_model::FrictionTerm;
-use torquewise_regression::SparseError;
-use torquewise_regression::design::Design;
-use torquewise_regression::normal_sums::{Alike, BlockSums, NormalSums};
-use torquewise_regression::samples::Samples;
+use torquewise_regression::{Alike, BlockSums, Design, NormalSums, Samples, SparseError};
 
 /// Terms to be fitted together.
 pub(crate) struct ActiveSet<'a> {

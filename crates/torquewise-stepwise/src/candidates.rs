@@ -10,7 +10,7 @@ use torquewise_model::library::{
 use torquewise_model::{EnergyTerm, FrictionTerm, JointKind, Kind, Place, Term, Trig};
 use torquewise_motion::Pattern;
 use torquewise_regression::atom::{Atom, Monomial, Wave};
-use torquewise_regression::design::{AtomSum, Design};
+use torquewise_regression::{AtomSum, Design};
 
 /// What is offered, in the order of the columns.
 #[derive(Clone, Debug)]

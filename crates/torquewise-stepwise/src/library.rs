@@ -15,8 +15,7 @@ use std::borrow::Cow;
 use torquewise_model::model::Choice;
 use torquewise_model::{FrictionTerm, JointKinds};
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
-use torquewise_regression::SparseError;
-use torquewise_regression::row_sums::{PreparedDesign, RowAdder, RowSums};
+use torquewise_regression::{PreparedDesign, RowAdder, RowSums, SparseError};
 
 /// Which columns are summed, and over which rows together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -15,10 +15,9 @@ use torquewise_model::library::{
 };
 use torquewise_model::{JointKind, JointKinds, Kind, Term};
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
-use torquewise_regression::SparseError;
-use torquewise_regression::design::{AtomSum, Design};
-use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_regression::row_sums::{PreparedDesign, RowAdder};
+use torquewise_regression::{
+    AtomSum, Design, NormalEquations, PreparedDesign, RowAdder, SparseError,
+};
 
 /// What is tried.
 #[derive(Clone, Debug, PartialEq, Eq)]

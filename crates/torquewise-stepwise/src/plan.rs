@@ -3,7 +3,7 @@
 use crate::friction::FrictionKind;
 use serde::{Deserialize, Serialize};
 use torquewise_model::JointKinds;
-use torquewise_regression::select::Selector;
+use torquewise_regression::Selector;
 use torquewise_regression::select::criterion::Criterion;
 use torquewise_regression::select::stlsq::Stlsq;
 

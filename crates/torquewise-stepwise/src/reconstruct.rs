@@ -18,9 +18,7 @@ use std::collections::BTreeSet;
 use torquewise_model::model::Choice;
 use torquewise_model::{Model, Stage, Weighted};
 use torquewise_motion::Pattern;
-use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_regression::row_sums::RowSums;
-use torquewise_regression::select::Selector;
+use torquewise_regression::{NormalEquations, RowSums, Selector};
 
 /// Reconstructs the equations of motion in the terms of a library: standstill, uniform and variable
 /// velocity in turn, each explaining what the earlier ones leave (8)–(10), (14)–(16); last all kept

@@ -14,10 +14,8 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use torquewise_model::Weighted;
 use torquewise_motion::{Recording, stats};
-use torquewise_regression::SparseError;
 use torquewise_regression::elimination::{Equations, Estimate};
-use torquewise_regression::normal_equations::{KeptColumns, NormalEquations};
-use torquewise_regression::select::Selector;
+use torquewise_regression::{KeptColumns, NormalEquations, Selector, SparseError};
 
 /// A term of a fit, by its column of the library.
 pub(crate) type FittedTerm = Weighted<usize>;

@@ -5,9 +5,7 @@ use faer::Mat;
 use std::borrow::Cow;
 use torquewise_model::FrictionTerm;
 use torquewise_motion::{BLOCK_ROWS, Motion, MotionError, Pattern};
-use torquewise_regression::SparseError;
-use torquewise_regression::row_sums::{RowAdder, RowSums};
-use torquewise_regression::samples::Samples;
+use torquewise_regression::{RowAdder, RowSums, Samples, SparseError};
 
 /// The rows of a motion in the words of a regression.
 pub(crate) fn samples_of(

@@ -4,9 +4,7 @@
 use crate::candidates::Candidates;
 use crate::plan::Regression;
 use torquewise_motion::Pattern;
-use torquewise_regression::SparseError;
-use torquewise_regression::normal_equations::{NormalEquations, ascending};
-use torquewise_regression::select::Selector;
+use torquewise_regression::{NormalEquations, Selector, SparseError, ascending};
 
 /// Rounds of weighing the joints by what the round before left unexplained.
 const ROUNDS: usize = 2;
