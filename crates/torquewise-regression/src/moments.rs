@@ -3,7 +3,7 @@
 
 use crate::atom::{Monomial, Wave};
 use crate::design::Design;
-use crate::normal_equations::NormalEquations;
+use crate::normal_equations::{NormalEquations, ascending};
 use crate::products::add_product;
 use crate::samples::{Samples, monomial_values, wave_cost, wave_values};
 use faer::Mat;
@@ -170,9 +170,7 @@ fn gather_gram(plan: &MomentPlan, table: &Mat<f64>, columns: &[Entries]) -> Mat<
         return part_gram(plan, table, &functions, &singles);
     }
     let name = |part: &Part| (part.function, part.monomial);
-    let mut names: Vec<(usize, usize)> = singles.iter().map(name).collect();
-    names.sort_unstable();
-    names.dedup();
+    let names = ascending(singles.iter().map(name).collect());
     let unit = |&(function, monomial): &(usize, usize)| Part { function, monomial, weight: 1.0 };
     let units: Vec<Part> = names.iter().map(unit).collect();
     let gram = part_gram(plan, table, &functions, &units);

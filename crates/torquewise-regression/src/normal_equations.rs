@@ -282,8 +282,8 @@ pub(crate) fn nonzero(coefficients: &[f64], columns: usize) -> Vec<usize> {
     (0..columns.min(coefficients.len())).filter(|&j| coefficients[j] != 0.0).collect()
 }
 
-/// Columns in order, each once.
-pub fn ascending(mut columns: Vec<usize>) -> Vec<usize> {
+/// Columns, or what else has an order, ascending, each once.
+pub fn ascending<T: Ord>(mut columns: Vec<T>) -> Vec<T> {
     columns.sort_unstable();
     columns.dedup();
     columns
