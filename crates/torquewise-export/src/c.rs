@@ -2,9 +2,9 @@
 
 use crate::error::{ExportError, Result};
 use crate::graph::Function;
-use crate::program::{Precision, Program};
+use crate::program::{Precision, Program, Role};
 use crate::template::filled;
-use crate::text::{Body, Language, Role, number, signal_of, values};
+use crate::text::{Body, Language, number, signal_of, values};
 use minijinja::context;
 use std::fmt::Write;
 
@@ -59,7 +59,7 @@ impl Language for C {
         let has_state = match role {
             Role::Function(_) | Role::Step => false,
             Role::After(_) => true,
-            Role::Momentum => program.memory.is_some(),
+            Role::Momentum => program.n_elements > 0,
         };
         let is_state = |&input| !signals.contains(&signal_of(input).0);
         if has_state && !body.inputs.iter().any(is_state) {
@@ -90,7 +90,7 @@ pub fn to_c(program: &Program, name: &str, precision: Precision) -> Result<Strin
 /// The first lines of a file that calls the functions of a C file as MODEL(name); they define
 /// REMEMBERS where friction does.
 pub(crate) fn inclusion(program: &Program, name: &str) -> String {
-    let remembers = if program.memory.is_some() { "#define REMEMBERS\n" } else { "" };
+    let remembers = if program.n_elements > 0 { "#define REMEMBERS\n" } else { "" };
     format!(
         "#define {}_DECLARATIONS_ONLY\n#include \"{name}.c\"\n\n\
          #define MODEL(function) {name}_##function\n{remembers}",

@@ -71,10 +71,10 @@ fn slid(unit: &str, slides: usize) -> String {
 }
 
 fn description(program: &Program, name: &str) -> Result<String> {
-    let n = program.n_joints();
-    let of_joint = |joint: usize| format!("joint {}", program.joints[joint]);
+    let (n, kinds) = (program.n_joints(), program.model.kinds());
+    let of_joint = |joint: usize| format!("joint {}", program.model.joints[joint]);
     let vector = |name: &str, unit: &'static str| -> Vec<[String; 3]> {
-        let own = |joint| slid(unit, usize::from(program.kinds.slides(joint)));
+        let own = |joint| slid(unit, usize::from(kinds.slides(joint)));
         (0..n).map(|j| [format!("{name}[{}]", j + 1), own(j), of_joint(j)]).collect()
     };
     let signals = [("q", "rad"), ("dq", "rad/s"), ("ddq", "rad/s2"), ("effort", "N.m")];
@@ -93,7 +93,7 @@ fn description(program: &Program, name: &str) -> Result<String> {
             outputs.extend((0..n * n).map(|place| {
                 let (i, j) = (place / n, place % n);
                 let text = format!("{} by {}", of_joint(i), of_joint(j));
-                let slides = [i, j].into_iter().filter(|&k| program.kinds.slides(k)).count();
+                let slides = [i, j].into_iter().filter(|&k| kinds.slides(k)).count();
                 [format!("{name}[{},{}]", i + 1, j + 1), slid(unit, slides), text]
             }));
         } else {
@@ -105,7 +105,7 @@ fn description(program: &Program, name: &str) -> Result<String> {
         include_str!("templates/modelDescription.xml.j2"),
         context! {
             name, inputs, outputs,
-            slides => !program.kinds.all_turn(),
+            slides => !kinds.all_turn(),
             parameter => 4 * n,
             guid => guid(program),
             version => env!("CARGO_PKG_VERSION"),

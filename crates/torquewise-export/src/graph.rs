@@ -106,6 +106,10 @@ impl Graph {
         }
     }
 
+    pub(crate) fn constants(&self) -> impl Iterator<Item = f64> {
+        (0..self.len()).filter_map(|id| self.value(id))
+    }
+
     fn opposite(&self, id: Id) -> Option<Id> {
         if let Node::Neg(a) = self.nodes.borrow()[id] { Some(a) } else { None }
     }

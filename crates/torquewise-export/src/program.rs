@@ -5,9 +5,9 @@ use crate::error::{ExportError, Result};
 use crate::graph::{Function, Graph, Id, Node};
 use crate::lower::lowered;
 use crate::momentum::{Factors, coriolis_matrix, momentum};
-use crate::parts::{Parts, elements, friction, next_states, sums};
+use crate::parts::{elements, friction, next_states, sums};
 use crate::ways::{frictionless, gravity_of};
-use torquewise_model::{Form, JointKinds, Model, Training, number, to_json};
+use torquewise_model::{Form, Model, Training, number, to_json};
 
 /// What a function of an exported file computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,59 +97,29 @@ pub enum Precision {
     Single,
 }
 
+/// What a function of an exported file is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Role {
+    Function(Quantity),
+    /// A function at the state that friction remembers, that of Dahl elements (E13).
+    After(Quantity),
+    /// States of the Dahl elements after a step from the last q to the next, one for each.
+    Step,
+    /// Momentum p, and the part of its change that is neither motor nor external: Cᵀq̇ − G − F,
+    /// friction at its states; 2n.
+    Momentum,
+}
+
 /// Functions of a model, ready to be written in any language.
 #[derive(Clone, Debug)]
 pub struct Program {
-    pub(crate) joints: Vec<String>,
-    pub(crate) kinds: JointKinds,
+    pub(crate) model: Model,
     pub(crate) graph: Graph,
-    pub(crate) functions: Vec<(Quantity, Vec<Id>)>,
-    pub(crate) steps: usize,
-    symmetric: bool,
-    /// What friction remembers of the path, if it does.
-    pub(crate) memory: Option<Memory>,
-    /// p and Cᵀq̇ − G − F, friction at its states, 2n.
-    pub(crate) momentum: Vec<Id>,
+    /// Results of each function.
+    pub(crate) functions: Vec<(Role, Vec<Id>)>,
+    /// Dahl elements whose states friction remembers.
+    pub(crate) n_elements: usize,
     pub(crate) fingerprint: u64,
-    /// What the model was fitted on.
-    training: Training,
-}
-
-/// The state of Dahl elements (E13): how it goes on, and what follows from it.
-#[derive(Clone, Debug)]
-pub(crate) struct Memory {
-    /// States after a step from the last q to the next, one for each element.
-    pub(crate) states: Vec<Id>,
-    /// Torque, friction and forward dynamics at these states, n each.
-    pub(crate) after: Vec<(Quantity, Vec<Id>)>,
-}
-
-impl Memory {
-    /// Also the friction at these states, n.
-    fn of(
-        graph: &Graph,
-        model: &Model,
-        parts: &Parts,
-        factors: &Factors,
-    ) -> Option<(Self, Vec<Id>)> {
-        let elements = elements(&model.friction);
-        if elements.is_empty() {
-            return None;
-        }
-        let own = friction(graph, &model.friction, &parts.gravity, &elements);
-        let torque = sums(graph, &parts.torque, &own);
-        let accelerations = factors.accelerations(graph, parts, &own);
-        let after = vec![
-            (Quantity::Torque, torque),
-            (Quantity::Friction, own.clone()),
-            (Quantity::ForwardDynamics, accelerations),
-        ];
-        Some((Self { states: next_states(graph, &elements), after }, own))
-    }
-
-    fn roots(&mut self) -> impl Iterator<Item = &mut Id> {
-        self.states.iter_mut().chain(self.after.iter_mut().flat_map(|(_, roots)| roots))
-    }
 }
 
 impl Program {
@@ -159,7 +129,7 @@ impl Program {
     /// [`ExportError::Model`] if the parts of the model do not fit together,
     /// [`ExportError::NotFinite`] if its coefficients are too large to be multiplied.
     pub fn of(model: &Model) -> Result<Self> {
-        let text = to_json(model)?;
+        let fingerprint = fingerprint(&to_json(model)?);
         let graph = Graph::default();
         let n = model.n_joints();
         let parts = frictionless(&graph, model)?;
@@ -170,12 +140,24 @@ impl Program {
         };
         let factors = Factors::of(&graph, &parts.matrix, n);
         let own = friction(&graph, &model.friction, &parts.gravity, &[]);
-        let (mut memory, after) = Memory::of(&graph, model, &parts, &factors).unzip();
-        let mut momentum = momentum(&graph, &parts, after.as_ref().unwrap_or(&own));
+        let elements = elements(&model.friction);
+        let remembered = friction(&graph, &model.friction, &parts.gravity, &elements);
+        let mut functions = Vec::new();
+        if !elements.is_empty() {
+            let torque = sums(&graph, &parts.torque, &remembered);
+            let accelerations = factors.accelerations(&graph, &parts, &remembered);
+            functions.extend([
+                (Role::After(Quantity::Torque), torque),
+                (Role::After(Quantity::Friction), remembered.clone()),
+                (Role::After(Quantity::ForwardDynamics), accelerations),
+                (Role::Step, next_states(&graph, &elements)),
+            ]);
+        }
+        functions.push((Role::Momentum, momentum(&graph, &parts, &remembered)));
         let coriolis_matrix = coriolis_matrix(&graph, &parts.coriolis);
         let inverse = factors.inverse(&graph);
         let accelerations = factors.accelerations(&graph, &parts, &own);
-        let mut functions = vec![
+        let whole = [
             (Quantity::Torque, sums(&graph, &parts.torque, &own)),
             (Quantity::Gravity, parts.gravity),
             (Quantity::Coriolis, parts.coriolis),
@@ -186,32 +168,20 @@ impl Program {
             (Quantity::InverseInertia, inverse),
             (Quantity::ForwardDynamics, accelerations),
         ];
+        functions.extend(whole.map(|(quantity, roots)| (Role::Function(quantity), roots)));
+        let roots: Vec<Id> = functions.iter().flat_map(|(_, roots)| roots).copied().collect();
+        let (graph, lower) = lowered(&graph, &roots);
         let roots = functions.iter_mut().flat_map(|(_, roots)| roots);
-        let roots: Vec<&mut Id> =
-            roots.chain(memory.iter_mut().flat_map(Memory::roots)).chain(&mut momentum).collect();
-        let (graph, lower) = lowered(&graph, &roots.iter().map(|root| **root).collect::<Vec<Id>>());
-        roots.into_iter().zip(lower).for_each(|(root, lower)| *root = lower);
-        let constants = (0..graph.len()).filter_map(|id| graph.value(id));
-        if constants.into_iter().any(|constant| !constant.is_finite()) {
+        roots.zip(lower).for_each(|(root, lower)| *root = lower);
+        if graph.constants().any(|constant| !constant.is_finite()) {
             return Err(ExportError::NotFinite);
         }
-        Ok(Self {
-            joints: model.joints.clone(),
-            kinds: model.kinds(),
-            graph,
-            functions,
-            steps: model.stages.len(),
-            symmetric: model.chain.is_some() || matches!(model.form, Form::Energy(_)),
-            memory,
-            momentum,
-            fingerprint: fingerprint(&text),
-            training: model.training.clone(),
-        })
+        Ok(Self { model: model.clone(), graph, functions, n_elements: elements.len(), fingerprint })
     }
 
     /// Number of joints n.
     pub fn n_joints(&self) -> usize {
-        self.joints.len()
+        self.model.n_joints()
     }
 
     /// The program that made it, and which model it was made of:
@@ -219,7 +189,7 @@ impl Program {
     pub fn version(&self) -> String {
         let own =
             format!("torquewise {}, model {:016x}", env!("CARGO_PKG_VERSION"), self.fingerprint);
-        match self.training.useless() {
+        match self.model.training.useless() {
             Some(_) => format!("{own}, unusable by the verdict of its fit"),
             None => own,
         }
@@ -231,23 +201,25 @@ impl Program {
     }
 
     fn roots(&self, quantity: Quantity) -> &[Id] {
-        let known = self.functions.iter().find(|(other, _)| *other == quantity);
+        let known = self.functions.iter().find(|(role, _)| *role == Role::Function(quantity));
         known.map_or(&[], |(_, roots)| roots)
     }
 
     /// What a user has to know of this model, in ASCII.
     pub(crate) fn remarks(&self) -> Vec<String> {
-        let apart = !self.symmetric;
+        let Model { chain, form, stages, training, .. } = &self.model;
+        let kinds = self.model.kinds();
+        let apart = chain.is_none() && matches!(form, Form::Torque(_));
         let is_zero = |root: &Id| self.graph.value(*root) == Some(0.0);
         let known = [
             (apart, "Each joint was fitted on its own: entry (i, j) of M is the torque of joint"),
             (apart, "i per unit acceleration of joint j at rest, and M is not symmetric."),
-            (self.steps == 0, "The model was not found step by step: step1 is gravity."),
+            (stages.is_empty(), "The model was not found step by step: step1 is gravity."),
             (self.roots(Quantity::Friction).iter().all(is_zero), "The model has no friction."),
         ];
         let known = known.into_iter().filter(|(holds, _)| *holds);
         let mut remarks: Vec<String> = known.map(|(_, remark)| remark.to_owned()).collect();
-        let Training { filter, q_range, dq_peak, .. } = &self.training;
+        let Training { filter, q_range, dq_peak, .. } = training;
         if let Some(filter) = filter {
             let [hz, ms] = [filter.cutoff_hz, 1e3 * filter.delay.abs()].map(number);
             let when = if filter.delay < 0.0 { "before" } else { "after" };
@@ -260,10 +232,10 @@ impl Program {
         }
         remarks.extend((1..).zip(q_range.iter().zip(dq_peak)).map(|(joint, (q, peak))| {
             let [low, high, peak] = [q[0], q[1], *peak].map(number);
-            let unit = self.kinds.of(joint - 1).unit;
+            let unit = kinds.of(joint - 1).unit;
             format!("  q{joint} from {low} to {high} {unit}, |dq{joint}| up to {peak} {unit}/s")
         }));
-        if !self.kinds.all_turn() {
+        if !kinds.all_turn() {
             remarks.push("Of joints that slide read m for rad, and N for N m.".to_owned());
         }
         let derived = "Derived from measurements: bound what it commands before it drives an arm.";
@@ -277,8 +249,7 @@ impl Program {
     }
 
     pub(crate) fn check_precision(&self, precision: Precision) -> Result<()> {
-        let mut constants = (0..self.graph.len()).filter_map(|id| self.graph.value(id));
-        let large = constants.find(|constant| constant.abs() > f64::from(f32::MAX));
+        let large = self.graph.constants().find(|constant| constant.abs() > f64::from(f32::MAX));
         match large.filter(|_| precision == Precision::Single) {
             Some(constant) => Err(ExportError::NotSingle { constant }),
             None => Ok(()),

@@ -2,9 +2,9 @@
 
 use crate::error::Result;
 use crate::graph::Function;
-use crate::program::{Precision, Program};
+use crate::program::{Precision, Program, Role};
 use crate::template::filled;
-use crate::text::{Body, Language, Role, number, values};
+use crate::text::{Body, Language, number, values};
 use std::fmt::Write;
 
 pub(crate) struct Python;
@@ -41,9 +41,9 @@ impl Language for Python {
 
     /// Signals by the names of their entries, steps, results; a sequence of another length is refused.
     fn statements(&self, body: &Body, role: Role, program: &Program) -> Vec<String> {
-        let (n, elements) = (program.n_joints(), program.memory.as_ref().map(|m| m.states.len()));
+        let (n, elements) = (program.n_joints(), program.n_elements);
         let entries = |signal: &str, from: &str| {
-            let count = if signal == "x" { elements.unwrap_or_default() } else { n };
+            let count = if signal == "x" { elements } else { n };
             format!("{} = {from}", names(signal, count))
         };
         let state: &[(&str, &str)] = match role {
@@ -52,7 +52,7 @@ impl Language for Python {
         };
         let more: &[(&str, &str)] = match role {
             Role::Step => &[("last", "q if self._q is None else self._q"), ("x", "self._x")],
-            Role::Momentum if elements.is_some() => &[("x", "x")],
+            Role::Momentum if elements > 0 => &[("x", "x")],
             _ => &[],
         };
         let signals = role.signals().into_iter().map(|signal| (signal, signal));

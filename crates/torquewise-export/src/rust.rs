@@ -2,9 +2,9 @@
 
 use crate::error::Result;
 use crate::graph::Function;
-use crate::program::{Precision, Program};
+use crate::program::{Precision, Program, Role};
 use crate::template::filled;
-use crate::text::{Angle, Body, Language, Role, number, values};
+use crate::text::{Angle, Body, Language, number, values};
 use minijinja::context;
 
 struct Rust(Precision);

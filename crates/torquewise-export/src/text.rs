@@ -2,7 +2,7 @@
 
 use crate::cost::Cost;
 use crate::graph::{Function, Graph, Id, Input, Node};
-use crate::program::{Precision, Program, Quantity};
+use crate::program::{Precision, Program, Role};
 use minijinja::{Value, context};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -15,16 +15,6 @@ pub(crate) trait Language {
     fn name(&self, function: Function) -> String;
     fn quoted(&self, text: &str) -> String;
     fn statements(&self, body: &Body, role: Role, program: &Program) -> Vec<String>;
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Role {
-    Function(Quantity),
-    /// A function at the state that friction remembers.
-    After(Quantity),
-    Step,
-    /// Momentum, and the part of its change that is neither motor nor external.
-    Momentum,
 }
 
 impl Role {
@@ -63,52 +53,52 @@ pub(crate) fn number(value: f64, precision: Precision) -> String {
 
 /// What the template of a language is filled with.
 pub(crate) fn values(program: &Program, language: &impl Language) -> Value {
-    let part = |role: Role, roots: &[Id]| {
+    let view = |(role, roots): &(Role, Vec<Id>)| {
         let body = Body::of(&program.graph, roots, language);
         let signals = role.signals();
         let unread = signals.iter().copied().filter(|signal| !body.reads(signal));
-        context! {
+        let cost = Cost::of(&program.graph, roots);
+        let part = context! {
             unread => unread.collect::<Vec<_>>(),
-            cost => Cost::of(&program.graph, roots).to_string(),
-            lines => language.statements(&body, role, program),
+            cost => cost.to_string(),
+            lines => language.statements(&body, *role, program),
             signals,
-        }
-    };
-    let function = |role: fn(Quantity) -> Role, (quantity, roots): &(Quantity, Vec<Id>)| {
+        };
+        let (Role::Function(quantity) | Role::After(quantity)) = role else { return part };
         let (name, formula) = (quantity.name(), quantity.formula());
         context! {
             name, formula,
             is_matrix => quantity.is_matrix(),
             result => quantity.result(),
             count => roots.len(),
-            summary => format!("{name:18}{formula:24}{}", Cost::of(&program.graph, roots)),
-            ..part(role(*quantity), roots)
+            summary => format!("{name:18}{formula:24}{cost}"),
+            ..part
         }
     };
-    let functions = |role, functions: &[(Quantity, Vec<Id>)]| -> Vec<Value> {
-        functions.iter().map(|own| function(role, own)).collect()
+    let of = |counts: fn(&Role) -> bool| -> Vec<Value> {
+        program.functions.iter().filter(|(role, _)| counts(role)).map(view).collect()
     };
-    let memory = program.memory.as_ref().map(|memory| {
+    let memory = (program.n_elements > 0).then(|| {
         context! {
-            elements => memory.states.len(),
-            step => part(Role::Step, &memory.states),
-            after => functions(Role::After, &memory.after),
+            elements => program.n_elements,
+            step => of(|role| *role == Role::Step).pop(),
+            after => of(|role| matches!(role, Role::After(_))),
         }
     });
     let version = program.version();
     context! {
         memory,
         n => program.n_joints(),
-        steps => program.steps,
+        steps => program.model.stages.len(),
         quoted_version => language.quoted(&version),
         version,
         remarks => program.remarks(),
-        joints => program.joints.iter().map(|joint| language.quoted(joint)).collect::<Vec<_>>(),
+        joints => program.model.joints.iter().map(|own| language.quoted(own)).collect::<Vec<_>>(),
         has_sign => program.calls(Function::Sign),
         has_positive => program.calls(Function::Positive),
         has_abs => program.calls(Function::Abs),
-        functions => functions(Role::Function, &program.functions),
-        momentum => part(Role::Momentum, &program.momentum),
+        functions => of(|role| matches!(role, Role::Function(_))),
+        momentum => of(|role| *role == Role::Momentum).pop(),
     }
 }
 
