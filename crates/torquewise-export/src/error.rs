@@ -41,8 +41,6 @@ pub enum ExportError {
     OtherGeometry { joint: String },
     #[error("the archive cannot be made")]
     Archive(#[from] zip::result::ZipError),
-    #[error("the archive cannot be filled")]
-    Fill(#[from] std::io::Error),
     #[error("the code cannot be written")]
     Template(#[from] minijinja::Error),
 }

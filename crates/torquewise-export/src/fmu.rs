@@ -7,6 +7,7 @@ use crate::template::filled_xml;
 use minijinja::context;
 use std::io::{Cursor, Write};
 use zip::ZipWriter;
+use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 
 const WRAPPER: &str = include_str!("assets/fmu.c");
@@ -44,7 +45,7 @@ pub fn fmu_sources(program: &Program, name: &str) -> Result<Vec<(String, String)
 /// - `binary`: path within the unit, such as `binaries/linux64/NAME.so`, and bytes
 ///
 /// # Errors
-/// `ExportError::Archive` or `ExportError::Fill` if the archive grows too large.
+/// `ExportError::Archive` if the archive grows too large.
 pub fn fmu_archive(sources: &[(String, String)], binary: Option<(&str, &[u8])>) -> Result<Vec<u8>> {
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     // The same model gives the same bytes: the archive holds no time of day.
@@ -52,7 +53,7 @@ pub fn fmu_archive(sources: &[(String, String)], binary: Option<(&str, &[u8])>) 
     let texts = sources.iter().map(|(path, text)| (path.as_str(), text.as_bytes()));
     for (path, bytes) in texts.chain(binary) {
         archive.start_file(path, options)?;
-        archive.write_all(bytes)?;
+        archive.write_all(bytes).map_err(ZipError::from)?;
     }
     Ok(archive.finish()?.into_inner())
 }

@@ -9,42 +9,30 @@ use std::f64::consts::PI;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::learned::{JointGeometry, joint_geometry};
 use torquewise_model::shaft_friction::{Estimated, FrictionParameters, ShaftFriction};
-use torquewise_model::{Drive, JointKind, Model, RigidChain, Torque, number};
+use torquewise_model::{Drive, Model, RigidChain, Torque, number};
 use torquewise_rigid::geometry::{Placement, between};
 use torquewise_sim::Body;
 use torquewise_sim::urdf::edit::Dynamics;
 
+/// A chain and what its file says; of vectors by joint, each with the link that it turns, n.
 #[derive(Clone, Debug)]
-pub(crate) struct Robot {
-    pub(crate) name: String,
-    pub(crate) base: String,
-    pub(crate) joints: Vec<RobotJoint>,
+pub(crate) struct Robot<'a> {
+    model: &'a Model,
+    pub(crate) chain: &'a RigidChain,
+    /// Names of the joints.
+    pub(crate) joints: Vec<String>,
+    links: Vec<String>,
+    /// The frame of each joint, the axis z, at q = 0 in the one before; of the first in the world,
+    /// z up.
+    frames: Vec<Placement>,
+    pub(crate) losses: Vec<Losses>,
+    /// Largest torque \[N·m\] that the model asks for within the motion of the log.
+    efforts: Vec<f64>,
     /// Rotors and friction on shafts that several joints turn: the speed of the shaft per speed of
     /// each joint, n, and what turns and rubs on it.
     pub(crate) shared: Vec<(Vec<f64>, Losses)>,
     /// Parts of the model that no robot file has room for.
     pub(crate) left_out: Vec<String>,
-}
-
-/// A joint with the link that it turns, the axis z of its frame.
-#[derive(Clone, Debug)]
-pub(crate) struct RobotJoint {
-    pub(crate) name: String,
-    pub(crate) link: String,
-    pub(crate) kind: JointKind,
-    /// Its frame at q = 0 in the one before; of the first in the world, z up.
-    pub(crate) frame: Placement,
-    /// m, m·c and moments about the origin.
-    pub(crate) inertial: [f64; 10],
-    pub(crate) losses: Losses,
-    /// Positions \[rad\] of the log.
-    pub(crate) range: [f64; 2],
-    /// Largest speed of the log \[rad/s\].
-    pub(crate) speed: f64,
-    /// Largest torque \[N·m\] that the model asks for within the motion of the log.
-    pub(crate) effort: f64,
-    /// What of its geometry the log does not tell, in words.
-    pub(crate) unresolved: Option<String>,
 }
 
 /// What turns with a shaft and rubs on it.
@@ -64,9 +52,9 @@ const STATES: usize = 2_000;
 /// Friction \[N·m\] that is rounding.
 const LEAST_LOST: f64 = 1e-9;
 
-impl Robot {
+impl<'a> Robot<'a> {
     /// What of a model a robot file can hold.
-    pub(crate) fn of(model: &Model) -> Result<Self> {
+    pub(crate) fn of(model: &'a Model) -> Result<Self> {
         let chain = model.chain.as_ref().ok_or(ExportError::NoChain)?;
         if !chain.coupling.is_none() {
             return Err(ExportError::Coupled);
@@ -78,58 +66,49 @@ impl Robot {
             return Err(ExportError::Infeasible { joint });
         }
         let axes = chain.axes()?;
-        let mut placements = axes.placements();
-        if let Some(first) = placements.first_mut() {
+        let mut frames = axes.placements();
+        if let Some(first) = frames.first_mut() {
             let down = Vector3::from(axes.gravity());
             first.rotation = between(&-down, &Vector3::z()).into_inner();
         }
         let (losses, shared, mut left_out) = losses(model, chain);
-        let names = chain.robot.as_ref();
-        let geometry = joint_geometry(model)?;
         let [efforts, lost] = within_log(model, (&losses, &shared))?;
         left_out.extend(lost_friction(model, &lost));
-        let training = &model.training;
-        let joints = placements.into_iter().enumerate().map(|(k, frame)| {
-            let own = &model.joints[k];
-            RobotJoint {
-                name: names.map_or_else(|| own.clone(), |names| names.joints[k].clone()),
-                link: names.map_or_else(|| format!("{own}_link"), |names| names.links[k].clone()),
-                frame,
-                kind: chain.kinds.of(k),
-                inertial: chain.links[k],
-                losses: losses[k],
-                range: training.q_range.get(k).copied().unwrap_or([-PI, PI]),
-                speed: training.dq_peak.get(k).copied().unwrap_or(0.0),
-                effort: efforts[k],
-                unresolved: geometry.get(k).and_then(unresolved),
+        let (joints, links) = match &chain.robot {
+            Some(names) => (names.joints.clone(), names.links.clone()),
+            None => {
+                let link = |joint| format!("{joint}_link");
+                (model.joints.clone(), model.joints.iter().map(link).collect())
             }
-        });
-        Ok(Self {
-            name: names.map_or_else(|| "arm".to_owned(), |names| names.robot.clone()),
-            base: names.map_or_else(|| "base_link".to_owned(), |names| names.base.clone()),
-            joints: joints.collect(),
-            shared,
-            left_out,
-        })
+        };
+        Ok(Self { model, chain, joints, links, frames, losses, efforts, shared, left_out })
     }
 
     /// What the templates of robot files are filled with; numbers are text.
-    pub(crate) fn values(&self, version: &str) -> Value {
-        let length: f64 = self.joints.iter().map(|joint| joint.frame.origin.norm()).sum();
-        let radius = (RADIUS.0 * length / self.joints.len() as f64).max(RADIUS.1);
-        let joints = self.joints.iter().enumerate().map(|(k, joint)| {
-            let Body { mass, com, inertia: i } = Body::of_parameters(&joint.inertial);
+    pub(crate) fn values(&self, version: &str) -> Result<Value> {
+        let (chain, training) = (self.chain, &self.model.training);
+        let [name, base] = match &chain.robot {
+            Some(names) => [&names.robot, &names.base].map(String::as_str),
+            None => ["arm", "base_link"],
+        };
+        let geometry = joint_geometry(self.model)?;
+        let length: f64 = self.frames.iter().map(|frame| frame.origin.norm()).sum();
+        let radius = (RADIUS.0 * length / self.frames.len() as f64).max(RADIUS.1);
+        let joints = self.frames.iter().enumerate().map(|(k, frame)| {
+            let Body { mass, com, inertia: i } = Body::of_parameters(&chain.links[k]);
             let (moments, axes) = principal(i);
-            let end = self.joints.get(k + 1).map_or(com, |next| next.frame.origin);
+            let end = self.frames.get(k + 1).map_or(com, |next| next.origin);
+            let (kind, losses, effort) = (chain.kinds.of(k), self.losses[k], self.efforts[k]);
+            let range = training.q_range.get(k).copied().unwrap_or([-PI, PI]);
             context! {
-                name => &joint.name,
-                link => &joint.link,
-                kind => joint.kind.name,
-                motion => joint.kind.mjcf,
-                parent => k.checked_sub(1).map_or(&self.base, |before| &self.joints[before].link),
-                origin => numbers(joint.frame.origin.into()),
-                rpy => numbers(rpy(&joint.frame.rotation)),
-                quaternion => numbers(quaternion(joint.frame.rotation)),
+                name => &self.joints[k],
+                link => &self.links[k],
+                kind => kind.name,
+                motion => kind.mjcf,
+                parent => k.checked_sub(1).map_or(base, |before| &self.links[before]),
+                origin => numbers(frame.origin.into()),
+                rpy => numbers(rpy(&frame.rotation)),
+                quaternion => numbers(quaternion(frame.rotation)),
                 mass => numbers([mass]),
                 center => numbers(com.into()),
                 inertia => [i.m11, i.m22, i.m33, i.m12, i.m13, i.m23].map(|x| numbers([x])),
@@ -137,25 +116,23 @@ impl Robot {
                     moments => numbers(moments),
                     quaternion => numbers(quaternion(axes)),
                 },
-                losses => joint.losses.values(),
-                bias => (joint.losses.offset != 0.0).then(|| numbers([-joint.losses.offset])),
-                range => joint.range.map(|x| numbers([x])),
-                speed => numbers([joint.speed]),
-                effort => numbers([joint.effort]),
-                strong => joint.effort > 0.0,
-                unresolved => &joint.unresolved,
+                losses => losses.values(),
+                bias => (losses.offset != 0.0).then(|| numbers([-losses.offset])),
+                range => range.map(|x| numbers([x])),
+                speed => numbers([training.dq_peak.get(k).copied().unwrap_or(0.0)]),
+                effort => numbers([effort]),
+                strong => effort > 0.0,
+                unresolved => geometry.get(k).and_then(unresolved),
                 bar => (end.norm() > radius).then(|| bar(&end)),
             }
         });
         let shared = self.shared.iter().map(|(shaft, losses)| {
             let turns = self.joints.iter().zip(shaft).filter(|(_, part)| **part != 0.0);
-            let turns = turns.map(|(joint, part)| [joint.name.clone(), numbers([*part])]);
+            let turns = turns.map(|(joint, part)| [joint.clone(), numbers([*part])]);
             context! { losses => losses.values(), turns => turns.collect::<Vec<_>>() }
         });
-        context! {
-            version,
-            name => &self.name,
-            base => &self.base,
+        Ok(context! {
+            version, name, base,
             joints => joints.collect::<Vec<_>>(),
             shared => shared.collect::<Vec<_>>(),
             radius => numbers([radius]),
@@ -164,7 +141,7 @@ impl Robot {
                 length => numbers([4.0 * radius]),
                 reach => numbers([2.0 * radius]),
             },
-        }
+        })
     }
 }
 

@@ -34,7 +34,7 @@ pub struct RobotFile {
 /// [`ExportError::NoChain`], [`ExportError::Coupled`], [`ExportError::Infeasible`].
 pub fn to_urdf(model: &Model, version: &str) -> Result<RobotFile> {
     let robot = Robot::of(model)?;
-    let text = filled_xml(include_str!("templates/robot.urdf.j2"), robot.values(version))?;
+    let text = filled_xml(include_str!("templates/robot.urdf.j2"), robot.values(version)?)?;
     Ok(RobotFile { text, left_out: left_out_of_urdf(&robot) })
 }
 
@@ -47,7 +47,7 @@ pub fn to_urdf(model: &Model, version: &str) -> Result<RobotFile> {
 /// As [`to_urdf`].
 pub fn to_mjcf(model: &Model, version: &str) -> Result<RobotFile> {
     let robot = Robot::of(model)?;
-    let text = filled_xml(include_str!("templates/robot.mjcf.j2"), robot.values(version))?;
+    let text = filled_xml(include_str!("templates/robot.mjcf.j2"), robot.values(version)?)?;
     Ok(RobotFile { text, left_out: robot.left_out })
 }
 
@@ -60,11 +60,11 @@ pub fn to_mjcf(model: &Model, version: &str) -> Result<RobotFile> {
 pub fn to_isaac_lab(model: &Model) -> Result<RobotFile> {
     let robot = Robot::of(model)?;
     let of = |number: fn(&Losses) -> f64| -> Map<String, Value> {
-        let joints = robot.joints.iter();
-        joints.map(|joint| (pattern(&joint.name), number(&joint.losses).into())).collect()
+        let joints = robot.joints.iter().zip(&robot.losses);
+        joints.map(|(joint, losses)| (pattern(joint), number(losses).into())).collect()
     };
     let file = json!({
-        "joint_names_expr": robot.joints.iter().map(|own| pattern(&own.name)).collect::<Vec<_>>(),
+        "joint_names_expr": robot.joints.iter().map(|own| pattern(own)).collect::<Vec<_>>(),
         "armature": of(|own| own.dynamics.armature),
         "friction": of(|own| own.breakaway),
         "dynamic_friction": of(|own| own.dynamics.friction),
@@ -93,10 +93,8 @@ fn pattern(name: &str) -> String {
 /// As [`to_urdf`]; [`ExportError::Urdf`] if it is no URDF of these joints,
 /// [`ExportError::OtherGeometry`] if its axes lie elsewhere.
 pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFile> {
-    Robot::of(model)?;
-    let geometry = model.chain.as_ref().ok_or(ExportError::NoChain)?.axes()?;
-    let chain = model.chain.as_ref().and_then(|chain| chain.robot.as_ref());
-    let names = chain.map_or(&model.joints, |names| &names.joints);
+    let Robot { chain, joints: names, .. } = &Robot::of(model)?;
+    let geometry = chain.axes()?;
     let chain = UrdfChain::of_joints(text, names, locked, None)?;
     let base = torquewise_rigid::geometry::PER_BASE;
     let pairs = || chain.geometry.parameters()[base..].iter().zip(&geometry.parameters()[base..]);
@@ -110,7 +108,8 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
         return Err(ExportError::OtherGeometry { joint });
     }
     let nominal: Vec<_> = chain.joints.iter().map(|joint| joint.inertial_of_file).collect();
-    let robot = Robot::of(&near(model, &nominal)?)?;
+    let model = near(model, &nominal)?;
+    let robot = Robot::of(&model)?;
     let (mut bodies, mut dynamics) = (Vec::new(), Vec::new());
     let mut left_out = left_out_of_urdf(&robot);
     let [said, found] = [&chain.geometry, &geometry].map(|own| Vector3::from(own.gravity()));
@@ -118,28 +117,29 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
     if tilt > LEAST_TILT {
         left_out.push(format!("that gravity is {tilt:.1}° from where the base of the file has it"));
     }
-    for (joint, own) in chain.joints.iter().zip(&robot.joints) {
-        let (inertials, kept) = joint.distributed(&own.inertial);
+    let known = robot.chain.links.iter().zip(&robot.losses);
+    for (joint, (link, losses)) in chain.joints.iter().zip(known) {
+        let (inertials, kept) = joint.distributed(link);
         if !kept {
             let (first, others) = (&joint.links[0], joint.links[1..].join(", "));
             left_out.push(format!("the masses of {others}: {first} carries them"));
         }
         bodies.extend(inertials);
-        dynamics.push((joint.name.clone(), own.losses.dynamics));
+        dynamics.push((joint.name.clone(), losses.dynamics));
     }
     Ok(RobotFile { text: edited(text, &bodies, &dynamics)?, left_out })
 }
 
 /// What neither a URDF nor a joint of `PhysX` has room for: offsets, and what belongs to shafts that
 /// several joints turn.
-fn left_out_of_urdf(robot: &Robot) -> Vec<String> {
+fn left_out_of_urdf(robot: &Robot<'_>) -> Vec<String> {
     let words = |(shaft, _): &(Vec<f64>, Losses)| {
         let turning = robot.joints.iter().zip(shaft).filter(|(_, part)| **part != 0.0);
-        let names: Vec<&str> = turning.map(|(joint, _)| joint.name.as_str()).collect();
+        let names: Vec<&str> = turning.map(|(joint, _)| joint.as_str()).collect();
         format!("rotor and friction of the shaft that {} share", names.join(" and "))
     };
-    let offset = robot.joints.iter().filter(|joint| joint.losses.offset != 0.0);
-    let offset: Vec<&str> = offset.map(|joint| joint.name.as_str()).collect();
+    let offset = robot.joints.iter().zip(&robot.losses).filter(|(_, own)| own.offset != 0.0);
+    let offset: Vec<&str> = offset.map(|(joint, _)| joint.as_str()).collect();
     let offset =
         (!offset.is_empty()).then(|| format!("the offset torque of {}", offset.join(", ")));
     robot.left_out.iter().cloned().chain(offset).chain(robot.shared.iter().map(words)).collect()
