@@ -37,7 +37,7 @@ pub mod page;
 pub use bars::Bars;
 pub use chart::{Axis, Chart, Guide, Mark, Series, Stretches};
 pub use colour::Colour;
-pub use item::{Callout, Item, Tone};
+pub use item::{Item, Tone};
 pub use markup::Label;
 pub use page::{Page, Section};
 pub use table::{Heading, Table};

@@ -1,9 +1,8 @@
 //! Charts as a still picture: an SVG drawn by plotters, words kept as words.
 
 use crate::error::{ReportError, Result};
-use crate::html::chart::Position;
-use crate::html::thin::{Sorted, rows_of, sorted};
-use crate::html::{Axis, Chart, Colour, Guide, Mark};
+use crate::html::thin::{picked, rows_of, sorted};
+use crate::html::{Axis, Chart, Colour, Guide, Mark, Series};
 use plotters::chart::SeriesAnno;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
@@ -70,14 +69,11 @@ fn panel(area: &Area<'_>, chart: &Chart) -> Result<()> {
     let points = || chart.series.iter().flat_map(|series| &series.points);
     let bars = chart.series.iter().any(|series| series.mark == Mark::Bars);
     let ends = chart.series.iter().flat_map(|series| series.spread.iter().flatten().copied());
-    let guide = |wanted_x: bool| {
-        chart.guides.iter().filter_map(move |guide| match guide.at {
-            Position::X(at) => wanted_x.then_some(at),
-            Position::Y(at) => (!wanted_x).then_some(at),
-        })
+    let guide = |is_level: bool| {
+        chart.guides.iter().filter(move |guide| guide.is_level == is_level).map(|guide| guide.at)
     };
-    let x = range(&chart.x, points().map(|point| point[0]).chain(guide(true)));
-    let heights = points().map(|point| point[1]).chain(ends).chain(guide(false));
+    let x = range(&chart.x, points().map(|point| point[0]).chain(guide(false)));
+    let heights = points().map(|point| point[1]).chain(ends).chain(guide(true));
     let y = range(&chart.y, heights.chain(bars.then_some(0.0)));
     match (chart.x.log, chart.y.log) {
         (false, false) => axes(area, chart, x.clone(), y.clone(), [x, y]),
@@ -158,9 +154,10 @@ where
         name(drawn, &band.label, Mark::Bars, style);
     }
     for guide in &chart.guides {
-        let ends = match guide.at {
-            Position::X(x) => [(x, up.start), (x, up.end)],
-            Position::Y(y) => [(across.start, y), (across.end, y)],
+        let ends = if guide.is_level {
+            [(across.start, guide.at), (across.end, guide.at)]
+        } else {
+            [(guide.at, up.start), (guide.at, up.end)]
         };
         let style = FADED.stroke_width(2);
         let dashes = DashedLineSeries::new(ends, 10, 8, style);
@@ -178,8 +175,7 @@ where
             Mark::Line | Mark::DashedLine | Mark::DottedLine => colour.stroke_width(3),
         };
         let all = sorted(series, chart.x.log);
-        let rows = rows_of(mark, &[&all]);
-        let Sorted { mut points, spread } = Sorted::of(&all.points, &all.spread, &rows);
+        let Series { mut points, spread, .. } = picked(&all, &rows_of(&[&all]));
         let is_inside = |[x, y]: [f64; 2]| {
             (across.start..=across.end).contains(&x)
                 && drawable(&chart.y, y)

@@ -2,7 +2,7 @@
 
 use super::verdict::sentence;
 use crate::html::number::{count, significant};
-use crate::html::{Callout, Heading, Item, Section, Table, Tone};
+use crate::html::{Heading, Item, Section, Table, Tone};
 use torquewise_model::Checks;
 
 pub(crate) fn section(checks: &Checks) -> Section {
@@ -35,6 +35,6 @@ pub(crate) fn section(checks: &Checks) -> Section {
     let table = Table { caption, columns, rows };
     let driving = checks.driving.iter().map(|driving| sentence(&driving.to_string()));
     let lines = std::iter::once(verdict.into()).chain(driving).collect();
-    let callout = Callout { tone, heading: String::new(), lines };
-    Section { heading: "Physics".into(), items: vec![Item::Callout(callout), Item::Table(table)] }
+    let callout = Item::Callout { tone, heading: String::new(), lines };
+    Section { heading: "Physics".into(), items: vec![callout, Item::Table(table)] }
 }

@@ -2,7 +2,7 @@
 
 use crate::fit_report::Findings;
 use crate::html::number::{count, significant};
-use crate::html::{Callout, Heading, Item, Label, Section, Table, Tone};
+use crate::html::{Heading, Item, Label, Section, Table, Tone};
 use torquewise_identify::Warning;
 use torquewise_identify::verdict::{Grade, Verdict};
 use torquewise_model::Form;
@@ -39,7 +39,7 @@ fn verdict(findings: &Findings<'_>) -> Item {
         Grade::Unusable => (Tone::Warning, "Unusable"),
     };
     let lines = because.iter().map(|reason| sentence(reason)).collect();
-    Item::Callout(Callout { tone, heading: heading.into(), lines })
+    Item::Callout { tone, heading: heading.into(), lines }
 }
 
 pub(crate) fn next(findings: &Findings<'_>) -> Section {
@@ -53,10 +53,6 @@ pub(crate) fn next(findings: &Findings<'_>) -> Section {
     if findings.checks.is_some_and(|checks| !checks.passed()) {
         warnings.push("No physical arm has this model, see Physics.".into());
     }
-    let callout = |tone, lines: Vec<String>| {
-        let callout = Callout { tone, heading: String::new(), lines };
-        (!callout.lines.is_empty()).then_some(Item::Callout(callout))
-    };
     let (remarks, model) = (sentences(remarks), findings.origin.model);
     let model = if model.is_empty() { "MODEL.json" } else { model };
     let judge = match findings.test {
@@ -70,8 +66,9 @@ pub(crate) fn next(findings: &Findings<'_>) -> Section {
         ),
     ];
     let items = [(Tone::Warning, warnings), (Tone::Note, remarks), (Tone::Good, uses)];
-    let items = items.into_iter().filter_map(|(tone, lines)| callout(tone, lines)).collect();
-    Section { heading: "What to do next".into(), items }
+    let items = items.into_iter().filter(|(_, lines)| !lines.is_empty());
+    let callout = |(tone, lines)| Item::Callout { tone, heading: String::new(), lines };
+    Section { heading: "What to do next".into(), items: items.map(callout).collect() }
 }
 
 /// Which joint to move more, where the errors of the model are not small.

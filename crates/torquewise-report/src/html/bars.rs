@@ -3,6 +3,7 @@
 use crate::html::colour::Colour;
 use crate::html::markup::Label;
 use crate::html::number::significant;
+use minijinja::{Value, context};
 
 /// Bars with names too long for an axis: terms.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,16 +23,23 @@ pub struct Bars {
 const DIGITS: usize = 3;
 
 impl Bars {
-    /// Name of each bar as HTML, its length in percent of the longest, and its number.
-    pub(crate) fn drawn(&self) -> Vec<(String, f64, String)> {
+    /// What the template of bars is filled with: the length of each in percent of the longest.
+    pub(crate) fn view(&self) -> Value {
         let drawable = |size: &f64| size.is_finite() && *size > 0.0;
         let sizes = self.rows.iter().map(|(_, size)| *size).filter(drawable);
         let most = sizes.fold(0.0, f64::max);
-        let bar = |(name, size): &(Label, f64)| {
+        let row = |(name, size): &(Label, f64)| {
             let share = if drawable(size) { 100.0 * size / most } else { 0.0 };
-            (name.to_string(), (100.0 * share).round() / 100.0, significant(*size, DIGITS))
+            let percent = (100.0 * share).round() / 100.0;
+            context! { name, percent, number => significant(*size, DIGITS) }
         };
-        self.rows.iter().map(bar).collect()
+        context! {
+            title => self.title.as_str(),
+            caption => self.caption.as_str(),
+            label => self.label.as_str(),
+            colour => self.colour.variable(),
+            rows => self.rows.iter().map(row).collect::<Vec<_>>(),
+        }
     }
 }
 
@@ -45,8 +53,10 @@ mod tests {
         let (words, colour) = (String::new, Colour::Faded);
         let bars = Bars { title: words(), caption: words(), label: words(), colour, rows };
 
-        let percents: Vec<f64> = bars.drawn().iter().map(|(_, percent, _)| *percent).collect();
+        let rows = bars.view().get_attr("rows").unwrap();
 
-        assert_eq!(percents, [100.0, 25.0, 0.0, 0.0]);
+        let percents: Vec<Value> =
+            rows.try_iter().unwrap().map(|row| row.get_attr("percent").unwrap()).collect();
+        assert_eq!(percents, [100.0, 25.0, 0.0, 0.0].map(Value::from));
     }
 }

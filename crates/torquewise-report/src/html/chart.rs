@@ -149,38 +149,29 @@ pub struct Stretches {
 pub struct Guide {
     /// What it marks, in the legend with its place; may be empty.
     pub label: String,
-    /// Where.
-    pub at: Position,
-}
-
-/// Where a guide stands.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(tag = "axis", content = "at", rename_all = "lowercase")]
-pub enum Position {
-    /// At this x, upright.
-    X(f64),
-    /// At this y, level.
-    Y(f64),
+    /// Where it is.
+    pub at: f64,
+    /// Whether it is level, at a y, and not upright, at an x.
+    pub is_level: bool,
 }
 
 impl Guide {
     /// An upright line at an x.
     pub fn at_x(x: f64, label: impl Into<String>) -> Self {
-        Self { label: label.into(), at: Position::X(x) }
+        Self { label: label.into(), at: x, is_level: false }
     }
 
     /// Its entry in the legend: what it marks, and where; empty if it has no label.
     pub(crate) fn name(&self) -> String {
-        let (Position::X(at) | Position::Y(at)) = self.at;
         if self.label.is_empty() {
             return String::new();
         }
-        let at: f64 = format!("{at:.2e}").parse().unwrap_or(at);
+        let at: f64 = format!("{:.2e}", self.at).parse().unwrap_or(self.at);
         format!("{}: {at}", self.label)
     }
 
     /// A level line at a y.
     pub fn at_y(y: f64, label: impl Into<String>) -> Self {
-        Self { label: label.into(), at: Position::Y(y) }
+        Self { label: label.into(), at: y, is_level: true }
     }
 }

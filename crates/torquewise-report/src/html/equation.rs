@@ -27,27 +27,6 @@ pub struct Equation {
     pub left_out: usize,
 }
 
-/// One line of a sum: a coefficient and the function it stands before.
-struct Line {
-    /// Size and standard error, both with the digits that mean something.
-    number: [String; 2],
-    is_negative: bool,
-    /// Share of the resampled logs that kept it.
-    inclusion: Option<f64>,
-    unit: &'static str,
-    function: Label,
-}
-
-impl Line {
-    fn of<T>(weighted: &Weighted<T>, unit: &'static str, function: Label) -> Self {
-        let Weighted { coefficient, std_error, inclusion, .. } = *weighted;
-        let text = with_error(coefficient.abs(), std_error);
-        let (number, error) = text.split_once(" ± ").unwrap_or((&text, ""));
-        let number = [number.into(), error.into()];
-        Self { number, is_negative: coefficient < 0.0, inclusion, unit, function }
-    }
-}
-
 impl Equation {
     /// What the template of an equation is filled with: one term to a line, with signs and decimal
     /// points below each other.
@@ -59,8 +38,8 @@ impl Equation {
             let unit = self.unit.unwrap_or_else(|| unit_of(&weighted.term));
             let is_one = weighted.term.interaction() == 0 && weighted.term.kind() == Kind::Gravity;
             // Nothing for the constant 1.
-            let function = if is_one { Label::default() } else { term(&weighted.term) };
-            Line::of(weighted, unit, function)
+            let function = if is_one { "".into() } else { term(&weighted.term) };
+            line(weighted, unit, &function)
         });
         let rubs = self.friction.iter().map(|weighted| {
             let unit = match (weighted.term.law, weighted.term.load) {
@@ -69,36 +48,43 @@ impl Equation {
                 (_, false) => "N·m",
                 (_, true) => "",
             };
-            Line::of(weighted, unit, friction(&weighted.term))
+            line(weighted, unit, &friction(&weighted.term))
         });
-        let lines: Vec<Line> = terms.chain(rubs).collect();
-        let numbers: Vec<String> = lines.iter().map(|line| line.number[0].clone()).collect();
-        let coefficients = aligned(&numbers);
-        let errors = lines.iter().map(|line| line.number[1].chars().count());
-        let view = |(line, coefficient): (&Line, &String)| {
-            let [number, error] = &line.number;
-            let percent = line.inclusion.map(|inclusion| format!("{:.0}", 100.0 * inclusion));
-            context! {
-                sign => if line.is_negative { "−" } else { "+" },
-                number, error, coefficient, percent,
-                is_certain => line.inclusion.is_none_or(|inclusion| inclusion >= CERTAIN),
-                unit => line.unit,
-                function => safe(line.function.as_str()),
-            }
-        };
-        let lines: Vec<Value> = lines.iter().zip(&coefficients).map(view).collect();
+        let (numbers, lines): (Vec<[String; 2]>, Vec<Value>) = terms.chain(rubs).unzip();
+        let errors = numbers.iter().map(|[_, error]| error.chars().count());
+        let coefficients = numbers.iter().map(|[number, _]| number.clone());
+        let coefficients = aligned(&coefficients.collect::<Vec<_>>());
+        let lines = lines.into_iter().zip(&coefficients);
+        let mut lines: Vec<Value> =
+            lines.map(|(line, coefficient)| context! { coefficient, ..line }).collect();
+        let friction = lines.split_off(self.terms.len());
         context! {
             name => self.name.as_str(),
-            left => safe(self.left.as_str()),
+            left => &self.left,
             note => self.note.as_str(),
-            terms => lines[..self.terms.len()].to_vec(),
-            friction => lines[self.terms.len()..].to_vec(),
+            terms => lines,
+            friction,
             widest => coefficients.iter().map(|text| text.chars().count()).max().unwrap_or(1),
             // The sign ± and a space stand before the error.
             wide => errors.max().filter(|&n| n > 0).map_or(0, |n| n + 2),
             left_out => (self.left_out > 0).then(|| count(self.left_out)),
         }
     }
+}
+
+/// A line of a sum, a coefficient and the function it stands before: its size and standard error,
+/// both with the digits that mean something, and all else that its template asks for.
+fn line<T>(weighted: &Weighted<T>, unit: &str, function: &Label) -> ([String; 2], Value) {
+    let Weighted { coefficient, std_error, inclusion, .. } = *weighted;
+    let text = with_error(coefficient.abs(), std_error);
+    let (number, error) = text.split_once(" ± ").unwrap_or((&text, ""));
+    let line = context! {
+        sign => if coefficient < 0.0 { "−" } else { "+" },
+        number, error, unit, function,
+        percent => inclusion.map(|inclusion| format!("{:.0}", 100.0 * inclusion)),
+        is_certain => inclusion.is_none_or(|inclusion| inclusion >= CERTAIN),
+    };
+    ([number.into(), error.into()], line)
 }
 
 /// A share of resampled logs above this needs no mention: the term is always there.
@@ -136,7 +122,7 @@ pub fn term(term: &Term) -> Label {
 /// f(v) of a friction term: sign q̇₂, e^−(q̇₂/0.05)² sign q̇₂; nothing for an offset.
 pub fn friction(term: &FrictionTerm) -> Label {
     let latex = term.latex();
-    if latex.is_empty() { Label::default() } else { math(&latex) }
+    if latex.is_empty() { "".into() } else { math(&latex) }
 }
 
 /// LaTeX as MathML.
@@ -144,7 +130,7 @@ pub fn math(latex: &str) -> Label {
     let (storage, mut html) = (Storage::new(), String::new());
     // Writing to a String cannot fail.
     let _ = push_mathml(&mut html, Parser::new(latex, &storage), RenderConfig::default());
-    Label::trusted(MENDED.iter().fold(html, |html, (from, to)| html.replace(from, to)))
+    safe(&MENDED.iter().fold(html, |html, (from, to)| html.replace(from, to)))
 }
 
 /// What the renderer writes that a browser does not take, or sets badly, and what it becomes: a
@@ -202,8 +188,8 @@ mod tests {
         assert!(html.contains(square), "{html}");
         assert!(html.ends_with("<mi>𝑞̈</mi><mrow><mn>2</mn></mrow></msub></math>"), "{html}");
         let after = term(&Term::one(3).times(Trig::Sin, 1, 1, 1).times(Trig::Cos, 2, 1, 2));
-        assert!(after.as_str().contains(&format!("/>{cosine}")), "{after}");
-        assert_eq!(term(&Term::one(1)).as_str(), "<math display=\"inline\"><mn>1</mn></math>");
+        assert!(after.to_string().contains(&format!("/>{cosine}")), "{after}");
+        assert_eq!(term(&Term::one(1)).to_string(), "<math display=\"inline\"><mn>1</mn></math>");
     }
 
     fn rubbing(shaft: [f64; 2], law: FrictionLaw, direction: Direction) -> FrictionTerm {
@@ -294,7 +280,7 @@ mod tests {
 
         let equations = energies(&places);
 
-        let left: Vec<&str> = equations.iter().map(|equation| equation.left.as_str()).collect();
+        let left: Vec<String> = equations.iter().map(|own| own.left.to_string()).collect();
         assert!(left[0].contains("<mn>1,2</mn>") && left[1].contains("<mn>2,2</mn>"), "{left:?}");
         assert!(left[2].contains("<mi>V</mi>"), "{left:?}");
     }

@@ -20,7 +20,14 @@ pub enum Item {
     /// A paragraph.
     Text(String),
     /// A box that is seen first.
-    Callout(Callout),
+    Callout {
+        /// What it wants.
+        tone: Tone,
+        /// One word or two in large type; may be empty.
+        heading: String,
+        /// Its words, each a paragraph or, if they are several, a line of a list.
+        lines: Vec<String>,
+    },
     /// A table.
     Table(Table),
     /// Charts, several of them side by side where there is room.
@@ -43,17 +50,6 @@ pub enum Item {
         /// The parts.
         items: Vec<Item>,
     },
-}
-
-/// A box that is seen first.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Callout {
-    /// What it wants.
-    pub tone: Tone,
-    /// One word or two in large type; may be empty.
-    pub heading: String,
-    /// Its words, each a paragraph or, if they are several, a line of a list.
-    pub lines: Vec<String>,
 }
 
 /// What a box wants of its reader.
@@ -82,21 +78,19 @@ impl Writer<'_> {
     fn item(&mut self, item: &Item) -> Result<String> {
         let (kind, item) = match item {
             Item::Text(text) => ("text", context! { text => text.as_str() }),
-            Item::Callout(Callout { tone, heading, lines }) => {
+            Item::Callout { tone, heading, lines } => {
                 ("callout", context! { tone => Serde(tone), heading, lines })
             }
             Item::Table(table) => {
-                let row = |row: &Vec<String>| row.iter().map(|cell| safe(cell)).collect();
-                let rows: Vec<Vec<Value>> = table.cells().iter().map(row).collect();
                 let (caption, columns) = (table.caption.as_str(), Serde(&table.columns));
-                ("table", context! { caption, columns, rows })
+                ("table", context! { caption, columns, rows => table.cells() })
             }
             Item::Charts(all) => {
                 let charts: Result<Vec<_>, _> = all.iter().map(|c| self.chart(c)).collect();
                 ("charts", context! { charts => charts?, beside => all.len() > 1 })
             }
             Item::Bars(bars) => {
-                let all: Vec<_> = bars.iter().map(bars_view).collect();
+                let all: Vec<_> = bars.iter().map(Bars::view).collect();
                 ("bars", context! { all, beside => bars.len() > 1 })
             }
             Item::Skeleton { skeleton, caption } => {
@@ -133,19 +127,6 @@ impl Writer<'_> {
             bands,
             spec => safe(&spec_json(chart)?),
         })
-    }
-}
-
-fn bars_view(bars: &Bars) -> Value {
-    let row = |(name, percent, number): (String, f64, String)| {
-        context! { name => safe(&name), percent, number }
-    };
-    context! {
-        title => bars.title.as_str(),
-        caption => bars.caption.as_str(),
-        label => bars.label.as_str(),
-        colour => bars.colour.variable(),
-        rows => bars.drawn().into_iter().map(row).collect::<Vec<_>>(),
     }
 }
 

@@ -1,31 +1,28 @@
 //! A chart as JSON for the script of a page: thinned columns of short numbers.
 
 use crate::error::Result;
-use crate::html::chart::{Axis, Chart, Guide, Position, Stretches};
+use crate::html::chart::{Axis, Chart, Guide, Series, Stretches};
 use crate::html::markup::script_json;
 use crate::html::number::rounded;
-use crate::html::thin::{Sorted, rows_of, sorted};
+use crate::html::thin::{rows_of, sorted};
 use serde_json::{Value, json};
 
 pub(crate) fn spec_json(chart: &Chart) -> Result<String> {
     let mut columns: Vec<Vec<Value>> = Vec::new();
     let mut series = vec![Value::Null; chart.series.len()];
     for group in groups(chart) {
-        let mark = chart.series[group[0].place].mark;
-        let rows = rows_of(mark, &group.iter().map(|curve| &curve.points).collect::<Vec<_>>());
-        let first = &group[0].points;
-        let x: Vec<f64> = rows.iter().map(|&row| first.points[row][0]).collect();
-        for curve in &group {
-            let own = &chart.series[curve.place];
-            let Sorted { points, spread } = &curve.points;
+        let rows = rows_of(&group.iter().map(|(_, own)| own).collect::<Vec<_>>());
+        let first = &group[0].1.points;
+        let x: Vec<f64> = rows.iter().map(|&row| first[row][0]).collect();
+        for (place, own) in &group {
             // The logarithm of what is not positive is a gap.
             let height = |y: f64| if chart.y.log && y <= 0.0 { f64::NAN } else { y };
             let pick = |end: usize| -> Vec<Value> {
-                let ends = rows.iter().filter_map(|&row| spread.get(row));
+                let ends = rows.iter().filter_map(|&row| own.spread.get(row));
                 rounded(&ends.map(|ends| height(ends[end])).collect::<Vec<f64>>())
             };
-            let y: Vec<f64> = rows.iter().map(|&row| height(points[row][1])).collect();
-            series[curve.place] = json!({
+            let y: Vec<f64> = rows.iter().map(|&row| height(own.points[row][1])).collect();
+            series[*place] = json!({
                 "label": own.label,
                 "colour": own.colour.variable(),
                 "mark": own.mark,
@@ -41,38 +38,36 @@ pub(crate) fn spec_json(chart: &Chart) -> Result<String> {
         let spans: Vec<_> = band.spans.iter().map(|span| rounded(span)).collect();
         json!({ "colour": band.colour.variable(), "spans": spans })
     };
-    let is_finite = |Guide { at: Position::X(at) | Position::Y(at), .. }: &&Guide| at.is_finite();
+    let guides = chart.guides.iter().filter(|guide| guide.at.is_finite());
+    let guide = |own: &Guide| json!({ "axis": if own.is_level { "y" } else { "x" }, "at": own.at });
     script_json(&json!({
         "x": drawable(&chart.x),
         "y": drawable(&chart.y),
         "columns": columns,
         "series": series,
         "bands": chart.bands.iter().map(band).collect::<Vec<_>>(),
-        "guides": chart.guides.iter().filter(is_finite).map(|guide| guide.at).collect::<Vec<_>>(),
+        "guides": guides.map(guide).collect::<Vec<_>>(),
         "linked": chart.linked,
     }))
 }
 
-struct Curve {
-    place: usize,
-    points: Sorted,
-}
-
-/// Series that are lines over the same abscissae stay together; every other one is alone.
-fn groups(chart: &Chart) -> Vec<Vec<Curve>> {
-    let mut groups: Vec<Vec<Curve>> = Vec::new();
+/// Places and drawn points of series: those that are lines over the same abscissae stay together,
+/// every other one is alone.
+fn groups(chart: &Chart) -> Vec<Vec<(usize, Series)>> {
+    let mut groups: Vec<Vec<(usize, Series)>> = Vec::new();
     for (place, series) in chart.series.iter().enumerate() {
-        let curve = Curve { place, points: sorted(series, chart.x.log) };
-        let same = |group: &&mut Vec<Curve>| {
-            let other = &group[0];
-            let is_line = chart.series[other.place].mark.is_line() && series.mark.is_line();
-            let [a, b] = [&other.points.points, &curve.points.points];
-            let mut pairs = a.iter().zip(b);
-            is_line && a.len() == b.len() && pairs.all(|(a, b)| a[0].total_cmp(&b[0]).is_eq())
+        let own = sorted(series, chart.x.log);
+        let same = |group: &&mut Vec<(usize, Series)>| {
+            let other = &group[0].1;
+            let mut pairs = other.points.iter().zip(&own.points);
+            other.mark.is_line()
+                && own.mark.is_line()
+                && other.points.len() == own.points.len()
+                && pairs.all(|(a, b)| a[0].total_cmp(&b[0]).is_eq())
         };
         match groups.iter_mut().find(same) {
-            Some(group) => group.push(curve),
-            None => groups.push(vec![curve]),
+            Some(group) => group.push((place, own)),
+            None => groups.push(vec![(place, own)]),
         }
     }
     groups

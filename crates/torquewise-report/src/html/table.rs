@@ -57,15 +57,15 @@ impl Table {
         Self { caption: String::new(), columns, rows }
     }
 
-    /// The cells as HTML, row by row, each row as long as the headings.
-    pub(crate) fn cells(&self) -> Vec<Vec<String>> {
-        let mut rows = vec![vec![String::new(); self.columns.len()]; self.rows.len()];
-        for (place, column) in self.columns.iter().enumerate() {
-            let cell = |row: &Vec<Label>| row.get(place).map_or_else(String::new, Label::to_string);
-            let cells: Vec<String> = self.rows.iter().map(cell).collect();
-            let cells = if column.numeric { aligned(&cells) } else { cells };
-            for (row, cell) in rows.iter_mut().zip(cells) {
-                row[place] = cell;
+    /// The cells row by row, each row as long as the headings.
+    pub(crate) fn cells(&self) -> Vec<Vec<Label>> {
+        let mut rows = self.rows.clone();
+        rows.iter_mut().for_each(|row| row.resize(self.columns.len(), "".into()));
+        let numeric = (0..self.columns.len()).filter(|&place| self.columns[place].numeric);
+        for place in numeric {
+            let cells: Vec<String> = rows.iter().map(|row| row[place].to_string()).collect();
+            for (row, cell) in rows.iter_mut().zip(aligned(&cells)) {
+                row[place] = cell.into();
             }
         }
         rows
@@ -75,6 +75,7 @@ impl Table {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::html::{Item, Page, Section};
 
     #[test]
     fn cells_are_escaped_aligned_and_as_many_as_the_headings() {
@@ -90,8 +91,12 @@ mod tests {
 
         let cells = table.cells();
 
-        assert_eq!(cells[0], ["&lt;b&gt;", "1.5"]);
-        assert_eq!(cells[1], ["wrist", "12\u{2008}\u{2007}"]);
-        assert_eq!(cells[2], ["short", ""]);
+        let [first, second, third] = [0, 1, 2].map(|row| cells[row].iter().map(Label::to_string));
+        assert!(first.eq(["<b>", "1.5"]) && !cells[0][0].is_safe(), "{cells:?}");
+        assert!(second.eq(["wrist", "12\u{2008}\u{2007}"]), "{cells:?}");
+        assert!(third.eq(["short", ""]), "{cells:?}");
+        let section = Section { items: vec![Item::Table(table)], ..Section::default() };
+        let page = Page { sections: vec![section], ..Page::default() }.to_html().unwrap();
+        assert!(page.contains("<td>&lt;b&gt;</td>"), "{page}");
     }
 }

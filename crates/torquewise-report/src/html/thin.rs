@@ -1,33 +1,27 @@
 //! Thinned points to draw: from left to right, few, with every peak among them.
 
-use crate::html::chart::{Mark, Series};
+use crate::html::chart::Series;
 
 /// Points of a chart at most, per curve.
 pub(crate) const MOST_POINTS: usize = 4_000;
 
-pub(crate) struct Sorted {
-    pub(crate) points: Vec<[f64; 2]>,
-    /// Ends of the error bar of each point, or nothing.
-    pub(crate) spread: Vec<[f64; 2]>,
-}
-
 /// The points that have an x that can be drawn, from left to right.
-pub(crate) fn sorted(series: &Series, log: bool) -> Sorted {
+pub(crate) fn sorted(series: &Series, log: bool) -> Series {
     let drawable = |row: &usize| {
         let x = series.points[*row][0];
         x.is_finite() && (!log || x > 0.0)
     };
     let mut rows: Vec<usize> = (0..series.points.len()).filter(drawable).collect();
     rows.sort_by(|&a, &b| series.points[a][0].total_cmp(&series.points[b][0]));
-    let spread = if series.spread.len() == series.points.len() { &*series.spread } else { &[] };
-    Sorted::of(&series.points, spread, &rows)
+    picked(series, &rows)
 }
 
-impl Sorted {
-    pub(crate) fn of(points: &[[f64; 2]], spread: &[[f64; 2]], rows: &[usize]) -> Self {
-        let spread = rows.iter().filter_map(|&row| spread.get(row).copied()).collect();
-        Self { points: rows.iter().map(|&row| points[row]).collect(), spread }
-    }
+/// Some points of a series, with error bars if each of all has one.
+pub(crate) fn picked(series: &Series, rows: &[usize]) -> Series {
+    let has_bars = series.spread.len() == series.points.len();
+    let bars = rows.iter().filter(|_| has_bars).map(|&row| series.spread[row]);
+    let points = rows.iter().map(|&row| series.points[row]).collect();
+    Series { label: series.label.clone(), points, spread: bars.collect(), ..*series }
 }
 
 /// Rows that draw curves over the same abscissae with at most `most` points: of each of a number of
@@ -66,8 +60,8 @@ pub(crate) fn rows_of_cloud(m: usize, most: usize) -> Vec<usize> {
 }
 
 /// Rows to draw of series over the same abscissae.
-pub(crate) fn rows_of(mark: Mark, all: &[&Sorted]) -> Vec<usize> {
-    if !mark.is_line() {
+pub(crate) fn rows_of(all: &[&Series]) -> Vec<usize> {
+    if !all[0].mark.is_line() {
         return rows_of_cloud(all[0].points.len(), MOST_POINTS);
     }
     rows_of_curves(&all.iter().map(|own| &*own.points).collect::<Vec<_>>(), MOST_POINTS)

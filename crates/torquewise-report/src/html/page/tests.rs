@@ -3,7 +3,7 @@
 use super::*;
 use crate::html::equation::Equation;
 use crate::html::skeleton::Skeleton;
-use crate::html::{Axis, Bars, Callout, Chart, Colour, Heading, Label, Series, Table, Tone};
+use crate::html::{Axis, Bars, Chart, Colour, Heading, Series, Table, Tone};
 
 const HOSTILE: &str = "</script><img src=x onerror=\"alert(1)\">'";
 
@@ -33,17 +33,13 @@ fn page(words: &str) -> Page {
     };
     let items = vec![
         Item::Text(word()),
-        Item::Callout(Callout {
-            tone: Tone::Warning,
-            heading: word(),
-            lines: vec![word(), word()],
-        }),
+        Item::Callout { tone: Tone::Warning, heading: word(), lines: vec![word(), word()] },
         Item::Table(table),
         Item::Charts(vec![chart.clone(), chart.clone()]),
         Item::Bars(vec![bars]),
         Item::Equation(Equation {
             name: word(),
-            left: Label::trusted("<math><mi>q</mi></math>"),
+            left: safe("<math><mi>q</mi></math>"),
             note: word(),
             ..Equation::default()
         }),
