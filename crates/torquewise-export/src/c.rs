@@ -8,7 +8,7 @@ use crate::text::{Body, Language, number, signal_of, values};
 use minijinja::context;
 use std::fmt::Write;
 
-struct C(Precision);
+pub(crate) struct C(pub(crate) Precision);
 
 impl C {
     /// Type of a number, and the end of literals and functions of it.
@@ -34,8 +34,18 @@ impl Language for C {
         }
     }
 
+    /// A string literal: bytes beyond ASCII by their octal codes, and no trigraphs.
     fn quoted(&self, text: &str) -> String {
-        quoted(text)
+        let mut quoted = String::from("\"");
+        for byte in text.bytes() {
+            match byte {
+                b'"' | b'\\' | b'?' => quoted.extend(['\\', char::from(byte)]),
+                b' '..=b'~' => quoted.push(char::from(byte)),
+                // Writing to a String cannot fail.
+                _ => drop(write!(quoted, "\\{byte:03o}")),
+            }
+        }
+        quoted + "\""
     }
 
     fn statements(&self, body: &Body, role: Role, program: &Program) -> Vec<String> {
@@ -49,18 +59,14 @@ impl Language for C {
             lines.extend(angle.cos.then(|| format!("const {real} c{j} = cos{f}(q{j});")));
         }
         lines.extend(body.steps.iter().map(named));
-        let result = match role {
-            Role::Function(quantity) | Role::After(quantity) => quantity.result(),
-            Role::Step => "state->x",
-            Role::Momentum => "now",
+        let (result, has_state) = match role {
+            Role::Function(quantity) => (quantity.result(), false),
+            Role::After(quantity) => (quantity.result(), true),
+            Role::Step => ("state->x", false),
+            Role::Momentum => ("now", program.n_elements > 0),
         };
         let results = body.results.iter().enumerate();
         lines.extend(results.map(|(k, expression)| format!("{result}[{k}] = {expression};")));
-        let has_state = match role {
-            Role::Function(_) | Role::Step => false,
-            Role::After(_) => true,
-            Role::Momentum => program.n_elements > 0,
-        };
         let is_state = |&input| !signals.contains(&signal_of(input).0);
         if has_state && !body.inputs.iter().any(is_state) {
             lines.push("(void)state;".into());
@@ -84,7 +90,7 @@ pub fn to_c(program: &Program, name: &str, precision: Precision) -> Result<Strin
     let language = C(precision);
     let ((real, f), upper) = (language.real(), name.to_uppercase());
     let values = context! { name, upper, real, f, ..values(program, &language) };
-    filled(include_str!("templates/model.c.j2"), values)
+    filled("code", include_str!("templates/model.c.j2"), values)
 }
 
 /// The first lines of a file that calls the functions of a C file as MODEL(name); they define
@@ -106,18 +112,4 @@ pub(crate) fn check_name(name: &str) -> Result<()> {
     } else {
         Err(ExportError::Name { name: name.into() })
     }
-}
-
-/// A string literal: bytes beyond ASCII by their octal codes, and no trigraphs.
-pub(crate) fn quoted(text: &str) -> String {
-    let mut quoted = String::from("\"");
-    for byte in text.bytes() {
-        match byte {
-            b'"' | b'\\' | b'?' => quoted.extend(['\\', char::from(byte)]),
-            b' '..=b'~' => quoted.push(char::from(byte)),
-            // Writing to a String cannot fail.
-            _ => drop(write!(quoted, "\\{byte:03o}")),
-        }
-    }
-    quoted + "\""
 }

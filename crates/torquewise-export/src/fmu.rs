@@ -1,9 +1,10 @@
 //! A program as an FMI 2.0 unit for model exchange and co-simulation, sources and binary.
 
-use crate::c::{check_name, inclusion, quoted, to_c};
+use crate::c::{C, check_name, inclusion, to_c};
 use crate::error::Result;
 use crate::program::{Precision, Program, Quantity};
-use crate::template::filled_xml;
+use crate::template::filled;
+use crate::text::Language;
 use minijinja::context;
 use std::io::{Cursor, Write};
 use zip::ZipWriter;
@@ -30,7 +31,7 @@ pub fn fmu_sources(program: &Program, name: &str) -> Result<Vec<(String, String)
         program.version(),
         inclusion(program, name),
         program.n_joints(),
-        quoted(&guid(program)),
+        C(Precision::Double).quoted(&guid(program)),
     );
     Ok(vec![
         ("modelDescription.xml".into(), description(program, name)?),
@@ -102,7 +103,8 @@ fn description(program: &Program, name: &str) -> Result<String> {
         }
     }
     outputs.extend(vector("external", "N.m"));
-    filled_xml(
+    filled(
+        "xml",
         include_str!("templates/modelDescription.xml.j2"),
         context! {
             name, inputs, outputs,

@@ -206,14 +206,12 @@ pub(crate) fn elements(terms: &[Weighted<FrictionTerm>]) -> Vec<(usize, f64)> {
 /// x ← s + (x − s)·e^(−|Δq|/δ), s = sign Δq, which leaves x as it is at rest (E13).
 pub(crate) fn next_states(graph: &Graph, elements: &[(usize, f64)]) -> Vec<Id> {
     let fadings = fadings(graph, elements);
-    let mut states = Vec::new();
-    for (element, (&(joint, _), fading)) in elements.iter().zip(fadings).enumerate() {
-        let way = way(graph, joint);
-        let end = graph.call(Function::Sign, way);
+    let next = |(element, (&(joint, _), fading))| {
+        let end = graph.call(Function::Sign, way(graph, joint));
         let state = graph.input(Input::Element(element));
-        states.push(graph.add(end, graph.mul(graph.sub(state, end), fading)));
-    }
-    states
+        graph.add(end, graph.mul(graph.sub(state, end), fading))
+    };
+    elements.iter().zip(fadings).enumerate().map(next).collect()
 }
 
 /// Δq of a joint since the sample before.

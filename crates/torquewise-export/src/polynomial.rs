@@ -37,13 +37,10 @@ pub(crate) fn angles(graph: &Graph, term: &Term) -> BTreeMap<Id, u32> {
 
 /// The velocities and accelerations of a term as powers of nodes.
 pub(crate) fn motions(graph: &Graph, term: &Term) -> BTreeMap<Id, u32> {
-    let mut powers = BTreeMap::new();
     let velocities = term.dq.iter().enumerate().map(|(joint, &p)| (Input::Dq(joint), p));
     let accelerations = term.ddq.iter().enumerate().map(|(joint, &p)| (Input::Ddq(joint), p));
-    for (input, power) in velocities.chain(accelerations).filter(|&(_, power)| power > 0) {
-        *powers.entry(graph.input(input)).or_insert(0) += u32::from(power);
-    }
-    powers
+    let powers = velocities.chain(accelerations).filter(|&(_, power)| power > 0);
+    powers.map(|(input, power)| (graph.input(input), power.into())).collect()
 }
 
 /// Σ weight·Π atom^power as one node.

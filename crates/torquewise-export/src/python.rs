@@ -46,14 +46,11 @@ impl Language for Python {
             let count = if signal == "x" { elements } else { n };
             format!("{} = {from}", names(signal, count))
         };
-        let state: &[(&str, &str)] = match role {
-            Role::After(_) => &[("q", "self._q"), ("x", "self._x")],
-            _ => &[],
-        };
-        let more: &[(&str, &str)] = match role {
-            Role::Step => &[("last", "q if self._q is None else self._q"), ("x", "self._x")],
-            Role::Momentum if elements > 0 => &[("x", "x")],
-            _ => &[],
+        let [state, more]: [&[(&str, &str)]; 2] = match role {
+            Role::After(_) => [&[("q", "self._q"), ("x", "self._x")], &[]],
+            Role::Step => [&[], &[("last", "q if self._q is None else self._q"), ("x", "self._x")]],
+            Role::Momentum if elements > 0 => [&[], &[("x", "x")]],
+            _ => [&[], &[]],
         };
         let signals = role.signals().into_iter().map(|signal| (signal, signal));
         let read = state.iter().copied().chain(signals).chain(more.iter().copied());
@@ -79,7 +76,7 @@ impl Language for Python {
 /// # Errors
 /// `ExportError::Template` if it cannot be written.
 pub fn to_python(program: &Program) -> Result<String> {
-    filled(include_str!("templates/model.py.j2"), values(program, &Python))
+    filled("code", include_str!("templates/model.py.j2"), values(program, &Python))
 }
 
 /// `q1, q2`; `q1,` of one.

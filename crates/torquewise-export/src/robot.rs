@@ -74,12 +74,11 @@ impl<'a> Robot<'a> {
         let (losses, shared, mut left_out) = losses(model, chain);
         let [efforts, lost] = within_log(model, (&losses, &shared))?;
         left_out.extend(lost_friction(model, &lost));
-        let (joints, links) = match &chain.robot {
-            Some(names) => (names.joints.clone(), names.links.clone()),
-            None => {
-                let link = |joint| format!("{joint}_link");
-                (model.joints.clone(), model.joints.iter().map(link).collect())
-            }
+        let (joints, links) = if let Some(names) = &chain.robot {
+            (names.joints.clone(), names.links.clone())
+        } else {
+            let link = |joint| format!("{joint}_link");
+            (model.joints.clone(), model.joints.iter().map(link).collect())
         };
         Ok(Self { model, chain, joints, links, frames, losses, efforts, shared, left_out })
     }

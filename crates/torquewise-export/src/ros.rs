@@ -3,7 +3,7 @@
 use crate::c::{check_name, inclusion, to_c};
 use crate::error::Result;
 use crate::program::{Precision, Program};
-use crate::template::{filled, filled_xml};
+use crate::template::filled;
 use minijinja::context;
 
 /// The files of the package: path within it and text.
@@ -23,6 +23,7 @@ pub fn ros_package(program: &Program, name: &str) -> Result<Vec<(String, String)
     let package = package.split('_').filter(|part| !part.is_empty()).collect::<Vec<_>>().join("_");
     let file = |template: &str| {
         filled(
+            "code",
             template,
             context! {
                 package => package.as_str(),
@@ -37,7 +38,7 @@ pub fn ros_package(program: &Program, name: &str) -> Result<Vec<(String, String)
     };
     let head = file(NODE)?;
     let manifest = context! { package => package.as_str(), depends => DEPENDS };
-    let manifest = filled_xml(include_str!("templates/package.xml.j2"), manifest)?;
+    let manifest = filled("xml", include_str!("templates/package.xml.j2"), manifest)?;
     Ok(vec![
         ("package.xml".into(), manifest),
         ("CMakeLists.txt".into(), file(include_str!("templates/CMakeLists.txt.j2"))?),

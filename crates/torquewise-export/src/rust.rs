@@ -54,5 +54,5 @@ pub fn to_rust(program: &Program, precision: Precision) -> Result<String> {
     program.check_precision(precision)?;
     let real = if precision == Precision::Single { "f32" } else { "f64" };
     let values = context! { real, ..values(program, &Rust(precision)) };
-    filled(include_str!("templates/model.rs.j2"), values)
+    filled("code", include_str!("templates/model.rs.j2"), values)
 }

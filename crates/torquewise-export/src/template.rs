@@ -4,17 +4,10 @@ use crate::error::Result;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{AutoEscape, Environment, UndefinedBehavior, Value, escape_formatter};
 
-/// A template of code filled with values; what is no value is an error.
-pub(crate) fn filled(template: &str, values: Value) -> Result<String> {
-    render("code", template, values)
-}
-
-/// The same of XML, where all values are escaped, and control characters become blanks.
-pub(crate) fn filled_xml(template: &str, values: Value) -> Result<String> {
-    render("xml", template, values)
-}
-
-fn render(kind: &str, template: &str, values: Value) -> Result<String> {
+/// A template filled with values; what is no value is an error.
+///
+/// - `kind`: `code`, or `xml`, of which all values are escaped, and control characters become blanks
+pub(crate) fn filled(kind: &str, template: &str, values: Value) -> Result<String> {
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::SemiStrict);
     environment.set_auto_escape_callback(|kind| match kind {

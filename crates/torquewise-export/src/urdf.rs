@@ -3,11 +3,12 @@
 use crate::error::{ExportError, Result};
 use crate::near::near;
 use crate::robot::{Losses, Robot};
-use crate::template::filled_xml;
+use crate::template::filled;
 use nalgebra::Vector3;
 use serde_json::{Map, Value, json};
 use torquewise_model::Model;
 use torquewise_rigid::Geometry;
+use torquewise_rigid::geometry::{PER_BASE, PER_JOINT};
 use torquewise_sim::UrdfChain;
 use torquewise_sim::urdf::edit::edited;
 
@@ -34,7 +35,7 @@ pub struct RobotFile {
 /// [`ExportError::NoChain`], [`ExportError::Coupled`], [`ExportError::Infeasible`].
 pub fn to_urdf(model: &Model, version: &str) -> Result<RobotFile> {
     let robot = Robot::of(model)?;
-    let text = filled_xml(include_str!("templates/robot.urdf.j2"), robot.values(version)?)?;
+    let text = filled("xml", include_str!("templates/robot.urdf.j2"), robot.values(version)?)?;
     Ok(RobotFile { text, left_out: left_out_of_urdf(&robot) })
 }
 
@@ -47,7 +48,7 @@ pub fn to_urdf(model: &Model, version: &str) -> Result<RobotFile> {
 /// As [`to_urdf`].
 pub fn to_mjcf(model: &Model, version: &str) -> Result<RobotFile> {
     let robot = Robot::of(model)?;
-    let text = filled_xml(include_str!("templates/robot.mjcf.j2"), robot.values(version)?)?;
+    let text = filled("xml", include_str!("templates/robot.mjcf.j2"), robot.values(version)?)?;
     Ok(RobotFile { text, left_out: robot.left_out })
 }
 
@@ -96,16 +97,12 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
     let Robot { chain, joints: names, .. } = &Robot::of(model)?;
     let geometry = chain.axes()?;
     let chain = UrdfChain::of_joints(text, names, locked, None)?;
-    let base = torquewise_rigid::geometry::PER_BASE;
-    let pairs = || chain.geometry.parameters()[base..].iter().zip(&geometry.parameters()[base..]);
     let kinds = [&chain.geometry, &geometry].map(Geometry::kinds);
-    let other = (0..names.len()).find(|&joint| kinds[0].of(joint) != kinds[1].of(joint));
-    if let Some(joint) = other {
+    let other_kind = (0..names.len()).find(|&joint| kinds[0].of(joint) != kinds[1].of(joint));
+    let [of_file, of_model] = [&chain.geometry, &geometry].map(|own| &own.parameters()[PER_BASE..]);
+    let other_place = || of_file.iter().zip(of_model).position(|(a, b)| (a - b).abs() > SAME);
+    if let Some(joint) = other_kind.or_else(|| Some(other_place()? / PER_JOINT + 1)) {
         return Err(ExportError::OtherGeometry { joint: names[joint].clone() });
-    }
-    if let Some(k) = pairs().position(|(a, b)| (a - b).abs() > SAME) {
-        let joint = names[k / torquewise_rigid::geometry::PER_JOINT + 1].clone();
-        return Err(ExportError::OtherGeometry { joint });
     }
     let nominal: Vec<_> = chain.joints.iter().map(|joint| joint.inertial_of_file).collect();
     let model = near(model, &nominal)?;
