@@ -60,7 +60,9 @@ impl Table {
     /// The cells row by row, each row as long as the headings.
     pub(crate) fn cells(&self) -> Vec<Vec<Label>> {
         let mut rows = self.rows.clone();
-        rows.iter_mut().for_each(|row| row.resize(self.columns.len(), "".into()));
+        for row in &mut rows {
+            row.resize(self.columns.len(), "".into());
+        }
         let numeric = (0..self.columns.len()).filter(|&place| self.columns[place].numeric);
         for place in numeric {
             let cells: Vec<String> = rows.iter().map(|row| row[place].to_string()).collect();
