@@ -12,7 +12,6 @@ mod files;
 mod moments_file;
 mod progress;
 mod signal_arguments;
-mod conditioning;
 mod selection;
 mod arguments;
 mod pattern_table;

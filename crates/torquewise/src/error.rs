@@ -2,12 +2,25 @@
 #![expect(missing_docs, reason = "each message explains its fields")]
 
 use crate::keywords::names;
-use crate::setting::{Remedy, Wording};
 use miette::Diagnostic;
 use torquewise_logs::LogError;
 use torquewise_model::ModelError;
 use torquewise_motion::{MotionError, ReadError};
 use torquewise_stepwise::IdentifyError;
+
+/// How a front end words an option of a fit or an export by its name, or one with its value.
+pub type Wording = fn(&str, Option<&str>) -> String;
+
+/// Options that help names, by their name or with a value after a space.
+const IN_HELP: [(&str, Option<&str>); 7] = [
+    ("library", Some("energy")),
+    ("library", Some("product")),
+    ("library", Some("chain")),
+    ("method", Some("stepwise")),
+    ("interaction", None),
+    ("force", None),
+    ("binary", None),
+];
 
 /// What fails by [`Error`].
 pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
@@ -44,7 +57,12 @@ pub enum Error {
     Export(#[from] torquewise_export::ExportError),
     #[error("{setting} is not used by {fitted}, which is fitted because {because}")]
     #[diagnostic(help("leave it out or choose {remedy}"))]
-    UnusedOption { setting: &'static str, fitted: &'static str, because: String, remedy: Remedy },
+    UnusedOption {
+        setting: &'static str,
+        fitted: &'static str,
+        because: String,
+        remedy: &'static str,
+    },
     #[error("{setting}: {reason}")]
     WrongValue { setting: &'static str, reason: String },
     #[error("{name} is no option of a fit")]
@@ -149,17 +167,15 @@ impl Error {
     /// What to do about it, if that is known, its options in the words of a front end.
     pub fn advice(&self, word: Wording) -> Option<String> {
         let help = self.help()?.to_string();
-        Some(match self {
-            Self::UnusedOption { remedy, .. } => {
-                help.replace(&remedy.to_string(), &remedy.worded(word))
-            }
+        let names_options = match self {
+            Self::UnusedOption { .. } => true,
             #[cfg(feature = "figures")]
-            Self::NotPositiveDefinite { .. } => help
-                .replace("library chain", &word("library", Some("chain")))
-                .replace("force", &word("force", None)),
-            #[cfg(feature = "figures")]
-            Self::NoCompiler { .. } => help.replace("binary", &word("binary", None)),
-            _ => help,
-        })
+            Self::NotPositiveDefinite { .. } | Self::NoCompiler { .. } => true,
+            _ => false,
+        };
+        Some(IN_HELP.iter().filter(|_| names_options).fold(help, |help, (name, value)| {
+            let plain = value.map_or_else(|| (*name).to_owned(), |value| format!("{name} {value}"));
+            help.replace(&plain, &word(name, *value))
+        }))
     }
 }

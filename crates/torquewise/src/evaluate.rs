@@ -1,10 +1,9 @@
 //! How well a model predicts the torque of a log.
 
 use crate::error::{Error, Result};
-use crate::log::{Log, Rows, Source};
+use crate::log::{Log, Prepared, Rows, Source};
 use crate::observe::{NOBODY, Observer, Watched};
 use crate::predict::{Interval, MotionRange};
-use crate::prepared::Prepared;
 use serde::{Serialize, Serializer};
 use serde_json::json;
 use torquewise_identify::score::{JointScore, score, score_along};

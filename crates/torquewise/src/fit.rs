@@ -1,17 +1,16 @@
 //! The fit: the one call that chooses what is fitted, conditions, fits and judges.
 
-use crate::clock::Moment;
 use crate::error::{Error, Result};
 use crate::evaluate::{Evaluation, evaluate};
-use crate::log::{Filter, Log, Rows, Source};
+use crate::log::{Filter, Log, Prepared, Rows, Source};
 use crate::observe::{Event, NOBODY, Observer, Watched};
 use crate::options::{FitOptions, Library};
 use crate::physics::MassMatrix;
-use crate::prepared::Prepared;
 use crate::summary::repairs_note;
 use std::ops::Deref;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
+use std::time::Instant;
 use torquewise_identify::bandwidth::{Tuned, tune};
 use torquewise_identify::disagreement::disagreements;
 use torquewise_identify::plan::ChainOptions;
@@ -246,12 +245,14 @@ pub(crate) fn timed<T>(
     observer: Observer<'_>,
     work: impl FnOnce(Watch<'_>) -> Result<T, IdentifyError>,
 ) -> Result<(T, (f64, Vec<f64>))> {
-    let events: Mutex<Vec<(Progress, Moment)>> = Mutex::new(Vec::new());
+    // WebAssembly has no clock: there no work takes time.
+    let start = cfg!(not(target_family = "wasm")).then(Instant::now);
+    let now = || start.map_or(0.0, |start| start.elapsed().as_secs_f64());
+    let events: Mutex<Vec<(Progress, f64)>> = Mutex::new(Vec::new());
     let is_stopped = AtomicBool::new(false);
-    let start = Moment::now();
     let done = work(&|stage| {
         if stage != Progress::Working && stage.share().is_none() {
-            events.lock().unwrap_or_else(PoisonError::into_inner).push((stage, Moment::now()));
+            events.lock().unwrap_or_else(PoisonError::into_inner).push((stage, now()));
         }
         let told = observer(Event::Stage(stage));
         is_stopped.fetch_or(told.is_break(), Ordering::Relaxed);
@@ -265,8 +266,8 @@ pub(crate) fn timed<T>(
     let events = events.into_inner().unwrap_or_else(PoisonError::into_inner);
     let is_step = |stage| matches!(stage, Progress::Step(_) | Progress::Geometry);
     let steps = events.windows(2).filter(|pair| is_step(pair[0].0));
-    let step_seconds = steps.map(|pair| pair[1].1.since(pair[0].1)).collect();
-    Ok((done, (Moment::now().since(start), step_seconds)))
+    let step_seconds = steps.map(|pair| pair[1].1 - pair[0].1).collect();
+    Ok((done, (now(), step_seconds)))
 }
 
 #[cfg(test)]

@@ -26,13 +26,10 @@
 //! Features, all on by default: `formats` for logs beside plain CSV, `sqlite` for bags in `.db3`, `simulation` for arms with known
 //! truth and controllers, `figures` for reports and exported code.
 
-mod setting;
-mod clock;
 mod error;
 pub mod observe;
 mod options;
 mod keywords;
-mod prepared;
 pub mod log;
 pub mod predict;
 pub mod physics;
@@ -54,7 +51,7 @@ pub mod urdf;
 #[cfg(feature = "simulation")]
 pub mod twin;
 
-pub use error::Error;
+pub use error::{Error, Wording};
 pub use evaluate::{Evaluation, evaluate};
 pub use fit::{Fit, FitResult};
 pub use keywords::{Keyword, Takes};
@@ -63,7 +60,6 @@ pub use log::{Filter, Log};
 pub use miette::Diagnostic;
 pub use observe::{Event, Observer};
 pub use options::{FitOptions, Library};
-pub use setting::{Remedy, Wording};
 #[cfg(feature = "figures")]
 pub use torquewise_export as export;
 pub use torquewise_identify as identify;

@@ -1,14 +1,16 @@
 //! Logs of an arm, and how their signals are conditioned before anything is fitted to them.
 
 use crate::error::{Error, Result};
+use crate::observe::{Observer, Watched};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use torquewise_identify::warning::{Warning, list};
 use torquewise_logs::conditioned::RawLogs;
-use torquewise_logs::{ConditionedLogs, Logs, Options};
+use torquewise_logs::{ConditionedLogs, LEAST_GAIN, Logs, Options};
 use torquewise_model::model::TrainingFilter;
-use torquewise_motion::Recording;
-use torquewise_motion::signals::{Conditioning, Cutoff};
-
-pub use crate::prepared::Prepared;
+use torquewise_motion::repairs::counted;
+use torquewise_motion::signals::{ConditionReport, Conditioning, Cutoff, SignalReport};
+use torquewise_motion::{Motion, ReadError, Recording, Repairs};
 
 /// Log files of one arm, opened: each is a trajectory or several.
 ///
@@ -153,4 +155,160 @@ impl<'a, R: Recording> From<&'a R> for Source<'a> {
     fn from(recording: &'a R) -> Self {
         Self::Recording(recording)
     }
+}
+
+/// Logs ready to be read.
+#[derive(Debug)]
+pub enum Prepared {
+    /// As they are.
+    Plain(Logs),
+    /// Filtered.
+    Conditioned(Box<ConditionedLogs>),
+    /// Filtered, with pieces at hand that can pass any other filter.
+    Raw(Box<RawLogs>),
+}
+
+impl Prepared {
+    /// The files.
+    pub fn logs(&self) -> &Logs {
+        match self {
+            Self::Plain(logs) => logs,
+            Self::Conditioned(logs) => &logs.logs,
+            Self::Raw(raw) => &raw.conditioned.logs,
+        }
+    }
+
+    /// The filtered logs, if anything is filtered.
+    pub fn conditioned(&self) -> Option<&ConditionedLogs> {
+        match self {
+            Self::Plain(_) => None,
+            Self::Conditioned(logs) => Some(logs),
+            Self::Raw(raw) => Some(&raw.conditioned),
+        }
+    }
+
+    /// What can be read of them.
+    pub fn rows(&self) -> &dyn Recording {
+        match self.conditioned() {
+            Some(logs) => logs,
+            None => self.logs(),
+        }
+    }
+
+    /// The same, counted for whoever watches.
+    pub fn watched<'a>(&'a self, observer: Observer<'a>, doing: &'static str) -> Watched<'a> {
+        Watched::new(self.rows(), observer, doing, self.logs().rows_hint())
+    }
+
+    /// The filter that a model fitted on them keeps.
+    pub fn filter(&self) -> Option<TrainingFilter> {
+        let logs = self.conditioned()?;
+        Some(TrainingFilter { cutoff_hz: logs.report.cutoff, delay: logs.settings.delay })
+    }
+
+    /// A sample of the motion with the torque as it was measured, and the white noise in the torque
+    /// of each joint \[N·m\], n; `None` where no torque before its filter is at hand.
+    pub(crate) fn raw_torque(&self) -> Result<Option<(Motion, Vec<f64>)>, ReadError> {
+        let Self::Raw(raw) = self else { return Ok(None) };
+        let Some(motion) = raw.beside_raw_torque()? else { return Ok(None) };
+        let signals = &raw.conditioned.report.signals;
+        let noise = signals.iter().filter(|signal| signal.signal == "tau");
+        Ok(Some((motion, noise.map(|signal| signal.noise).collect())))
+    }
+
+    /// What was done to the signals, if anything was.
+    pub fn report(&self) -> Option<&ConditionReport> {
+        self.conditioned().map(|logs| &logs.report)
+    }
+
+    /// What was repaired in each log at its last complete reading, by its name.
+    pub fn repairs(&self) -> BTreeMap<String, Repairs> {
+        self.conditioned().map_or_else(|| self.logs().repairs(), ConditionedLogs::repairs)
+    }
+
+    /// What was done to the signals as text, one line per finding.
+    pub fn text(&self) -> String {
+        self.report().map_or_else(String::new, |report| format!("{report}\n\n"))
+    }
+
+    /// Name of the file that a trajectory is in.
+    pub fn file_of(&self, trajectory: usize) -> String {
+        let file = self.logs().file_of(trajectory);
+        file.map_or_else(|| format!("trajectory {}", trajectory + 1), |f| f.display().to_string())
+    }
+
+    /// What should be known of torques of few levels, units, odd velocities and rows left out.
+    pub fn warnings(&self) -> Vec<String> {
+        let doubts = self.logs().unit_doubts().into_iter();
+        let own = doubts.chain(self.odd_velocities()).chain(dropped(self.logs()));
+        self.coarse_torques().into_iter().chain(own).collect()
+    }
+
+    /// Torques that a limit cut off as they were measured.
+    pub fn cut_off(&self) -> Vec<Warning> {
+        let cut_off = self.torques().filter(|torque| torque.is_cut_off());
+        let finding = |torque: &SignalReport| {
+            let (joint, share) = (torque.joint.clone(), torque.at_ends.0);
+            Warning::Clipped { joint, share }
+        };
+        cut_off.map(finding).collect()
+    }
+
+    fn torques(&self) -> impl Iterator<Item = &SignalReport> {
+        let signals = self.report().into_iter().flat_map(|report| &report.signals);
+        signals.filter(|signal| signal.signal == "tau")
+    }
+
+    fn coarse_torques(&self) -> Option<String> {
+        let coarse = self.torques().filter(|torque| torque.is_coarse());
+        let joints: Vec<String> = coarse.map(|signal| signal.joint.clone()).collect();
+        (!joints.is_empty()).then(|| {
+            format!(
+                "the torque of {} has few levels for its size: its sensor is too coarse for what the \
+                 joint does, expect a poor fit",
+                list(&joints)
+            )
+        })
+    }
+
+    fn odd_velocities(&self) -> Option<String> {
+        let gains = self.report().into_iter().flat_map(|report| &report.dq_gain);
+        let odd = |gain: &f64| !(LEAST_GAIN..1.0 / LEAST_GAIN).contains(gain);
+        let joints = self.logs().joints().iter().zip(gains);
+        let (joints, gains): (Vec<String>, Vec<String>) = joints
+            .filter_map(|(joint, gain)| Some((joint.clone(), format!("{:.3}", gain.filter(odd)?))))
+            .unzip();
+        (!joints.is_empty()).then(|| {
+            format!(
+                "the measured velocity of {} is {} times the slope of its position: check units, scales, \
+                 signs and the clock of the log",
+                list(&joints),
+                list(&gains)
+            )
+        })
+    }
+}
+
+fn dropped(logs: &Logs) -> Option<String> {
+    let report = logs.report();
+    let mut parts = Vec::new();
+    let repairs = &report.repairs;
+    if repairs.not_finite > 0 {
+        parts.push(counted(repairs.not_finite, "row", "without a number"));
+    }
+    if let Some((file, row, column, value)) = logs.first_absurd() {
+        parts.push(format!(
+            "{}, the first is {column} = {value:e} in row {row} of {}",
+            counted(repairs.absurd, "row", "with a value far beyond its neighbours"),
+            file.display()
+        ));
+    }
+    if let Some(first) = report.first_back {
+        parts.push(format!(
+            "{}, the first is row {first} (if the clock began anew there, put what follows in a file \
+             of its own)",
+            counted(repairs.earlier_stamps, "row", "earlier than a row before")
+        ));
+    }
+    (!parts.is_empty()).then(|| format!("left out: {}", parts.join(", ")))
 }

@@ -2,7 +2,6 @@
 
 use crate::error::{Error, Result};
 use crate::keywords::{joint_kinds, some_word, word};
-use crate::setting::Remedy;
 use serde::Deserialize;
 use torquewise_identify::plan::{
     ChainOptions, FrictionKind, KnownGeometry, LibraryOptions, Refine, Regression,
@@ -16,6 +15,10 @@ use torquewise_stepwise::activation::Scaling;
 
 /// Joints up to which the whole energy library is offered.
 pub(crate) const MOST_WHOLE: usize = 4;
+
+/// The libraries whose terms are selected.
+const TERMS: &str =
+    "library energy or library product (energy needs interaction beyond four joints)";
 
 /// Which equations are offered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -205,16 +208,21 @@ impl FitOptions {
         let by_step = fitted == (Library::Product, Regression::Stepwise);
         let one_shot = fitted == (Library::Product, Regression::OneShot);
         let all = [
-            ("friction", self.has_friction(), !one_shot, Remedy::Stepwise),
-            ("interaction", self.interaction.is_some(), energy, Remedy::Energy),
-            ("trig_order", self.trig_order.is_some(), product, Remedy::Product),
-            ("gravity_order", self.gravity_order.is_some(), by_step, Remedy::ProductByStep),
-            ("select", self.selector.is_some(), !chain, Remedy::Terms),
-            ("threshold", self.threshold.is_some(), !chain, Remedy::Terms),
-            ("n_bootstrap", self.n_bootstrap.is_some(), !chain, Remedy::Terms),
-            ("urdf", self.geometry.is_some(), chain, Remedy::Chain),
-            ("counterbalance", !self.counterbalanced.is_empty(), chain, Remedy::Chain),
-            ("refine", self.refine.is_some(), chain, Remedy::Chain),
+            ("friction", self.has_friction(), !one_shot, "method stepwise"),
+            ("interaction", self.interaction.is_some(), energy, "library energy"),
+            ("trig_order", self.trig_order.is_some(), product, "library product"),
+            (
+                "gravity_order",
+                self.gravity_order.is_some(),
+                by_step,
+                "library product with method stepwise",
+            ),
+            ("select", self.selector.is_some(), !chain, TERMS),
+            ("threshold", self.threshold.is_some(), !chain, TERMS),
+            ("n_bootstrap", self.n_bootstrap.is_some(), !chain, TERMS),
+            ("urdf", self.geometry.is_some(), chain, "library chain"),
+            ("counterbalance", !self.counterbalanced.is_empty(), chain, "library chain"),
+            ("refine", self.refine.is_some(), chain, "library chain"),
         ];
         for (setting, is_given, is_used, remedy) in all {
             if is_given && !is_used && !spared.contains(&setting) {

@@ -16,6 +16,15 @@ pub fn repairs_note(logs: &BTreeMap<String, Repairs>) -> Option<String> {
     (!logs.is_empty()).then(|| logs.values().sum::<Repairs>().to_string())
 }
 
+/// What was repaired in each log, a line each; nothing if they are sound.
+pub fn repairs_text(logs: &BTreeMap<String, Repairs>) -> String {
+    if logs.is_empty() {
+        return String::new();
+    }
+    let line = |(log, repairs): (&String, &Repairs)| format!("{log}: {repairs}\n");
+    format!("\nconditioning\n{}", logs.iter().map(line).collect::<String>())
+}
+
 impl FitResult {
     /// What was found in numbers, for programs; percentages are of the standard deviation of the
     /// torque of a joint.

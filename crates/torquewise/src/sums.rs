@@ -2,10 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::fit::{FitResult, timed};
-use crate::log::{Log, Rows};
+use crate::log::{Log, Prepared, Rows};
 use crate::observe::{Event, Observer};
 use crate::options::FitOptions;
-use crate::prepared::Prepared;
 use torquewise_identify::plan::{ChainOptions, FrictionKind, LibraryOptions};
 use torquewise_identify::reconstruct::Solution;
 use torquewise_identify::rounds::Request;

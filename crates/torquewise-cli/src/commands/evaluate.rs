@@ -1,7 +1,6 @@
 //! How well a model predicts the torque of logs.
 
 use crate::arguments::fitting;
-use crate::conditioning;
 use crate::error::Result;
 use crate::files::read_model;
 use crate::outcome::{Outcome, object};
@@ -12,7 +11,7 @@ use clap::Args;
 use std::path::PathBuf;
 use torquewise::Grade;
 use torquewise::evaluate::{evaluate_prepared, prepare, rollouts};
-use torquewise::summary::all_repairs;
+use torquewise::summary::{all_repairs, repairs_text};
 
 /// Compare the torque a model predicts with the torque measured
 #[derive(Args, Debug)]
@@ -64,7 +63,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             scores.rows,
             scores.verdict,
             score_table::rollouts(&scores, &model.kinds()),
-            conditioning::text(&repairs)
+            repairs_text(&repairs)
         ),
         json,
         warnings: unusable.into_iter().chain(scores.warnings).chain(log.warnings()).collect(),

@@ -1,6 +1,5 @@
 //! `inspect`: what logs hold, and what they lack.
 
-use crate::conditioning;
 use crate::error::{CliError, Result};
 use crate::outcome::{Outcome, object};
 use crate::pattern_table::counts_text;
@@ -16,7 +15,7 @@ use torquewise::log::Rows;
 use torquewise::logs::{LogError, LogInput, suggest};
 use torquewise::model::number;
 use torquewise::stepwise::{NoiseFloor, Survey};
-use torquewise::summary::repairs_note;
+use torquewise::summary::{repairs_note, repairs_text};
 
 /// Show what a log holds and what it lacks
 #[derive(Args, Debug)]
@@ -51,7 +50,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let signals = signals.unwrap_or_default();
     Ok(Outcome {
         notes: repairs_note(&repairs).into_iter().collect(),
-        text: text(&inspection) + &signals + &conditioning::text(&repairs),
+        text: text(&inspection) + &signals + &repairs_text(&repairs),
         json: object(&inspection),
         warnings: inspection.warnings().into_iter().chain(recorded.warnings()).collect(),
         ..Outcome::default()

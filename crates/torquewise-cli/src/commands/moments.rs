@@ -1,7 +1,6 @@
 //! All that a fit needs of logs, in a file that adds to others.
 
 use crate::arguments::{METHOD, PlanArguments, words};
-use crate::conditioning;
 use crate::error::Result;
 use crate::files::check_files;
 use crate::moments_file::{read_request, write_moments};
@@ -10,6 +9,7 @@ use crate::progress::watch;
 use crate::signal_arguments::SignalArguments;
 use clap::Args;
 use std::path::PathBuf;
+use torquewise::summary::repairs_text;
 use torquewise::sums::sum_up;
 
 /// Write mergeable sufficient statistics of logs: merge such files, then solve
@@ -44,6 +44,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let request = arguments.request.as_deref().map(read_request).transpose()?;
     let (summary, log) = sum_up(&log, &options, request.as_ref(), &watch())?;
     let written = write_moments(&arguments.output, &summary)?;
-    let text = log.text() + &written.text + &conditioning::text(&log.repairs());
+    let text = log.text() + &written.text + &repairs_text(&log.repairs());
     Ok(Outcome { text, warnings: log.warnings(), ..written })
 }

@@ -1,7 +1,6 @@
 //! The torque of a log, whole and in parts.
 
 use crate::arguments::parsed;
-use crate::conditioning;
 use crate::error::Result;
 use crate::files::{check_files, read_model, staged};
 use crate::outcome::Outcome;
@@ -19,7 +18,7 @@ use torquewise::model::units::heading;
 use torquewise::model::{FrictionTerm, Model, Parts, Torque, Weighted, number};
 use torquewise::motion::{Motion, ReadError, Recording, Signals};
 use torquewise::predict::{Interval, MotionRange};
-use torquewise::summary::all_repairs;
+use torquewise::summary::{all_repairs, repairs_text};
 
 /// Predict the torque of a log, with or without measured torque, or at one pose
 ///
@@ -162,7 +161,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         "file": file.to_string(),
         "conditioning": all_repairs(&repairs),
     });
-    let (text, warnings) = (text + &conditioning::text(&repairs), range.warnings(&model));
+    let (text, warnings) = (text + &repairs_text(&repairs), range.warnings(&model));
     let notes = left_out(&logs, rows).into_iter().collect();
     Ok(Outcome { text, json, warnings, notes, ..Outcome::default() })
 }

@@ -2,7 +2,6 @@
 
 use crate::arguments::{Word, choice};
 use crate::call_costs;
-use crate::conditioning;
 use crate::error::{CliError, Result};
 use crate::files::read_model;
 use crate::outcome::{Outcome, object};
@@ -16,6 +15,7 @@ use torquewise::model::model::Choice;
 use torquewise::model::selection::Selection;
 use torquewise::model::{Kind, Model, learned, number, print};
 use torquewise::physics::{PhysicsCheck, STATES};
+use torquewise::summary::repairs_text;
 
 /// Print what was learned of the arm, and the equations of the model
 #[derive(Args, Debug)]
@@ -95,7 +95,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         if arguments.explain {
             text.extend(model.choices.iter().map(choice_text));
         }
-        text.push_str(&conditioning::text(&model.training.conditioning));
+        text.push_str(&repairs_text(&model.training.conditioning));
         text.extend(physics.as_ref().map(|physics| format!("\n{physics}")));
         text.extend(costs.as_deref().map(call_costs::text));
     }
