@@ -3,7 +3,7 @@
 use miette::Diagnostic;
 use std::error::Error;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub(crate) type Result<T, E = CliError> = std::result::Result<T, E>;
 
@@ -22,29 +22,11 @@ pub(crate) enum CliError {
     #[error("{} cannot be written", file.display())]
     #[diagnostic(help("check that its folder may be written and has room"))]
     Write { file: PathBuf, source: io::Error },
-    #[error("{} cannot be written, there is no folder {}", file.display(), folder.display())]
-    #[diagnostic(help("create it or name another"))]
-    NoFolder { file: PathBuf, folder: PathBuf },
-    #[error("{} is a folder", .0.display())]
-    #[diagnostic(help("name a file in it"))]
-    OutputIsFolder(PathBuf),
-    #[error("{} is a file", .0.display())]
-    #[diagnostic(help("name a folder"))]
-    NotAFolder(PathBuf),
-    #[error("{} is read by this command", .0.display())]
-    #[diagnostic(help("give the output another name"))]
-    OutputIsInput(PathBuf),
-    #[error("{} would be written twice", .0.display())]
-    #[diagnostic(help("give each output a name of its own"))]
-    SameOutput(PathBuf),
+    #[error("{} {what}", file.display())]
+    #[diagnostic(help("{help}"))]
+    Refused { file: PathBuf, what: String, help: &'static str },
     #[error("unsupported extension for this output: {}, expected {expected}", file.display())]
     Ending { file: PathBuf, expected: String },
-    #[error("{} is a log, not a model", .0.display())]
-    #[diagnostic(help("the model comes first, then the logs"))]
-    LogForModel(PathBuf),
-    #[error("{} exists and is not empty", .0.display())]
-    #[diagnostic(help("name a new folder"))]
-    NotEmpty(PathBuf),
     #[error("the model is of joints {model}, the arm has {arm}")]
     #[diagnostic(help(
         "give the arm the model was learned on, or --lock the joints that the log did not move"
@@ -75,6 +57,11 @@ impl<E: Into<torquewise::Error>> From<E> for CliError {
 impl CliError {
     pub(crate) fn within(self, what: impl Into<String>) -> Self {
         Self::In { what: what.into(), source: Box::new(self) }
+    }
+
+    /// A file or folder that cannot be what it is given as, and what to do.
+    pub(crate) fn refused(file: &Path, what: impl Into<String>, help: &'static str) -> Self {
+        Self::Refused { file: file.into(), what: what.into(), help }
     }
 
     /// Whether the line that was typed is wrong, rather than what it reads.

@@ -15,41 +15,41 @@ use torquewise::twin;
 
 pub(crate) fn read_model(file: &Path) -> Result<Model> {
     if is_log(file) {
-        return Err(CliError::LogForModel(file.to_owned()));
+        let help = "the model comes first, then the logs";
+        return Err(CliError::refused(file, "is a log, not a model", help));
     }
     Ok(Model::load(file)?)
 }
 
-/// The built-in arm of that name, or the one in a `.urdf`, `.toml` or model file.
-pub(crate) fn read_arm(arm: &str, locked: &[String]) -> Result<Arm> {
+/// The built-in arm of that name, or the one in a `.urdf`, `.toml` or model file, with that model.
+///
+/// - `friction`: a file of it, which a model does not take
+pub(crate) fn read_arm(
+    arm: &str,
+    locked: &[String],
+    friction: Option<&Path>,
+) -> Result<(Arm, Option<Model>)> {
     let file = Path::new(arm);
     let extension = file.extension().map(|e| e.to_string_lossy().to_lowercase());
     let read = |read: &dyn Fn(&str) -> Result<Arm, SimError>| {
         read(&read_text(file)?)
             .map_err(|error| CliError::from(error).within(format!("no arm in {arm}")))
     };
-    match extension.as_deref() {
-        Some("urdf") => read(&|text| Arm::from_urdf(text, locked)),
-        _ if !locked.is_empty() => {
-            let message = "--lock is for arms from a .urdf file: leave it out".to_owned();
-            Err(CliError::Usage(message))
+    let usage = |message: &str| Err(CliError::Usage(format!("{message}: leave it out")));
+    let arm = match extension.as_deref() {
+        Some("urdf") => read(&|text| Arm::from_urdf(text, locked))?,
+        _ if !locked.is_empty() => return usage("--lock is for arms from a .urdf file"),
+        Some("json") if friction.is_some() => {
+            return usage("--friction is not for a model, which has its own");
         }
-        Some("toml") => read(&Arm::from_dh_toml),
-        Some("json") => Ok(twin::arm(&read_model(file)?)?),
-        _ => Ok(Arm::builtin(arm)?),
-    }
-}
-
-pub(crate) fn read_twin(arm: &str, friction: Option<&Path>) -> Result<Option<Model>> {
-    let file = Path::new(arm);
-    if file.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("json")) {
-        return Ok(None);
-    }
-    if friction.is_some() {
-        let message = "--friction is not for a model, which has its own: leave it out";
-        return Err(CliError::Usage(message.to_owned()));
-    }
-    Ok(Some(read_model(file)?))
+        Some("json") => {
+            let model = read_model(file)?;
+            return Ok((twin::arm(&model)?, Some(model)));
+        }
+        Some("toml") => read(&Arm::from_dh_toml)?,
+        _ => Arm::builtin(arm)?,
+    };
+    Ok((arm, None))
 }
 
 /// The friction in a file, for the joints of an arm; none without a file.
@@ -85,10 +85,11 @@ pub(crate) fn check_files<'a>(
     for (file, endings) in outputs {
         let folder = folder_of(file);
         if !folder.is_dir() {
-            return Err(CliError::NoFolder { file: file.into(), folder: folder.into() });
+            let what = format!("cannot be written, there is no folder {}", folder.display());
+            return Err(CliError::refused(file, what, "create it or name another"));
         }
         if file.is_dir() {
-            return Err(CliError::OutputIsFolder(file.into()));
+            return Err(CliError::refused(file, "is a folder", "name a file in it"));
         }
         let refused = |source| CliError::Write { file: file.into(), source };
         destination(file).map_err(refused)?;
@@ -98,10 +99,12 @@ pub(crate) fn check_files<'a>(
         let new = || folder.join(file.file_name().unwrap_or_default());
         let real = file.canonicalize().unwrap_or_else(|_| new());
         if inputs.contains(&real) {
-            return Err(CliError::OutputIsInput(file.into()));
+            let help = "give the output another name";
+            return Err(CliError::refused(file, "is read by this command", help));
         }
         if seen.contains(&real) {
-            return Err(CliError::SameOutput(file.into()));
+            let help = "give each output a name of its own";
+            return Err(CliError::refused(file, "would be written twice", help));
         }
         seen.push(real);
     }
@@ -228,7 +231,7 @@ pub(crate) fn abandon() -> usize {
 /// where the command does not succeed.
 pub(crate) fn create_folder(folder: &Path) -> Result<()> {
     if folder.exists() && !folder.is_dir() {
-        return Err(CliError::NotAFolder(folder.into()));
+        return Err(CliError::refused(folder, "is a file", "name a folder"));
     }
     let failed = |source| CliError::Write { file: folder.into(), source };
     let ancestors = folder.ancestors().take_while(|path| !path.as_os_str().is_empty());

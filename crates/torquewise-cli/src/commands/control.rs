@@ -7,9 +7,7 @@ mod summary;
 use crate::arguments::{Word, choice};
 use crate::commands::control::setup::{MotionArguments, PlantArguments};
 use crate::error::{CliError, Result};
-use crate::files::{
-    check_files, read_arm, read_friction, read_model, read_twin, staged, write_whole,
-};
+use crate::files::{check_files, read_arm, read_friction, read_model, staged, write_whole};
 use crate::outcome::Outcome;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -86,13 +84,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_files(&inputs, given)?;
 
     let model = read_model(&arguments.model)?;
-    let arm = read_arm(&arguments.arm, &arguments.plant.lock)?;
+    let file = arguments.plant.friction.as_deref();
+    let (arm, twin) = read_arm(&arguments.arm, &arguments.plant.lock, file)?;
     if !is_of_joints(&model, &arm) {
         let (model, arm) = (model.joints.join(", "), arm.joints().join(", "));
         return Err(CliError::ModelOfAnotherArm { model, arm });
     }
-    let file = arguments.plant.friction.as_deref();
-    let twin = read_twin(&arguments.arm, file)?;
     let friction = match &twin {
         Some(twin) => twin::friction(twin)?,
         None => read_friction(file, &arm)?,

@@ -72,7 +72,7 @@ struct Purity {
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let Arguments { seconds, rate, seed, case, .. } = *arguments;
     check_rows(seconds, rate, MOST_ROWS)?;
-    let arm = read_arm(&arguments.arm, &[])?;
+    let (arm, _) = read_arm(&arguments.arm, &[], None)?;
     let plan = MotionPlan { kind: MotionKind::Moves, seconds, rate, seed };
     let clean = simulate(&arm, &plan)?;
     let log = add_noise(&clean.motion, &Noise::case(case)?, seed)?;

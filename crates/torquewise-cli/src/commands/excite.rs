@@ -4,7 +4,7 @@ mod figure;
 mod summary;
 
 use crate::error::Result;
-use crate::files::{check_files, create_folder, read_arm, read_twin, staged, write_whole};
+use crate::files::{check_files, create_folder, read_arm, staged, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::share_bar;
 use clap::Args;
@@ -98,7 +98,7 @@ struct Files {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let arm = read_arm(&arguments.arm, &arguments.lock)?;
+    let (arm, twin) = read_arm(&arguments.arm, &arguments.lock, None)?;
     let wishes = Wishes {
         range: JointValues(arguments.range.clone()),
         velocity: JointValues(arguments.max_velocity.clone()),
@@ -108,7 +108,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     };
     let limits = limits(&arm, &wishes)?;
     let most = JointValues(arguments.torque_limit.clone());
-    let torques = match read_twin(&arguments.arm, None)? {
+    let torques = match twin {
         Some(model) => twin::torques(&model, &most)?,
         None => Torques::of_arm(&arm, &most)?,
     };

@@ -169,7 +169,7 @@ fn check_paths(arguments: &Arguments, vectors: Option<&PathBuf>) -> Result<()> {
     }
     let is_full = || fs::read_dir(output).is_ok_and(|mut entries| entries.next().is_some());
     if output.exists() && is_full() {
-        return Err(CliError::NotEmpty(output.clone()));
+        return Err(CliError::refused(output, "exists and is not empty", "name a new folder"));
     }
     check_files(inputs, vectors)
 }

@@ -2,7 +2,7 @@
 
 use crate::arguments::{Word, choice, noise_levels};
 use crate::error::Result;
-use crate::files::{check_files, check_rows, read_arm, read_friction, read_twin, staged};
+use crate::files::{check_files, check_rows, read_arm, read_friction, staged};
 use crate::outcome::Outcome;
 use crate::pattern_table::PatternTable;
 use crate::progress::watch;
@@ -80,8 +80,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     inputs.extend(arguments.friction.clone());
     let outputs = std::iter::once(output).chain(&arguments.truth);
     check_files(&inputs, outputs.map(|file| (file.as_path(), &[][..])))?;
-    let arm = read_arm(name, &arguments.lock)?;
-    let twin = read_twin(name, arguments.friction.as_deref())?;
+    let (arm, twin) = read_arm(name, &arguments.lock, arguments.friction.as_deref())?;
     let Arguments { seconds, rate, seed, .. } = *arguments;
     let plan = MotionPlan { kind: arguments.motion, seconds, rate, seed };
     let friction = read_friction(arguments.friction.as_deref(), &arm)?;
