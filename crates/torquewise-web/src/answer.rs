@@ -1,6 +1,6 @@
 //! From a request to its answer.
 
-use crate::examples::EXAMPLES;
+use crate::examples::csv;
 use crate::fitted::fitted;
 use crate::request::{FileAt, LogAt, Question};
 use serde_json::{Value, json};
@@ -73,10 +73,9 @@ fn answered(request: Question, held: Held<'_>, observer: Observer<'_>) -> Result
         }
         Question::Export { model, to, name, force } => exported(&model, &to, &name, force),
         Question::Example { name } => {
-            let example = EXAMPLES.iter().find(|example| example.name == name);
-            let example = example.ok_or_else(|| unknown("example", &name))?;
+            let csv = csv(&name)?.ok_or_else(|| unknown("example", &name))?;
             let json = json!({ "name": format!("{name}.csv") });
-            Ok(Answer { json, content: example.csv()?.into_bytes() })
+            Ok(Answer { json, content: csv.into_bytes() })
         }
     }
 }

@@ -5,87 +5,42 @@ use torquewise::dynamics::friction::{Friction, Stribeck};
 use torquewise::dynamics::{Arm, MotionKind, MotionPlan, Noise, SimulatedLog, add_noise};
 use torquewise::motion::Motion;
 
-/// A log to try the page with.
-#[derive(Clone, Copy, Debug)]
-pub struct Example {
-    /// What the page asks for it by, and what its file is called but for the ending.
-    pub name: &'static str,
-    /// Which of the built-in arms moves.
-    arm: &'static str,
-    kind: MotionKind,
-    seconds: f64,
-    seed: u64,
-    /// Noise as the command line counts it, 1 for none.
-    case: u8,
-    /// Dry friction \[N·m\] and viscous friction \[N·m·s/rad\] of each joint.
-    friction: &'static [[f64; 2]],
-    /// Whether it looks as robots record: positions in degrees, currents, names of its own.
-    is_raw: bool,
-}
-
 /// Rows per second.
 const RATE: f64 = 100.0;
 
 /// What an ampere is worth in the raw log \[N·m/A\].
 const TORQUE_CONSTANT: f64 = 2.5;
 
-const USUAL: Example = Example {
-    name: "",
-    arm: "planar-2",
-    kind: MotionKind::Moves,
-    seconds: 60.0,
-    seed: 1,
-    case: 1,
-    friction: &[],
-    is_raw: false,
-};
-
-/// All of them.
-pub const EXAMPLES: [Example; 4] = [
-    Example { name: "two-joints", seconds: 120.0, case: 2, ..USUAL },
-    Example {
-        name: "two-joints-other-motion",
-        kind: MotionKind::Sines,
-        seconds: 20.0,
-        seed: 2,
-        ..USUAL
-    },
-    Example {
-        name: "raw-columns",
-        seed: 3,
-        friction: &[[1.5, 0.8], [0.6, 0.3]],
-        is_raw: true,
-        ..USUAL
-    },
-    Example { name: "gantry", arm: "gantry-3", seed: 4, case: 2, ..USUAL },
-];
-
-impl Example {
-    /// The log as CSV.
-    ///
-    /// # Errors
-    /// [`Error::Arm`] if the arm is not known.
-    pub fn csv(&self) -> Result<String, Error> {
-        let arm = Arm::builtin(self.arm)?;
-        let plan =
-            MotionPlan { kind: self.kind, seconds: self.seconds, rate: RATE, seed: self.seed };
-        let mut log = SimulatedLog::new(&arm, &plan)?;
-        if !self.friction.is_empty() {
-            let law = |&[dry, viscous]: &[f64; 2]| Stribeck {
-                coulomb: dry,
-                stiction: dry,
-                speed: 1.0,
-                viscous,
-            };
-            let laws: Vec<Stribeck> = self.friction.iter().map(law).collect();
-            log = log.with_friction(Friction::new(&laws)?)?;
-        }
-        let mut motion = log.whole()?.motion;
-        if self.case > 1 {
-            motion = add_noise(&motion, &Noise::case(self.case)?, self.seed)?;
-        }
-        Ok(if self.is_raw { raw(&motion) } else { plain(&motion) })
+/// An example as CSV, by what its file is called but for the ending; none by another name.
+///
+/// The raw one looks as robots record: positions in degrees, currents, names of its own.
+///
+/// # Errors
+/// [`Error::Arm`] if it cannot be simulated.
+pub fn csv(name: &str) -> Result<Option<String>, Error> {
+    // The last is the case of noise, 1 for none.
+    let (arm, kind, seconds, seed, case) = match name {
+        "two-joints" => ("planar-2", MotionKind::Moves, 120.0, 1, 2),
+        "two-joints-other-motion" => ("planar-2", MotionKind::Sines, 20.0, 2, 1),
+        "raw-columns" => ("planar-2", MotionKind::Moves, 60.0, 3, 1),
+        "gantry" => ("gantry-3", MotionKind::Moves, 60.0, 4, 2),
+        _ => return Ok(None),
+    };
+    let is_raw = name == "raw-columns";
+    let plan = MotionPlan { kind, seconds, rate: RATE, seed };
+    let mut log = SimulatedLog::new(&Arm::builtin(arm)?, &plan)?;
+    if is_raw {
+        let law = |[dry, viscous]: [f64; 2]| {
+            let (coulomb, stiction) = (dry, dry);
+            Stribeck { coulomb, stiction, speed: 1.0, viscous }
+        };
+        log = log.with_friction(Friction::new(&[[1.5, 0.8], [0.6, 0.3]].map(law))?)?;
     }
+    let mut motion = log.whole()?.motion;
+    if case > 1 {
+        motion = add_noise(&motion, &Noise::case(case)?, seed)?;
+    }
+    Ok(Some(if is_raw { raw(&motion) } else { plain(&motion) }))
 }
 
 /// Columns in SI units by their usual names.

@@ -39,7 +39,7 @@ pub enum Question {
     },
     /// A log that is simulated, to try the page with.
     Example {
-        /// Which, of [`crate::examples::EXAMPLES`].
+        /// Which, as [`crate::examples::csv`] takes it.
         name: String,
     },
 }

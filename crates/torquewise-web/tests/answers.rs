@@ -8,7 +8,6 @@ use torquewise::logs::LogInput;
 use torquewise::observe::NOBODY;
 use torquewise::{Fit, Log};
 use torquewise_web::answer::{Answer, answer};
-use torquewise_web::examples::EXAMPLES;
 use torquewise_web::request::FileAt;
 
 const CONFORMANCE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/conformance/");
@@ -41,13 +40,13 @@ fn examples_are_read_and_the_raw_one_once_its_columns_are_named() {
         "q": { "columns": ["encoder_A", "encoder_B"], "unit": "deg" },
         "tau": { "columns": ["drive_A", "drive_B"], "unit": "A", "torque_constant": 2.5 },
     });
-    for own in EXAMPLES {
-        let (name, content) = (format!("{}.csv", own.name), example(own.name));
+    for own in ["two-joints", "two-joints-other-motion", "raw-columns", "gantry"] {
+        let (name, content) = (format!("{own}.csv"), example(own));
 
         let found = opened(&name, &content, Value::Null);
 
         assert!(found["columns"].as_array().unwrap().len() >= 5, "{name}");
-        if own.name == "raw-columns" {
+        if own == "raw-columns" {
             assert_eq!(found["refused"]["is_unnamed"], true);
             let named = opened(&name, &content, profile.clone());
             let seconds = named["log"]["found"]["seconds"].as_f64().unwrap();
