@@ -2,10 +2,9 @@
 
 use crate::errors::{value_error, wrong};
 use faer::{Mat, MatRef};
-use numpy::ndarray::{Array2, Array3, ArrayView1, ArrayView2, Axis, Slice};
+use numpy::ndarray::{Array2, ArrayView1, ArrayView2, Axis, Slice};
 use numpy::{
-    PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArray,
-    PyUntypedArrayMethods,
+    PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -155,16 +154,6 @@ pub(crate) fn mat(view: ArrayView2<'_, f64>) -> Mat<f64> {
 pub(crate) fn array<'py>(py: Python<'py>, mat: MatRef<'_, f64>) -> Bound<'py, PyArray2<f64>> {
     let values = Array2::from_shape_fn((mat.nrows(), mat.ncols()), |(i, j)| mat[(i, j)]);
     PyArray2::from_owned_array(py, values)
-}
-
-pub(crate) fn matrices<'py>(
-    py: Python<'py>,
-    all: &[Mat<f64>],
-    n: usize,
-) -> Bound<'py, PyArray3<f64>> {
-    let shape = (all.len(), n, n);
-    let values = Array3::from_shape_fn(shape, |(row, i, j)| all[row][(i, j)]);
-    PyArray3::from_owned_array(py, values)
 }
 
 /// Where rows of states are wanted, a single one stands for all.

@@ -21,7 +21,6 @@ use torquewise::{Fit as Run, FitOptions, FitResult};
 pub(crate) struct Fit {
     found: Arc<FitResult>,
     /// Logs it was fitted to.
-    #[pyo3(get)]
     logs: Vec<String>,
     /// The learned equations of motion.
     #[pyo3(get)]
@@ -134,41 +133,15 @@ pub(crate) fn fit(
 
 #[pymethods]
 impl Fit {
-    /// `good`, `usable` or `unusable`, from held-out rows of the log.
-    #[getter]
-    fn verdict(&self) -> String {
-        self.found.verdict().grade.to_string()
-    }
-
-    /// Why, in sentences.
-    #[getter]
-    fn because(&self) -> Vec<String> {
-        self.found.verdict().because
-    }
-
-    /// What to know before the model is used, in sentences.
-    #[getter]
-    fn warnings(&self) -> Vec<String> {
+    /// What is known of it without its rows: all numbers, which are the JSON of the command line,
+    /// warnings, notes, and what it is in a line.
+    fn _facts(&self) -> PyResult<(String, Vec<String>, Vec<String>, String)> {
         let own = self.found.warnings.iter().filter(|warning| !warning.is_remark());
         let of_log = self.found.log.iter().flat_map(Prepared::warnings);
-        own.map(ToString::to_string).chain(of_log).collect()
-    }
-
-    /// What is good to know and changes nothing.
-    #[getter]
-    fn notes(&self) -> Vec<String> {
-        self.found.notes()
-    }
-
-    /// Time it took [s].
-    #[getter]
-    fn seconds(&self) -> f64 {
-        self.found.seconds
-    }
-
-    /// All numbers: the JSON of the command line.
-    fn _summary(&self) -> PyResult<String> {
-        json(&self.found.summary().map_err(raised)?)
+        let warnings = own.map(ToString::to_string).chain(of_log).collect();
+        let words = format!("Fit({}; {})", self.logs.join(", "), self.found.verdict());
+        let summary = json(&self.found.summary().map_err(raised)?)?;
+        Ok((summary, warnings, self.found.notes(), words))
     }
 
     /// The report as one page of HTML.
@@ -202,9 +175,5 @@ impl Fit {
             page(&found, test.as_ref().zip(scores.as_ref()), origin, observer)
         })?;
         Ok(PyBytes::new(py, text.unwrap_or_default().as_bytes()))
-    }
-
-    fn __repr__(&self) -> String {
-        format!("Fit({}; {})", self.logs.join(", "), self.found.verdict())
     }
 }

@@ -1,10 +1,11 @@
 //! Quantities of a model at one state, or at each of several.
 
-use crate::arrays::{Rows, array, matrices, same_rows};
-use crate::errors::raised;
+use crate::arrays::{Rows, same_rows};
+use crate::errors::{raised, value_error};
 use crate::model::Model;
 use faer::Mat;
-use numpy::PyArray1;
+use numpy::PyArray;
+use numpy::ndarray::ArrayD;
 use pyo3::prelude::*;
 use torquewise::{Torque, model};
 
@@ -18,13 +19,7 @@ impl Model {
         inputs: [(&str, &Rows<'py>); K],
         of: impl Fn(&Torque, [&[f64]; K]) -> Result<Vec<f64>, model::ModelError> + Send + Sync,
     ) -> Answer<'py> {
-        Ok(match self.each(py, inputs, of)? {
-            Found::One(own) => PyArray1::from_vec(py, own).into_any(),
-            Found::Many(all) => {
-                let all = Mat::from_fn(all.len(), self.n(), |row, joint| all[row][joint]);
-                array(py, all.as_ref()).into_any()
-            }
-        })
+        self.each(py, inputs, vec![self.n()], of)
     }
 
     /// The same of a matrix, n×n.
@@ -34,33 +29,32 @@ impl Model {
         inputs: [(&str, &Rows<'py>); K],
         of: impl Fn(&Torque, [&[f64]; K]) -> Result<Mat<f64>, model::ModelError> + Send + Sync,
     ) -> Answer<'py> {
-        Ok(match self.each(py, inputs, of)? {
-            Found::One(own) => array(py, own.as_ref()).into_any(),
-            Found::Many(all) => matrices(py, &all, self.n()).into_any(),
-        })
+        let by_rows = |torque: &Torque, state: [&[f64]; K]| {
+            Ok(of(torque, state)?.row_iter().flat_map(|row| row.iter().copied()).collect())
+        };
+        self.each(py, inputs, vec![self.n(); 2], by_rows)
     }
 
-    fn each<T: Send, const K: usize>(
+    /// - `shape`: of the quantity at one state, whose numbers come row by row
+    fn each<'py, const K: usize>(
         &self,
-        py: Python<'_>,
-        inputs: [(&str, &Rows<'_>); K],
-        of: impl Fn(&Torque, [&[f64]; K]) -> Result<T, model::ModelError> + Send + Sync,
-    ) -> PyResult<Found<T>> {
-        if let Some(one) = one_state(&inputs) {
-            return of(&self.torque, one).map(Found::One).map_err(raised);
-        }
-        let inputs = same_rows(inputs, self.n())?;
-        let rows = inputs.first().map_or(0, Mat::nrows);
-        let at = |row| of(&self.torque, state_of(&inputs, row).each_ref().map(Vec::as_slice));
-        let found = py.detach(|| (0..rows).map(at).collect::<Result<_, _>>());
-        found.map(Found::Many).map_err(raised)
+        py: Python<'py>,
+        inputs: [(&str, &Rows<'py>); K],
+        mut shape: Vec<usize>,
+        of: impl Fn(&Torque, [&[f64]; K]) -> Result<Vec<f64>, model::ModelError> + Send + Sync,
+    ) -> Answer<'py> {
+        let found = if let Some(one) = one_state(&inputs) {
+            of(&self.torque, one)
+        } else {
+            let inputs = same_rows(inputs, self.n())?;
+            let rows = inputs.first().map_or(0, Mat::nrows);
+            shape.insert(0, rows);
+            let at = |row| of(&self.torque, state_of(&inputs, row).each_ref().map(Vec::as_slice));
+            py.detach(|| Ok((0..rows).map(at).collect::<Result<Vec<_>, _>>()?.concat()))
+        };
+        let found = ArrayD::from_shape_vec(shape, found.map_err(raised)?).map_err(value_error)?;
+        Ok(PyArray::from_owned_array(py, found).into_any())
     }
-}
-
-/// What a quantity is at one state, or at each of several.
-enum Found<T> {
-    One(T),
-    Many(Vec<T>),
 }
 
 /// The numbers of one state, if all inputs are of one.

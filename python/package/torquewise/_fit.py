@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 import json
 import warnings
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any
@@ -87,80 +86,39 @@ class Evaluation:
         return "\n".join(lines)
 
 
-@dataclass
-class _Kept:
-    """What a pickled fit keeps of its engine: all but the rows."""
-
-    model: _core.Model
-    verdict: str
-    because: list[str]
-    warnings: list[str]
-    notes: list[str]
-    seconds: float
-    logs: list[str]
-    text: str
-    """The summary, as JSON."""
-    words: str
-
-    @classmethod
-    def of(cls, core: _core.Fit | _Kept) -> _Kept:
-        facts = core.verdict, core.because, core.warnings, core.notes, core.seconds, core.logs
-        return cls(Model(core.model), *facts, core._summary(), repr(core))
-
-    def _summary(self) -> str:
-        return self.text
-
-    def _report(self, date: str, test: Any = None, progress: Any = None) -> bytes:
-        raise _core.FitError("a pickled fit keeps no rows: write its report before")
-
-    def __repr__(self) -> str:
-        return self.words
-
-
 class Fit:
     """A model, how it was found, and how far to trust it."""
 
     model: Model
     """The learned equations of motion."""
+    verdict: str
+    """``good``, ``usable`` or ``unusable``, from held-out blocks of the log."""
+    because: list[str]
+    """Why, in sentences."""
+    warnings: list[str]
+    """What to know before the model is used, in sentences."""
+    notes: list[str]
+    """What is good to know and changes nothing."""
+    seconds: float
+    """Time it took [s]."""
     loads: list[Payload]
     """The load of each log of the arm with one."""
 
-    def __init__(self, core: _core.Fit | _Kept, loads: Sequence[Payload] = ()):
-        self._core = core
+    def __init__(self, core: _core.Fit):
+        self._core: _core.Fit | None = core
         self.model = Model(core.model)
-        self.loads = list(loads)
+        self._summary, self.warnings, self.notes, self._words = core._facts()
+        facts = self.summary()
+        self.verdict, self.because = facts["verdict"], facts["because"]
+        self.seconds = facts["seconds"]
+        self.loads = []
 
-    def __reduce__(self) -> tuple[type[Fit], tuple[_Kept, list[Payload]]]:
-        return type(self), (_Kept.of(self._core), self.loads)
-
-    @property
-    def verdict(self) -> str:
-        """``good``, ``usable`` or ``unusable``, from held-out blocks of the log."""
-        return self._core.verdict
-
-    @property
-    def because(self) -> list[str]:
-        """Why, in sentences."""
-        return self._core.because
-
-    @property
-    def warnings(self) -> list[str]:
-        """What to know before the model is used, in sentences."""
-        return self._core.warnings
-
-    @property
-    def notes(self) -> list[str]:
-        """What is good to know and changes nothing."""
-        return self._core.notes
-
-    @property
-    def seconds(self) -> float:
-        """Time it took [s]."""
-        return self._core.seconds
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_core": None}
 
     def summary(self) -> dict[str, Any]:
         """All numbers, as a dict: what ``torquewise fit --json`` prints."""
-        found: dict[str, Any] = json.loads(self._core._summary())
+        found: dict[str, Any] = json.loads(self._summary)
         return found
 
     @explicit(LogOptions)
@@ -183,6 +141,8 @@ class Fit:
 
         `test` is a log of another motion to judge the model by.
         """
+        if self._core is None:
+            raise _core.FitError("a pickled fit keeps no rows: write its report before")
         date = datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
         test = None if test is None else read_log(test, **options)
         with shown(progress) as told:
@@ -199,7 +159,7 @@ class Fit:
         self.model.save(path)
 
     def __repr__(self) -> str:
-        return repr(self._core)
+        return self._words
 
     def _repr_html_(self) -> str:
         try:
