@@ -29,8 +29,6 @@ type Waves = [Option<f64>; 5];
 ///
 /// - `sensors`: counts of the encoders, noise, cut-off of the velocity, seed
 #[pyfunction]
-#[pyo3(signature = (model, arm, *, wanted, waves, seed, controllers, perfect, bandwidth, settle, friction, lock,
-                    rotor, torque_limit, delay, sensors))]
 #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
 pub(crate) fn control<'py>(
     py: Python<'py>,

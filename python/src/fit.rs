@@ -115,7 +115,6 @@ fn geometry(
 
 /// Fits the equations of motion to a log.
 #[pyfunction]
-#[pyo3(signature = (log, options=None, progress=None))]
 pub(crate) fn fit(
     py: Python<'_>,
     log: &Log,
@@ -147,7 +146,6 @@ impl Fit {
     /// The report as one page of HTML.
     ///
     /// - `date`: to be printed
-    #[pyo3(signature = (date, test=None, progress=None))]
     fn _report<'py>(
         &self,
         py: Python<'py>,

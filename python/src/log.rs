@@ -150,7 +150,6 @@ pub(crate) fn motion_dict<'py>(py: Python<'py>, motion: &Motion) -> PyResult<Bou
 
 /// Writes a `.csv` or `.parquet` log, whole or not at all.
 #[pyfunction]
-#[pyo3(signature = (path, joints, t, q, dq, ddq, tau=None))]
 pub(crate) fn write_log(
     path: PathBuf,
     joints: Vec<String>,
@@ -167,7 +166,6 @@ pub(crate) fn write_log(
 
 /// What a log holds and what it lacks: JSON, and warnings.
 #[pyfunction]
-#[pyo3(signature = (log, model=None, progress=None))]
 pub(crate) fn inspect(
     py: Python<'_>,
     log: &Log,
@@ -198,7 +196,6 @@ pub(crate) fn suggest(files: Vec<PathBuf>) -> PyResult<(String, Vec<String>, boo
 /// The pattern of each row, of 0 standstill, 1 uniform, 2 variable; inertia of 1, 2, … clusters; and
 /// warnings.
 #[pyfunction]
-#[pyo3(signature = (log, *, activation="scaled", clusters=None, seed=0, progress=None))]
 #[expect(clippy::type_complexity, reason = "a tuple for Python")]
 pub(crate) fn patterns<'py>(
     py: Python<'py>,

@@ -17,7 +17,7 @@ use torquewise::exported::{ExportOptions, Target, export, function_name};
 use torquewise::model::selection::Selection;
 use torquewise::model::{self, print};
 use torquewise::motion::Motion;
-use torquewise::physics::{PhysicsCheck, STATES};
+use torquewise::physics::PhysicsCheck;
 use torquewise::predict::{Interval, MotionRange};
 use torquewise::{Torque, describe};
 
@@ -240,7 +240,6 @@ impl Model {
     }
 
     /// Errors on a log, joint by joint: JSON.
-    #[pyo3(signature = (log, progress=None))]
     fn _evaluate(
         &self,
         py: Python<'_>,
@@ -257,7 +256,6 @@ impl Model {
     }
 
     /// How far simulated windows of a log drift from it after times [s], ascending: JSON.
-    #[pyo3(signature = (log, horizons, samples=None, progress=None))]
     fn _rollout(
         &self,
         py: Python<'_>,
@@ -309,7 +307,6 @@ impl Model {
     }
 
     /// Whether the model is physics, at random states: JSON, and a warning if it is not.
-    #[pyo3(signature = (states=STATES))]
     fn _check(&self, py: Python<'_>, states: usize) -> PyResult<(String, Option<String>)> {
         let model = Arc::clone(&self.model);
         let found = work(py, None, move |_| Ok(PhysicsCheck::of(&model, states)?))?;

@@ -13,7 +13,6 @@ use torquewise::payload::LoadPlace;
 
 /// External torque of a log: rows of t, n torques and n thresholds, how these were set and contacts as JSON.
 #[pyfunction]
-#[pyo3(signature = (model, log, *, free=None, bandwidth=None, false_alarms=None, progress=None))]
 pub(crate) fn contacts<'py>(
     py: Python<'py>,
     model: &Model,
@@ -63,7 +62,6 @@ pub(crate) fn contacts<'py>(
 
 /// The load on a link: JSON, hints, and the model of the arm that carries it.
 #[pyfunction]
-#[pyo3(signature = (model, log, link=None, center=None, progress=None))]
 pub(crate) fn payload(
     py: Python<'_>,
     model: &Model,
@@ -87,7 +85,6 @@ pub(crate) fn payload(
 
 /// What a unit of each torque column is worth: JSON, hints.
 #[pyfunction]
-#[pyo3(signature = (model, log, mass, progress=None))]
 pub(crate) fn gains(
     py: Python<'_>,
     model: &Model,

@@ -58,8 +58,6 @@ const MOTIONS: [(&str, MotionKind); 3] =
 
 /// A motion of an arm with its torque: joint names, and a dict of t, q, dq, ddq and tau.
 #[pyfunction]
-#[pyo3(signature = (arm, *, motion="moves", seconds=None, rate=None, seed=0, noise_db=None,
-                    friction=None, lock=vec![]))]
 #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
 pub(crate) fn simulate<'py>(
     py: Python<'py>,
@@ -107,10 +105,6 @@ type Wish<T> = Vec<(Option<String>, T)>;
 /// The recordings of standstill, uniform and variable velocity: a list of three dicts, each with t,
 /// q, dq and ddq, and the name of the pattern and the `JointTrajectory` of ROS 2 as text.
 #[pyfunction]
-#[pyo3(signature = (arm, *, seconds=None, dwell=None, slow_sweeps=false, range=vec![], margin=None,
-                    max_velocity=vec![], max_acceleration=vec![], torque_limit=vec![], speed_scale=None, home=None,
-                    lock=vec![], interaction=None, tries=None, rate=None, ros_rate=20.0, seed=0,
-                    progress=None))]
 #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
 pub(crate) fn excite<'py>(
     py: Python<'py>,

@@ -38,7 +38,6 @@ impl Summary {
 
     /// Sums up a log.
     #[classmethod]
-    #[pyo3(signature = (log, request=None, options=None, progress=None))]
     fn _of(
         _class: &Bound<'_, PyType>,
         py: Python<'_>,
@@ -63,7 +62,6 @@ impl Summary {
     }
 
     /// The fit of a model, or the request of another pass.
-    #[pyo3(signature = (options=None, progress=None))]
     fn _solve<'py>(
         &self,
         py: Python<'py>,

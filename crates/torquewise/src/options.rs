@@ -172,29 +172,26 @@ impl FitOptions {
         let many = joints > MOST_WHOLE && self.interaction.is_none();
         let stepwise = self.regression == Regression::Stepwise;
         let too_many = format!("the log has {joints} joints");
+        let slides = self.kinds.iter().flatten().any(|kind| !kind.turns());
+        let for_chain = [
+            (self.geometry.is_some(), "the geometry of the arm is given"),
+            (slides, "a joint slides"),
+            (is_filtered, "the log is filtered"),
+            (self.refine.is_some(), "it is to be refined"),
+            (self.has_friction(), "friction was asked for"),
+            (many, &too_many),
+            (!self.counterbalanced.is_empty(), "a joint is counterbalanced"),
+        ];
         match self.library {
             // Its terms are too many to be listed: they are grown along a chain.
             Some(Library::Energy) if many && stepwise => (Library::Chain, too_many),
             Some(library) => (library, "the library was chosen".into()),
             None if !stepwise => (Library::Product, "SINDy was chosen".into()),
-            None if self.geometry.is_some() => {
-                (Library::Chain, "the geometry of the arm is given".into())
-            }
-            None if self.slides() => (Library::Chain, "a joint slides".into()),
-            None if is_filtered => (Library::Chain, "the log is filtered".into()),
-            None if self.refine.is_some() => (Library::Chain, "it is to be refined".into()),
-            None if self.has_friction() => (Library::Chain, "friction was asked for".into()),
-            None if many => (Library::Chain, too_many),
-            None if !self.counterbalanced.is_empty() => {
-                (Library::Chain, "a joint is counterbalanced".into())
-            }
-            None => (Library::Energy, "no other library was chosen".into()),
+            None => match for_chain.into_iter().find(|(holds, _)| *holds) {
+                Some((_, because)) => (Library::Chain, because.to_owned()),
+                None => (Library::Energy, "no other library was chosen".into()),
+            },
         }
-    }
-
-    /// Whether a joint is said to slide.
-    fn slides(&self) -> bool {
-        self.kinds.iter().flatten().any(|kind| !kind.turns())
     }
 
     fn has_friction(&self) -> bool {

@@ -85,18 +85,18 @@ class Model:
     def with_reversal(self, width: float) -> Model: ...
     @property
     def verdict(self) -> str | None: ...
-    def _evaluate(self, log: Log, progress: _Told = None) -> tuple[str, list[str]]: ...
+    def _evaluate(self, log: Log, progress: _Told) -> tuple[str, list[str]]: ...
     def _rollout(
         self,
         log: Log,
         horizons: list[float],
-        samples: tuple[int, int] | None = None,
-        progress: _Told = None,
+        samples: tuple[int, int] | None,
+        progress: _Told,
     ) -> str: ...
     def _text(self, joint: int | None = None, top: int | None = None, all: bool = False) -> str: ...
     def _latex(self, joint: int | None = None, top: int | None = None) -> str: ...
     def _description(self) -> str: ...
-    def _check(self, states: int = 10_000) -> tuple[str, str | None]: ...
+    def _check(self, states: int) -> tuple[str, str | None]: ...
     def _export(
         self,
         to: str,
@@ -122,7 +122,7 @@ class Fit:
     @property
     def model(self) -> Model: ...
     def _facts(self) -> tuple[str, list[str], list[str], str]: ...
-    def _report(self, date: str, test: Log | None = None, progress: _Told = None) -> bytes: ...
+    def _report(self, date: str, test: Log | None, progress: _Told) -> bytes: ...
 
 class Summary:
     def __new__(cls, sums: Summary) -> Summary: ...
@@ -130,14 +130,12 @@ class Summary:
     def _of(
         cls,
         log: Log,
-        request: Request | None = None,
-        options: dict[str, Any] | None = None,
-        progress: _Told = None,
+        request: Request | None,
+        options: dict[str, Any] | None,
+        progress: _Told,
     ) -> Summary: ...
     def merge(self, other: Summary) -> Summary: ...
-    def _solve(
-        self, options: dict[str, Any] | None = None, progress: _Told = None
-    ) -> Fit | Request: ...
+    def _solve(self, options: dict[str, Any] | None, progress: _Told) -> Fit | Request: ...
     @property
     def rows(self) -> int: ...
     @property
@@ -156,47 +154,42 @@ class Request:
     def from_bytes(cls, bytes: bytes) -> Request: ...
 
 def keywords() -> str: ...
-def fit(log: Log, options: dict[str, Any] | None = None, progress: _Told = None) -> Fit: ...
-def inspect(
-    log: Log, model: Model | None = None, progress: _Told = None
-) -> tuple[str, list[str]]: ...
+def fit(log: Log, options: dict[str, Any] | None, progress: _Told) -> Fit: ...
+def inspect(log: Log, model: Model | None, progress: _Told) -> tuple[str, list[str]]: ...
 def suggest(files: list[_Path]) -> tuple[str, list[str], bool]: ...
 def patterns(
     log: Log,
-    *,
-    activation: str = "scaled",
-    clusters: int | None = None,
-    seed: int = 0,
-    progress: _Told = None,
+    activation: str,
+    clusters: int | None,
+    seed: int,
+    progress: _Told,
 ) -> tuple[NDArray[np.uint8], list[float], list[str]]: ...
 def contacts(
     model: Model,
     log: Log,
-    *,
-    free: Log | None = None,
-    bandwidth: float | None = None,
-    false_alarms: float | None = None,
-    progress: _Told = None,
+    free: Log | None,
+    bandwidth: float | None,
+    false_alarms: float | None,
+    progress: _Told,
 ) -> tuple[_Array, str, str]: ...
 def payload(
     model: Model,
     log: Log,
-    link: str | None = None,
-    center: list[float] | None = None,
-    progress: _Told = None,
+    link: str | None,
+    center: list[float] | None,
+    progress: _Told,
 ) -> tuple[str, list[str], Model]: ...
-def gains(model: Model, log: Log, mass: float, progress: _Told = None) -> tuple[str, list[str]]: ...
+def gains(model: Model, log: Log, mass: float, progress: _Told) -> tuple[str, list[str]]: ...
 def arms() -> list[tuple[str, int]]: ...
 def simulate(
     arm: str | Model,
-    *,
-    motion: str = "moves",
-    seconds: float | None = None,
-    rate: float | None = None,
-    seed: int = 0,
-    noise_db: Sequence[float] | None = None,
-    friction: str | None = None,
-    lock: Sequence[str] = (),
+    motion: str,
+    seconds: float | None,
+    rate: float | None,
+    seed: int,
+    noise_db: Sequence[float] | None,
+    friction: str | None,
+    lock: Sequence[str],
 ) -> tuple[list[str], dict[str, Any]]: ...
 def control(
     model: Model, arm: str | Model, **options: Any
@@ -209,7 +202,7 @@ def write_log(
     q: ArrayLike,
     dq: ArrayLike,
     ddq: ArrayLike,
-    tau: ArrayLike | None = None,
+    tau: ArrayLike | None,
 ) -> None: ...
 def command_line(words: list[str]) -> int: ...
 def write_whole(path: _Path, content: bytes) -> None: ...

@@ -162,25 +162,23 @@ fn outcome(
         "rows": rows,
         "file": file,
     });
-    let mut warnings = unseen(arguments, blind);
-    warnings.extend((spikes > 0).then(blows));
+    let warnings = unseen(arguments, blind).into_iter().chain((spikes > 0).then(blows)).collect();
     let notes = note.into_iter().collect();
     Outcome { text, json, warnings, notes, ..Outcome::default() }
 }
 
 /// What is said of blind joints, and what would help.
-fn unseen(arguments: &Arguments, blind: &[String]) -> Vec<String> {
-    if blind.is_empty() {
-        return Vec::new();
-    }
+fn unseen(arguments: &Arguments, blind: &[String]) -> Option<String> {
     let more = if arguments.free.is_empty() {
         "record free motion like that of the log and give it by --free"
     } else {
         "give more free motion like that of the log"
     };
-    vec![format!(
-        "contacts at {} go unseen: the threshold is over twice the spread of the torque that was \
-         trained on; {more}, or train a better model",
-        blind.join(", ")
-    )]
+    (!blind.is_empty()).then(|| {
+        format!(
+            "contacts at {} go unseen: the threshold is over twice the spread of the torque that \
+             was trained on; {more}, or train a better model",
+            blind.join(", ")
+        )
+    })
 }
