@@ -11,16 +11,17 @@ use torquewise_stepwise::IdentifyError;
 /// How a front end words an option of a fit or an export by its name, or one with its value.
 pub type Wording = fn(&str, Option<&str>) -> String;
 
-/// Options that help names, by their name or with a value after a space.
-const IN_HELP: [(&str, Option<&str>); 7] = [
-    ("library", Some("energy")),
-    ("library", Some("product")),
-    ("library", Some("chain")),
-    ("method", Some("stepwise")),
-    ("interaction", None),
-    ("force", None),
-    ("binary", None),
-];
+/// What to choose in place of an option that is not used, in the words of a front end.
+pub type Remedy = fn(Wording) -> String;
+
+/// The neutral wording: the name, and a value after a space.
+fn plain(name: &str, value: Option<&str>) -> String {
+    value.map_or_else(|| name.to_owned(), |value| format!("{name} {value}"))
+}
+
+fn unused(setting: &str, fitted: &str, because: &str) -> String {
+    format!("{setting} is not used by {fitted}, which is fitted because {because}")
+}
 
 /// What fails by [`Error`].
 pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
@@ -55,14 +56,9 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Export(#[from] torquewise_export::ExportError),
-    #[error("{setting} is not used by {fitted}, which is fitted because {because}")]
-    #[diagnostic(help("leave it out or choose {remedy}"))]
-    UnusedOption {
-        setting: &'static str,
-        fitted: &'static str,
-        because: String,
-        remedy: &'static str,
-    },
+    #[error("{}", unused(setting, fitted, because))]
+    #[diagnostic(help("leave it out or choose {}", remedy(plain)))]
+    UnusedOption { setting: &'static str, fitted: &'static str, because: String, remedy: Remedy },
     #[error("{setting}: {reason}")]
     WrongValue { setting: &'static str, reason: String },
     #[error("{name} is no option of a fit")]
@@ -97,15 +93,11 @@ pub enum Error {
     NotFinite { t: f64 },
     #[cfg(feature = "figures")]
     #[error("{flaw}: a controller or simulation with this model goes wrong there")]
-    #[diagnostic(help(
-        "fit anew on more motion or with library chain, or give force to export it all the same"
-    ))]
+    #[diagnostic(help("{}", not_definite(plain)))]
     NotPositiveDefinite { flaw: String },
     #[cfg(feature = "figures")]
     #[error("there is no C compiler {compiler:?}, and a unit holds a binary")]
-    #[diagnostic(help(
-        "install one, name it in the variable CC, or export sources alone (binary)"
-    ))]
+    #[diagnostic(help("{}", no_compiler(plain)))]
     NoCompiler { compiler: String, source: std::io::Error },
     #[cfg(feature = "figures")]
     #[error("{compiler:?} did not compile the unit, {complaint}")]
@@ -156,26 +148,37 @@ impl Error {
     /// What went wrong, its options in the words of a front end.
     pub fn message(&self, word: Wording) -> String {
         match self {
-            // Either begins with the name of its option.
-            Self::UnusedOption { setting, .. } | Self::WrongValue { setting, .. } => {
-                self.to_string().replacen(setting, &word(setting, None), 1)
+            Self::UnusedOption { setting, fitted, because, .. } => {
+                unused(&word(setting, None), fitted, because)
             }
+            Self::WrongValue { setting, reason } => format!("{}: {reason}", word(setting, None)),
             other => other.to_string(),
         }
     }
 
     /// What to do about it, if that is known, its options in the words of a front end.
     pub fn advice(&self, word: Wording) -> Option<String> {
-        let help = self.help()?.to_string();
-        let names_options = match self {
-            Self::UnusedOption { .. } => true,
+        match self {
+            Self::UnusedOption { remedy, .. } => {
+                Some(format!("leave it out or choose {}", remedy(word)))
+            }
             #[cfg(feature = "figures")]
-            Self::NotPositiveDefinite { .. } | Self::NoCompiler { .. } => true,
-            _ => false,
-        };
-        Some(IN_HELP.iter().filter(|_| names_options).fold(help, |help, (name, value)| {
-            let plain = value.map_or_else(|| (*name).to_owned(), |value| format!("{name} {value}"));
-            help.replace(&plain, &word(name, *value))
-        }))
+            Self::NotPositiveDefinite { .. } => Some(not_definite(word)),
+            #[cfg(feature = "figures")]
+            Self::NoCompiler { .. } => Some(no_compiler(word)),
+            other => other.help().map(|help| help.to_string()),
+        }
     }
+}
+
+#[cfg(feature = "figures")]
+fn not_definite(word: Wording) -> String {
+    let [chain, force] = [word("library", Some("chain")), word("force", None)];
+    format!("fit anew on more motion or with {chain}, or give {force} to export it all the same")
+}
+
+#[cfg(feature = "figures")]
+fn no_compiler(word: Wording) -> String {
+    let sources = word("binary", None);
+    format!("install one, name it in the variable CC, or export sources alone ({sources})")
 }

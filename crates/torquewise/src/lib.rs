@@ -51,7 +51,7 @@ pub mod urdf;
 #[cfg(feature = "simulation")]
 pub mod twin;
 
-pub use error::{Error, Wording};
+pub use error::{Error, Remedy, Wording};
 pub use evaluate::{Evaluation, evaluate};
 pub use fit::{Fit, FitResult};
 pub use keywords::{Keyword, Takes};

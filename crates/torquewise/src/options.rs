@@ -1,6 +1,6 @@
 //! What is fitted to a log unless it is said otherwise, and which options go with it.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result, Wording};
 use crate::keywords::{joint_kinds, some_word, word};
 use serde::Deserialize;
 use torquewise_identify::plan::{
@@ -15,10 +15,6 @@ use torquewise_stepwise::activation::Scaling;
 
 /// Joints up to which the whole energy library is offered.
 pub(crate) const MOST_WHOLE: usize = 4;
-
-/// The libraries whose terms are selected.
-const TERMS: &str =
-    "library energy or library product (energy needs interaction beyond four joints)";
 
 /// Which equations are offered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -204,22 +200,17 @@ impl FitOptions {
             [Library::Energy, Library::Product, Library::Chain].map(|own| fitted.0 == own);
         let by_step = fitted == (Library::Product, Regression::Stepwise);
         let one_shot = fitted == (Library::Product, Regression::OneShot);
-        let all = [
-            ("friction", self.has_friction(), !one_shot, "method stepwise"),
-            ("interaction", self.interaction.is_some(), energy, "library energy"),
-            ("trig_order", self.trig_order.is_some(), product, "library product"),
-            (
-                "gravity_order",
-                self.gravity_order.is_some(),
-                by_step,
-                "library product with method stepwise",
-            ),
-            ("select", self.selector.is_some(), !chain, TERMS),
-            ("threshold", self.threshold.is_some(), !chain, TERMS),
-            ("n_bootstrap", self.n_bootstrap.is_some(), !chain, TERMS),
-            ("urdf", self.geometry.is_some(), chain, "library chain"),
-            ("counterbalance", !self.counterbalanced.is_empty(), chain, "library chain"),
-            ("refine", self.refine.is_some(), chain, "library chain"),
+        let all: [(_, _, _, Remedy); 10] = [
+            ("friction", self.has_friction(), !one_shot, stepwise),
+            ("interaction", self.interaction.is_some(), energy, energies),
+            ("trig_order", self.trig_order.is_some(), product, products),
+            ("gravity_order", self.gravity_order.is_some(), by_step, products_by_step),
+            ("select", self.selector.is_some(), !chain, terms),
+            ("threshold", self.threshold.is_some(), !chain, terms),
+            ("n_bootstrap", self.n_bootstrap.is_some(), !chain, terms),
+            ("urdf", self.geometry.is_some(), chain, chains),
+            ("counterbalance", !self.counterbalanced.is_empty(), chain, chains),
+            ("refine", self.refine.is_some(), chain, chains),
         ];
         for (setting, is_given, is_used, remedy) in all {
             if is_given && !is_used && !spared.contains(&setting) {
@@ -299,6 +290,32 @@ fn name(fitted: Fitted) -> &'static str {
         (Library::Product, Regression::OneShot) => "one-shot SINDy over the product library",
         (Library::Chain, _) => "a learned chain of rigid bodies",
     }
+}
+
+fn energies(word: Wording) -> String {
+    word("library", Some("energy"))
+}
+
+fn products(word: Wording) -> String {
+    word("library", Some("product"))
+}
+
+fn chains(word: Wording) -> String {
+    word("library", Some("chain"))
+}
+
+fn stepwise(word: Wording) -> String {
+    word("method", Some("stepwise"))
+}
+
+fn products_by_step(word: Wording) -> String {
+    format!("{} with {}", products(word), stepwise(word))
+}
+
+fn terms(word: Wording) -> String {
+    let [energies, products, interaction] =
+        [energies(word), products(word), word("interaction", None)];
+    format!("{energies} or {products} (energy needs {interaction} beyond four joints)")
 }
 
 #[cfg(test)]
