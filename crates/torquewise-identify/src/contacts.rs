@@ -120,7 +120,7 @@ pub fn external_torques(
             let [q, dq, ddq, tau] = [block.q(), block.dq(), block.ddq(), tau]
                 .map(|x| x.row(row).iter().copied().collect::<Vec<f64>>());
             let external = observer.step(dt, [&q, &dq, &tau])?;
-            let followed = follower.step(dt, &dq, &ddq);
+            let followed = follower.step(dt, [&dq, &ddq, &tau]);
             let is_settled = t - begin > SETTLING / gain;
             let torque = if is_settled { external } else { &settling };
             see(Observed { trajectory, t, torque, followed })?;
