@@ -103,7 +103,7 @@ pub enum LogError {
     #[error("{place}, column {column}: \"{text}\" is not a number")]
     #[diagnostic(help("repair or drop the row"))]
     NotANumber { place: RowPlace, column: String, text: String },
-    #[error("{place}, column {column} is {value}")]
+    #[error("{place}, column {column} is {value}{}", if value.is_nan() { " or empty" } else { "" })]
     #[diagnostic(help("repair or drop the row"))]
     NotFinite { place: RowPlace, column: String, value: f64 },
     #[error("{place}: t = {t:?} s does not follow {before:?} s")]

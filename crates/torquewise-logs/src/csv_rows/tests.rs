@@ -73,7 +73,7 @@ fn numbers_that_are_not_finite_and_ragged_rows_are_refused() {
     }
     assert_eq!(
         message(b"t,q1,tau1\n0,0,nan\n"),
-        "arm.csv, row 1 (line 2), column tau1 is NaN: repair or drop the row"
+        "arm.csv, row 1 (line 2), column tau1 is NaN or empty: repair or drop the row"
     );
     for row in ["1", "1,2,3", "1,2,"] {
         let refused = read(format!("t,q1\n{row}\n").as_bytes());
