@@ -8,6 +8,7 @@ mod whole_way;
 mod moments;
 mod reports;
 mod robots;
+mod gains;
 mod json_contract;
 mod excite;
 mod control;

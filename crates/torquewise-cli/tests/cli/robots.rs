@@ -5,7 +5,7 @@ use crate::terminal::{Terminal, each};
 use std::f64::consts::FRAC_PI_2;
 
 /// Two joints and a tool, as a URDF has them; the tool may be heavier.
-fn robot(tool: f64) -> String {
+pub(crate) fn robot(tool: f64) -> String {
     let inertial = |mass: f64, z: f64| {
         format!(
             "<inertial><origin xyz=\"0 0.02 {z}\"/><mass value=\"{mass}\"/><inertia ixx=\"0.05\" \
@@ -269,35 +269,6 @@ fn a_load_that_hangs_on_another_link_is_said_to() {
     assert!((value - 0.5).abs() < 0.02 && (value - 0.5).abs() < 3.0 * error, "{placed}");
     terminal.misused("payload arm.json strapped.csv --link hand", &["hand", "shoulder, elbow"]);
     terminal.misused("payload arm.json strapped.csv --center 0,1", &["three numbers in m"]);
-}
-
-#[test]
-fn a_known_mass_says_what_an_ampere_is_worth() {
-    let terminal = Terminal::new();
-    terminal.write("loaded.urdf", &robot(1.6));
-    terminal.write("arm.urdf", &robot(0.1));
-    for (file, seconds, seed) in [("arm", 60, 1), ("loaded", 40, 3)] {
-        let motion = format!("--seconds {seconds} --rate 50 --case 2 --seed {seed}");
-        terminal.done(&format!("simulate {file}.urdf -o {file}.csv {motion}"));
-        let amperes =
-            Table::of(&terminal, &format!("{file}.csv")).scaled(&["tau1", "tau2"], 1.0 / 8.0);
-        terminal.write(&format!("{file}.csv"), &amperes.text());
-    }
-    terminal.done("fit arm.csv --urdf arm.urdf -o amperes.json");
-
-    let line = "payload amperes.json loaded.csv --known-mass 1.5 -o drives.toml";
-    let found = terminal.json(line);
-
-    let [gains, errors] = ["value", "std_error"].map(|key| each(&found["gains"], key));
-    for (gain, error) in gains.iter().zip(&errors) {
-        assert!((gain - 8.0).abs() < 0.4 && (gain - 8.0).abs() < 3.0 * error, "{found}");
-    }
-    assert!((0.15..0.22).contains(&found["apparent_mass"].as_f64().unwrap()), "{found}");
-    terminal.done("fit arm.csv --urdf arm.urdf --profile drives.toml -o arm.json");
-    let load = terminal.json("payload arm.json loaded.csv --profile drives.toml");
-    assert!((load["mass"]["value"].as_f64().unwrap() - 1.5).abs() < 0.08, "{load}");
-    terminal.misused("payload arm.json loaded.csv --known-mass 0", &["above 0"]);
-    terminal.refused("payload amperes.json arm.csv --known-mass 1.5 -o x.toml", &["show no load"]);
 }
 
 #[test]

@@ -35,6 +35,9 @@ pub struct DriveGains {
 
 /// A gain is resolved where its standard error is below this part of it.
 const TOLD: f64 = 0.1;
+/// Torques whose gains differ by more than this factor are not those of one arm: a model learned from
+/// such columns is bent.
+const APART: f64 = 1.05;
 /// A mass below so many of its standard errors is no load.
 const LEAST_T: f64 = 3.0;
 /// How much more than by all rows a known mass is held.
@@ -192,6 +195,17 @@ impl DriveGains {
             );
         }
         let told = self.told();
+        let of_told = self.gains.iter().zip(&told).filter(|(_, told)| **told);
+        let of_told = of_told.map(|(gain, _)| gain.value);
+        let least = of_told.clone().fold(f64::INFINITY, f64::min);
+        if of_told.fold(0.0, f64::max) > APART * least {
+            hints.push(
+                "gains differ, so that the model, which takes its columns for torques of one arm, was \
+                 bent by them: they may be a tenth off; fit the bare arm again with these gains, and \
+                 find them again by that model, until they stay"
+                    .to_owned(),
+            );
+        }
         let untold = self.joints.iter().zip(&told).filter(|(_, told)| !**told);
         let untold: Vec<String> = untold.map(|(joint, _)| joint.clone()).collect();
         if !untold.is_empty() {
