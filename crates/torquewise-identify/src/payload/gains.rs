@@ -201,7 +201,7 @@ impl DriveGains {
         if of_told.fold(0.0, f64::max) > APART * least {
             hints.push(
                 "gains differ, so that the model, which takes its columns for torques of one arm, was \
-                 bent by them: they may be a tenth off; fit the bare arm again with these gains, and \
+                 bent by them: they may be a quarter off; fit the bare arm again with these gains, and \
                  find them again by that model, until they stay"
                     .to_owned(),
             );
