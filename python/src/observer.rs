@@ -8,10 +8,11 @@ use numpy::PyArray2;
 use numpy::ndarray::Array2;
 use pyo3::prelude::*;
 use std::sync::Arc;
-use torquewise::external::ExternalOptions;
+use torquewise::external::{External, ExternalOptions};
 use torquewise::payload::LoadPlace;
 
-/// External torque of a log: rows of t, n torques and n thresholds, how these were set and contacts as JSON.
+/// External torque of a log: rows of t, n torques and n thresholds, how these were set and contacts as JSON,
+/// and hints.
 #[pyfunction]
 pub(crate) fn contacts<'py>(
     py: Python<'py>,
@@ -21,7 +22,7 @@ pub(crate) fn contacts<'py>(
     bandwidth: Option<f64>,
     false_alarms: Option<f64>,
     progress: Option<&Bound<'py, PyAny>>,
-) -> PyResult<(Bound<'py, PyArray2<f64>>, String, String)> {
+) -> PyResult<(Bound<'py, PyArray2<f64>>, String, String, Vec<String>)> {
     let usual = ExternalOptions::default();
     let options = ExternalOptions {
         bandwidth: bandwidth.unwrap_or(usual.bandwidth),
@@ -37,9 +38,9 @@ pub(crate) fn contacts<'py>(
     let width = 2 * model.model.n_joints() + 1;
     let (model, log) = (Arc::clone(&model.model), log.log.clone());
     let free = free.map(|free| free.log.clone());
-    let (rows, thresholds, found) = work(py, progress, move |observer| {
+    let (rows, found) = work(py, progress, move |observer| {
         let mut rows: Vec<f64> = Vec::new();
-        let (thresholds, found, _) = torquewise::external::contacts(
+        let found = torquewise::external::contacts(
             &model,
             &log,
             free.as_ref(),
@@ -54,10 +55,11 @@ pub(crate) fn contacts<'py>(
                 Ok(())
             },
         )?;
-        Ok((rows, thresholds, found))
+        Ok((rows, found))
     })?;
     let table = Array2::from_shape_vec((rows.len() / width, width), rows).map_err(value_error)?;
-    Ok((PyArray2::from_owned_array(py, table), json(&thresholds)?, json(&found)?))
+    let External { thresholds, contacts, warnings, .. } = found;
+    Ok((PyArray2::from_owned_array(py, table), json(&thresholds)?, json(&contacts)?, warnings))
 }
 
 /// The load on a link: JSON, hints, and the model of the arm that carries it.

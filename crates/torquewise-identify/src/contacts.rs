@@ -76,6 +76,8 @@ pub struct Observed<'a> {
 const APART: f64 = 0.2;
 /// Part of the rows of a free log below the level that peaks are counted from.
 const LEVEL: f64 = 0.95;
+/// A threshold at a peak is above it, however both are rounded.
+const ROUNDED: f64 = 1.0 + 1e-9;
 /// Rows that the level is found from at most: more are thinned evenly.
 const MOST_ROWS: usize = 65_536;
 /// Held-out rows say that other motion is missed by so many times as much at most.
@@ -276,7 +278,8 @@ impl Peaks {
 
     /// The excess that so many peaks of as much other motion are expected to be beyond: peaks are taken to
     /// fall off exponentially. Where contacts may be among them, their mean excess is found by their
-    /// median, which a few of another kind do not move.
+    /// median, which a few of another kind do not move; where none are, no more of the peaks are beyond
+    /// than that either.
     fn excess_at(&mut self, expected: f64, is_free: bool) -> f64 {
         if let Some((_, _, most)) = self.open.take() {
             self.push(most);
@@ -288,7 +291,14 @@ impl Peaks {
         };
         let count = f64::max((self.excess.len() * (self.left_out + 1)) as f64, 1.0);
         // Its own standard error, that few peaks may not promise too little.
-        mean * (1.0 + 1.0 / count.sqrt()) * (count / expected).ln().max(0.0)
+        let told = mean * (1.0 + 1.0 / count.sqrt()) * (count / expected).ln().max(0.0);
+        if !is_free {
+            return told;
+        }
+        self.excess.sort_by(|a, b| b.total_cmp(a));
+        let each = (self.left_out + 1) as f64;
+        let beyond = (1..).zip(&self.excess).find(|(rank, _)| each * f64::from(*rank) > expected);
+        told.max(beyond.map_or(0.0, |(_, most)| ROUNDED * most))
     }
 }
 

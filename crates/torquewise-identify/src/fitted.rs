@@ -14,6 +14,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_model::{
     Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Torque, Training, Weighted,
@@ -30,8 +31,11 @@ use torquewise_stepwise::survey::{Survey, thinned};
 const HELD_OUT_ROWS: usize = 4_000;
 /// Draws of the parameters that the errors of the equations are estimated from.
 const DRAWS: usize = 40;
-/// Size of these draws in standard deviations: small, so that all is linear.
-const DRAW_SIZE: f64 = 1e-3;
+/// Size of these draws in standard deviations: so small that all is linear even where torque leaves an
+/// axis uncertain by a hundred metres, as it does those of a SCARA.
+const DRAW_SIZE: f64 = 1e-7;
+/// A term is of a loaded arm, where its coefficient changes by this part of the largest change.
+const GAINED: f64 = 1e-3;
 
 /// A chain that was fitted to every row.
 #[derive(Debug)]
@@ -227,30 +231,68 @@ fn equations(
     seed: u64,
     watch: Watch<'_>,
 ) -> Result<(Vec<Weighted<EnergyTerm>>, usize), IdentifyError> {
-    let mut all = Energies::new();
-    for (term, coefficient) in chain.energy_terms()? {
-        *all.entry(term).or_insert(0.0) += coefficient;
-    }
+    let all = energies(chain)?;
     let candidates = all.len() + friction.len();
     let few = |all: Energies| prune(all.into_iter().collect(), &survey.sample, residual_rms, seed);
     let (products, sums) = (few(all.clone()), few(joint_sums(&all)));
     // Parallel axes make sums shorter, others products.
     let as_sums = sums.len() < products.len();
     let kept = if as_sums { sums } else { products };
-    let wanted = Wanted::of(kept.iter().map(|(term, _)| term));
+    Ok((with_errors(kept, (chain, friction), seed, watch)?, candidates))
+}
+
+fn energies(chain: &RigidChain) -> Result<Energies, IdentifyError> {
+    let mut all = Energies::new();
+    for (term, coefficient) in chain.energy_terms()? {
+        *all.entry(term).or_insert(0.0) += coefficient;
+    }
+    Ok(all)
+}
+
+/// The energy terms of a chain that carries a load: those of its model without it, and what the load
+/// adds.
+pub(crate) fn loaded_equations(
+    model: &Model,
+    [bare, loaded]: [&RigidChain; 2],
+) -> Result<Vec<Weighted<EnergyTerm>>, IdentifyError> {
+    let Form::Energy(before) = &model.form else { return Ok(Vec::new()) };
+    let (mut without, mut with) = (energies(bare)?, energies(loaded)?);
+    if !before.iter().all(|own| with.contains_key(&own.term)) {
+        (without, with) = (joint_sums(&without), joint_sums(&with));
+    }
+    let gained = |(term, coefficient): (&EnergyTerm, &f64)| {
+        (coefficient - without.get(term).unwrap_or(&0.0)).abs()
+    };
+    let least = GAINED * with.iter().map(gained).fold(0.0, f64::max);
+    let is_kept = |term: &EnergyTerm, coefficient: &f64| {
+        before.iter().any(|own| own.term == *term) || gained((term, coefficient)) > least
+    };
+    let kept: Vec<_> = with.iter().filter(|(term, own)| is_kept(term, own)).collect();
+    let kept = kept.into_iter().map(|(term, own)| (term.clone(), *own)).collect();
+    with_errors(kept, (loaded, &model.friction), 0, &|_| ControlFlow::Continue(()))
+}
+
+/// Terms with their coefficients in a chain, with the standard errors that its covariance gives them.
+fn with_errors(
+    terms: Vec<(EnergyTerm, f64)>,
+    (chain, friction): (&RigidChain, &[Weighted<FrictionTerm>]),
+    seed: u64,
+    watch: Watch<'_>,
+) -> Result<Vec<Weighted<EnergyTerm>>, IdentifyError> {
+    let wanted = Wanted::of(terms.iter().map(|(term, _)| term));
     let draws = draws(chain, friction, seed);
     let draws = draws.into_par_iter().map(|chain| {
         Progress::Working.tell(watch)?;
         Ok(wanted.coefficients_in(&chain)?)
     });
     let draws = draws.collect::<Result<Vec<Vec<f64>>, IdentifyError>>()?;
-    let terms = kept.into_iter().enumerate().map(|(k, (term, coefficient))| {
+    let terms = terms.into_iter().enumerate().map(|(k, (term, coefficient))| {
         let change = |draw: &Vec<f64>| (draw[k] - coefficient) / DRAW_SIZE;
         let square: f64 = draws.iter().map(|draw| change(draw).powi(2)).sum();
         let std_error = (square / draws.len().max(1) as f64).sqrt();
         Weighted { term, coefficient, std_error, inclusion: None }
     });
-    Ok((terms.collect(), candidates))
+    Ok(terms.collect())
 }
 
 /// Chains whose parameters scatter by the covariance, but less.

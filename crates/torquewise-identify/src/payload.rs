@@ -4,11 +4,12 @@ mod gains;
 mod pass;
 mod rows;
 
+use crate::fitted::loaded_equations;
 use faer::Mat;
 use nalgebra::Vector3;
 use serde::Serialize;
 use torquewise_model::shaft_friction::Estimated;
-use torquewise_model::{LinkFrame, Model, ModelError, RigidChain, number};
+use torquewise_model::{Form, LinkFrame, Model, ModelError, RigidChain, number};
 use torquewise_motion::Recording;
 use torquewise_rigid::feasible::{Quadratic, curvature};
 use torquewise_rigid::geometry::Placement;
@@ -236,13 +237,12 @@ impl Payload {
         hints
     }
 
-    /// The model of the arm that carries the load; its equations to read are those of the arm alone.
+    /// The model of the arm that carries the load, with its equations.
     ///
     /// # Errors
     /// [`IdentifyError::Model`] if the model is no rigid chain.
     pub fn added_to(&self, model: &Model) -> Result<Model, IdentifyError> {
-        let mut model = model.clone();
-        let chain = model.chain.as_mut().ok_or(ModelError::NoChain)?;
+        let mut chain = chain_of(model)?.clone();
         let first = PER_BODY * self.on;
         if let Some(link) = chain.links.get_mut(self.on) {
             link.iter_mut().zip(self.inertial).for_each(|(own, load)| *own += load);
@@ -263,7 +263,8 @@ impl Payload {
             }
             chain.set_covariance(&whole)?;
         }
-        Ok(model)
+        let terms = loaded_equations(model, [chain_of(model)?, &chain])?;
+        Ok(Model { form: Form::Energy(terms), chain: Some(chain), ..model.clone() })
     }
 }
 

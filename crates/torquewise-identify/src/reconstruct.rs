@@ -97,7 +97,8 @@ fn solve_refined(
         Method::Library(options) => {
             let sums = summary.library_sums()?;
             let fit = stepwise::reconstruct(&survey, sums, options, plan.seed, watch)?;
-            let found = Reconstruction::of_library(survey, fit, plan.seed, watch)?;
+            let mut found = Reconstruction::of_library(survey, fit, plan.seed, watch)?;
+            Warning::retain_founded(&mut found.warnings, &found.model);
             Ok(Solution::Model(Box::new(found)))
         }
         Method::Chain(options) => by_chain(&summary, survey, (options, refined), plan.seed, watch),

@@ -89,6 +89,10 @@ impl<R: BufRead> CsvRows<R> {
 
     fn number(&self, column: usize) -> Result<f64> {
         let text = self.lines.line[self.fields[column].clone()].trim_ascii();
+        if text.is_empty() {
+            // As a table of missing values is written.
+            return Ok(f64::NAN);
+        }
         let number = std::str::from_utf8(text).ok().and_then(|text| text.parse().ok());
         number.ok_or_else(|| LogError::NotANumber {
             place: self.place(),

@@ -125,8 +125,8 @@ pub enum SimError {
     #[diagnostic(help("this is a mistake of the planner, please report it"))]
     Exceeds { what: &'static str, joint: String, found: f64, limit: f64 },
     #[error(
-        "the torque of joint `{joint}` cannot be kept within {limit:?} N·m, the motions tried ask \
-         for {needed:.1e} N·m or more"
+        "the torque of joint `{joint}` cannot be kept within 95 % of {limit:?} N·m, as planned motions \
+         are: those tried ask for {needed:.3} N·m or more"
     )]
     #[diagnostic(help("raise its limit, narrow the ranges or take another home"))]
     Weak { joint: String, limit: f64, needed: f64 },

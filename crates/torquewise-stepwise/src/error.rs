@@ -39,7 +39,9 @@ pub enum IdentifyError {
     ))]
     LibraryTooLarge { candidates: usize, gigabytes: usize, limit: usize },
     #[error("cannot merge summaries: {what} differs, {expected} and {found}")]
-    #[diagnostic(help("make both with the same settings"))]
+    #[diagnostic(help(
+        "make both with the same settings; a cut-off that a log chooses for itself is its own: give one"
+    ))]
     Apart { what: &'static str, expected: String, found: String },
     #[error("not a valid moments file, {0}")]
     #[diagnostic(help("make the file of moments again"))]

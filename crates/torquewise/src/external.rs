@@ -3,6 +3,7 @@
 use crate::error::Result;
 use crate::log::{Log, Prepared, Rows};
 use crate::observe::Observer;
+use crate::predict::MotionRange;
 use torquewise_identify::contacts::external_torques;
 use torquewise_model::Model;
 use torquewise_motion::signals::Signal;
@@ -29,8 +30,20 @@ impl Default for ExternalOptions {
 /// settles, and its thresholds there \[N·m\], n each.
 pub type SeeRow<'a> = dyn FnMut(f64, &[f64], &[f64]) -> Result<(), ReadError> + 'a;
 
-/// External torque of a log, row by row, the contacts that it shows, and how many torques the filter took
-/// for spikes, as which a short blow counts.
+/// What was found in a log.
+#[derive(Clone, Debug)]
+pub struct External {
+    /// Beyond which external torque is a contact.
+    pub thresholds: Thresholds,
+    /// In the order of time.
+    pub contacts: Vec<Contact>,
+    /// Torques that the filter took for spikes, as which a short blow counts.
+    pub spikes: u64,
+    /// Where the log leaves the range that the model was fitted on: alarms there may be false.
+    pub warnings: Vec<String>,
+}
+
+/// External torque of a log, row by row, and the contacts that it shows.
 ///
 /// - `free`: a log of the same arm that nothing touches, which sets the thresholds; without, the log
 ///   itself sets them, contacts being the exception
@@ -45,7 +58,7 @@ pub fn contacts(
     options: ExternalOptions,
     observer: Observer<'_>,
     see: &mut SeeRow<'_>,
-) -> Result<(Thresholds, Vec<Contact>, u64)> {
+) -> Result<External> {
     let prepared = |log: &Log| -> Result<Prepared> {
         model.check_joints(log.joints())?;
         log.files.require_tau()?;
@@ -60,6 +73,11 @@ pub fn contacts(
     let thresholds = Thresholds::of_free_motion(model, &watched, numbers, is_free)?;
     let mut detector = ContactDetector::new(model);
     let watched = rows.watched(observer, "looking for contacts");
+    let mut range = MotionRange::new(model.n_joints());
+    rows.rows().read(&mut |_, block| {
+        range.add(block);
+        Ok(())
+    })?;
     let mut last = None;
     external_torques(model, &watched, options.bandwidth, &mut |row| {
         if last.is_some_and(|own| own != row.trajectory) {
@@ -72,5 +90,6 @@ pub fn contacts(
     })?;
     let repairs: Repairs = rows.repairs().values().sum();
     let spikes = repairs.spikes.get(Signal::Tau.name()).copied().unwrap_or_default();
-    Ok((thresholds, detector.contacts().to_vec(), spikes))
+    let (contacts, warnings) = (detector.contacts().to_vec(), range.warnings(model));
+    Ok(External { thresholds, contacts, spikes, warnings })
 }

@@ -37,6 +37,8 @@ class Contacts:
     """Joints whose contacts go unseen: more free motion, or a better model, lowers the threshold."""
     contacts: list[dict[str, Any]]
     """A dict each: begin, end [s], joint, torque [N·m], factor of the threshold."""
+    hints: list[str]
+    """Where the log leaves the range that the model was fitted on: alarms there may be false."""
 
     def to_frame(self) -> Any:
         """A frame of pandas with a row for each contact."""
@@ -73,7 +75,7 @@ def contacts(
     log = read_log(log, **options)
     free = None if free is None else read_log(free, **options)
     with shown(progress) as told:
-        rows, thresholds, found = _core.contacts(
+        rows, thresholds, found, hints = _core.contacts(
             model, log, free=free, bandwidth=bandwidth, false_alarms=false_alarms, progress=told
         )
     thresholds, n = json.loads(thresholds), len(model.joints)
@@ -85,6 +87,7 @@ def contacts(
         seconds=thresholds["seconds"],
         blind=thresholds["blind"],
         contacts=json.loads(found),
+        hints=hints,
     )
 
 

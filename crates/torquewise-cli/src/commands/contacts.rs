@@ -10,7 +10,7 @@ use crate::table::Table;
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
-use torquewise::external::{Contact, ExternalOptions, Thresholds, contacts};
+use torquewise::external::{Contact, External, ExternalOptions, contacts};
 use torquewise::logs::{Column, TableWriter, Values};
 use torquewise::model::{Model, number};
 use torquewise::motion::repairs::counted;
@@ -73,7 +73,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut table = TableWriter::create(&staged(&arguments.output)?, &columns)?;
     let mut rows = 0;
     let mut curves = vec![<[Growing; 3]>::default(); model.n_joints()];
-    let (thresholds, found, spikes) =
+    let found =
         contacts(&model, &log, free.as_ref(), options, &watch(), &mut |t, external, most| {
             if external.iter().any(|x| x.is_nan()) {
                 return Ok(());
@@ -86,7 +86,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             Ok(table.append(&row.chunks(1).map(Values::Numbers).collect::<Vec<_>>())?)
         })?;
     table.finish()?;
-    let mut outcome = outcome(arguments, &model, (&thresholds, &found), [rows, spikes]);
+    let mut outcome = outcome(arguments, &model, &found, rows);
     if let Some(file) = &arguments.figure {
         let charts = charts(curves, &model);
         write_whole(file, &chart_figure("External torque", &charts, 2)?)?;
@@ -109,8 +109,8 @@ fn charts(curves: Vec<[Growing; 3]>, model: &Model) -> Vec<Chart> {
 fn outcome(
     arguments: &Arguments,
     model: &Model,
-    (thresholds, found): (&Thresholds, &[Contact]),
-    [rows, spikes]: [u64; 2],
+    External { thresholds, contacts: found, spikes, warnings: outside }: &External,
+    rows: u64,
 ) -> Outcome {
     let mut table = Table::new(["threshold [N·m]", "in motion", "at rest"]);
     let both = thresholds.torque.iter().zip(&thresholds.at_rest);
@@ -162,8 +162,8 @@ fn outcome(
         "rows": rows,
         "file": file,
     });
-    let warnings = unseen(arguments, blind).into_iter().chain((spikes > 0).then(blows)).collect();
-    let notes = note.into_iter().collect();
+    let warnings = unseen(arguments, blind).into_iter().chain((*spikes > 0).then(blows)).collect();
+    let notes = note.into_iter().chain(outside.iter().cloned()).collect();
     Outcome { text, json, warnings, notes, ..Outcome::default() }
 }
 

@@ -3,6 +3,7 @@
 use crate::spoilt::Table;
 use crate::terminal::{Terminal, each};
 use std::f64::consts::FRAC_PI_2;
+use torquewise::model::{Model, Torque, from_json};
 
 /// Two joints and a tool, as a URDF has them; the tool may be heavier.
 pub(crate) fn robot(tool: f64) -> String {
@@ -213,6 +214,13 @@ fn a_load_is_weighed_and_added_to_a_model_of_its_own() {
     terminal
         .done("simulate loaded.urdf -o test.csv --seconds 10 --rate 50 --seed 5 --motion sines");
     assert_predicts(&terminal, "both.json test.csv", 1.0);
+    // The equations that are read are those of the arm with its load.
+    let both = from_json(&terminal.read("both.json")).unwrap();
+    let read = Model { chain: None, ..both.clone() };
+    let [both, read] = [both, read].map(|model| Torque::new(&model).gravity(&[0.4, -0.7]).unwrap());
+    for (own, by_terms) in both.iter().zip(&read) {
+        assert!((own - by_terms).abs() < 0.01 * own.abs(), "{both:?}, {read:?}");
+    }
     let nothing = terminal.run("payload arm.json log.csv --strict");
     assert_eq!(nothing.code, 3, "{nothing:?}");
     assert!(nothing.stderr.contains("the mass is not told from zero"), "{nothing:?}");
@@ -332,6 +340,14 @@ fn a_push_is_found_when_and_where_it_was() {
     let said = terminal.run(&format!("{line} --filter 20")).stderr;
     assert!(said.contains("replaced: 1; blows of a few rows are replaced alike"), "{said}");
     assert!(!terminal.run(&format!("{line} --filter none")).stderr.contains("blows"));
+
+    // Beyond what the model was fitted on its torque, and with it an alarm, may be wrong.
+    let calm = terminal.run("contacts arm.json calm.csv --free free.csv -o external.csv");
+    let fast = Table::of(&terminal, "calm.csv").scaled(&["dq1"], 4.0);
+    terminal.write("fast.csv", &fast.text());
+    let fast = terminal.run("contacts arm.json fast.csv --free free.csv -o external.csv");
+    assert!(fast.stderr.contains("shoulder leaves the range"), "{fast:?}");
+    assert!(!calm.stderr.contains("leaves the range"), "{calm:?}");
 
     // Thresholds of motion in which somebody shakes the arm leave its joint blind.
     let shake = |_: usize, tau: f64, row: &[f64]| tau + 60.0 * (6.0 * row[0]).sin().signum();

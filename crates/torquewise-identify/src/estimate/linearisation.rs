@@ -220,8 +220,9 @@ impl Linearisation {
 
     /// The rows of a block, those of joints at rest with little weight.
     fn weighed(&self, block: &Motion, seen: &Motion) -> Result<ChainRows, IdentifyError> {
-        let gravity = Gravity::of(&self.chain(), &self.drive);
-        let rows = chain_rows(block, &columns(&self.drive, block, Some(&gravity)))?;
+        let is_loaded = self.drive.iter().any(DriveTerm::is_load_dependent);
+        let gravity = is_loaded.then(|| Gravity::of(&self.chain(), &self.drive));
+        let rows = chain_rows(block, &columns(&self.drive, block, gravity.as_ref()))?;
         Ok(rows.with_shares(|row, joint| {
             let moves = seen.dq()[(row, joint)].abs() >= self.rest[joint];
             if moves { 1.0 } else { WEIGHT_AT_REST }

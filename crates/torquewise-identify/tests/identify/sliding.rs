@@ -5,7 +5,7 @@ use crate::chain::{NOISE, linear, rubbing, sines};
 use crate::support::{chain, executed, fit, percent, states_of};
 use torquewise_identify::plan::{ChainOptions, FrictionKind, LibraryOptions};
 use torquewise_identify::{IdentifyError, Plan, Reconstruction, UNWATCHED, reconstruct};
-use torquewise_model::{JointKinds, from_json, to_json};
+use torquewise_model::{EnergyTerm, Form, JointKinds, Place, Weighted, from_json, to_json};
 use torquewise_sim::Arm;
 
 const ARMS: [(&str, &str); 3] =
@@ -50,6 +50,21 @@ fn kinds_are_found_among_friction_and_noise() {
         found.push((name, kinds, kinds_of(&fit)));
     }
     assert!(found.iter().all(|(_, kinds, own)| own == kinds), "{found:?}");
+}
+
+#[test]
+fn an_axis_that_torque_leaves_open_makes_no_equation_uncertain() {
+    let motion = sines(&Arm::builtin("scara-4").unwrap(), 20.0, 4);
+    let log = rubbing(&motion, &linear(&motion, &[[0.0; 3]; 4]), NOISE);
+
+    let found = fit(&log, &chain(FrictionKind::None));
+
+    let Form::Energy(terms) = &found.model.form else { panic!("{:?}", found.model.form) };
+    let is_constant = |own: &&Weighted<EnergyTerm>| {
+        own.term.place == Place::Inertia(0, 0) && own.term.function.factors.is_empty()
+    };
+    let own = terms.iter().find(is_constant).unwrap();
+    assert!(own.coefficient > 1.0 && own.std_error < 0.05 * own.coefficient, "{own:?}");
 }
 
 #[test]
