@@ -11,8 +11,10 @@ use std::sync::Arc;
 use torquewise::external::{External, ExternalOptions};
 use torquewise::payload::LoadPlace;
 
-/// External torque of a log: rows of t, n torques and n thresholds, how these were set and contacts as JSON,
-/// and hints.
+/// Rows of t, n torques and n thresholds; how these were set and contacts as JSON; hints.
+type Observed<'py> = (Bound<'py, PyArray2<f64>>, [String; 2], Vec<String>);
+
+/// External torque of a log.
 #[pyfunction]
 pub(crate) fn contacts<'py>(
     py: Python<'py>,
@@ -22,7 +24,7 @@ pub(crate) fn contacts<'py>(
     bandwidth: Option<f64>,
     false_alarms: Option<f64>,
     progress: Option<&Bound<'py, PyAny>>,
-) -> PyResult<(Bound<'py, PyArray2<f64>>, String, String, Vec<String>)> {
+) -> PyResult<Observed<'py>> {
     let usual = ExternalOptions::default();
     let options = ExternalOptions {
         bandwidth: bandwidth.unwrap_or(usual.bandwidth),
@@ -59,7 +61,8 @@ pub(crate) fn contacts<'py>(
     })?;
     let table = Array2::from_shape_vec((rows.len() / width, width), rows).map_err(value_error)?;
     let External { thresholds, contacts, warnings, .. } = found;
-    Ok((PyArray2::from_owned_array(py, table), json(&thresholds)?, json(&contacts)?, warnings))
+    let found = [json(&thresholds)?, json(&contacts)?];
+    Ok((PyArray2::from_owned_array(py, table), found, warnings))
 }
 
 /// The load on a link: JSON, hints, and the model of the arm that carries it.

@@ -76,6 +76,8 @@ pub struct Observed<'a> {
 const APART: f64 = 0.2;
 /// Part of the rows of a free log below the level that peaks are counted from.
 const LEVEL: f64 = 0.95;
+/// Peaks beyond a threshold are more than expected by at most so many standard deviations of a count.
+const BY_CHANCE: f64 = 2.5;
 /// A threshold at a peak is above it, however both are rounded.
 const ROUNDED: f64 = 1.0 + 1e-9;
 /// Rows that the level is found from at most: more are thinned evenly.
@@ -278,8 +280,8 @@ impl Peaks {
 
     /// The excess that so many peaks of as much other motion are expected to be beyond: peaks are taken to
     /// fall off exponentially. Where contacts may be among them, their mean excess is found by their
-    /// median, which a few of another kind do not move; where none are, no more of the peaks are beyond
-    /// than that either.
+    /// median, which a few of another kind do not move; where none are, the peaks that are beyond may
+    /// be more than expected by chance alone.
     fn excess_at(&mut self, expected: f64, is_free: bool) -> f64 {
         if let Some((_, _, most)) = self.open.take() {
             self.push(most);
@@ -297,7 +299,8 @@ impl Peaks {
         }
         self.excess.sort_by(|a, b| b.total_cmp(a));
         let each = (self.left_out + 1) as f64;
-        let beyond = (1..).zip(&self.excess).find(|(rank, _)| each * f64::from(*rank) > expected);
+        let allowed = expected + BY_CHANCE * expected.sqrt();
+        let beyond = (1..).zip(&self.excess).find(|(rank, _)| each * f64::from(*rank) > allowed);
         told.max(beyond.map_or(0.0, |(_, most)| ROUNDED * most))
     }
 }

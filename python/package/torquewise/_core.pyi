@@ -171,7 +171,7 @@ def contacts(
     bandwidth: float | None,
     false_alarms: float | None,
     progress: _Told,
-) -> tuple[_Array, str, str, list[str]]: ...
+) -> tuple[_Array, list[str], list[str]]: ...
 def payload(
     model: Model,
     log: Log,

@@ -75,7 +75,7 @@ def contacts(
     log = read_log(log, **options)
     free = None if free is None else read_log(free, **options)
     with shown(progress) as told:
-        rows, thresholds, found, hints = _core.contacts(
+        rows, (thresholds, found), hints = _core.contacts(
             model, log, free=free, bandwidth=bandwidth, false_alarms=false_alarms, progress=told
         )
     thresholds, n = json.loads(thresholds), len(model.joints)
