@@ -8,7 +8,7 @@ use spread::{Follower, Spread};
 use torquewise_model::Model;
 use torquewise_model::momentum_observer::MomentumObserver;
 use torquewise_motion::stats::quantile;
-use torquewise_motion::{ReadError, Recording};
+use torquewise_motion::{Motion, ReadError, Recording};
 use torquewise_stepwise::error::IdentifyError;
 
 /// External torque of a joint beyond which it is taken for a contact: a multiple of the spread that
@@ -64,6 +64,10 @@ pub struct ContactDetector {
 pub struct Observed<'a> {
     /// Trajectory.
     pub trajectory: usize,
+    /// The block of the recording that it is in.
+    pub block: &'a Motion,
+    /// Row of the block.
+    pub row: usize,
     /// \[s\].
     pub t: f64,
     /// External torque \[N·m\], n; NaN during the transient of the observer.
@@ -127,7 +131,7 @@ pub fn external_torques(
             let followed = follower.step(dt, [&dq, &ddq, &tau]);
             let is_settled = t - begin > SETTLING / gain;
             let torque = if is_settled { external } else { &settling };
-            see(Observed { trajectory, t, torque, followed })?;
+            see(Observed { trajectory, block, row, t, torque, followed })?;
         }
         Ok(())
     })?;

@@ -264,11 +264,10 @@ pub(crate) fn loaded_equations(
         (coefficient - without.get(term).unwrap_or(&0.0)).abs()
     };
     let least = GAINED * with.iter().map(gained).fold(0.0, f64::max);
-    let is_kept = |term: &EnergyTerm, coefficient: &f64| {
-        before.iter().any(|own| own.term == *term) || gained((term, coefficient)) > least
+    let is_kept = |own: &(&EnergyTerm, &f64)| {
+        before.iter().any(|printed| printed.term == *own.0) || gained(*own) > least
     };
-    let kept: Vec<_> = with.iter().filter(|(term, own)| is_kept(term, own)).collect();
-    let kept = kept.into_iter().map(|(term, own)| (term.clone(), *own)).collect();
+    let kept = with.iter().filter(is_kept).map(|(term, own)| (term.clone(), *own)).collect();
     with_errors(kept, (loaded, &model.friction), 0, &|_| ControlFlow::Continue(()))
 }
 

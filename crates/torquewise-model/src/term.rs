@@ -45,7 +45,12 @@ pub enum Kind {
 impl Kind {
     /// `inertia`, `coriolis`, `gravity` or `friction`.
     pub fn name(self) -> &'static str {
-        ["friction", "gravity", "coriolis", "inertia"][self as usize]
+        match self {
+            Self::Inertia => "inertia",
+            Self::Coriolis => "coriolis",
+            Self::Gravity => "gravity",
+            Self::Friction => "friction",
+        }
     }
 }
 

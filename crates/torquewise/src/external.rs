@@ -73,17 +73,15 @@ pub fn contacts(
     let thresholds = Thresholds::of_free_motion(model, &watched, numbers, is_free)?;
     let mut detector = ContactDetector::new(model);
     let watched = rows.watched(observer, "looking for contacts");
-    let mut range = MotionRange::new(model.n_joints());
-    rows.rows().read(&mut |_, block| {
-        range.add(block);
-        Ok(())
-    })?;
-    let mut last = None;
+    let (mut range, mut last) = (MotionRange::new(model.n_joints()), None);
     external_torques(model, &watched, options.bandwidth, &mut |row| {
         if last.is_some_and(|own| own != row.trajectory) {
             detector.separate();
         }
         last = Some(row.trajectory);
+        if row.row == 0 {
+            range.add(row.block);
+        }
         let most = thresholds.at(row);
         detector.take(row.t, row.torque, &most);
         see(row.t, row.torque, &most)
