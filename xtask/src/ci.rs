@@ -2,7 +2,6 @@
 
 use crate::{python, tidy, web};
 use anyhow::{Context, Result, bail};
-use std::collections::BTreeSet;
 use std::env;
 use std::env::consts::EXE_SUFFIX;
 use std::ffi::OsStr;
@@ -10,10 +9,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
-
-/// What cargo builds, and the crates it may be made of, with itself.
-const MOST_CRATES: [(&str, usize); 2] =
-    [("--package torquewise-cli", 200), ("--package torquewise --no-default-features", 100)];
 
 /// Largest program that users get \[bytes\].
 const LARGEST_PROGRAM: u64 = 20_000_000;
@@ -29,8 +24,6 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     cargo("fmt --all -- --check")?;
     step("tidy");
     tidy::run(root)?;
-    step("number of crates");
-    MOST_CRATES.iter().try_for_each(|(of, most)| check_crates(root, of, *most))?;
     if succeeds(root, "deny --version") {
         cargo("deny --log-level error check licenses bans sources")?;
         if succeeds(root, "deny fetch db") {
@@ -127,20 +120,6 @@ fn examples(root: &Path) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// Fails where something is made of more crates than it may.
-fn check_crates(root: &Path, of: &str, most: usize) -> Result<()> {
-    let line = format!("tree {of} --edges normal,build --prefix none --format {{p}}");
-    let listed = command(root, &line).output().context("cannot start cargo tree")?;
-    let listed = String::from_utf8_lossy(&listed.stdout).into_owned();
-    let crates: BTreeSet<&str> =
-        listed.lines().map(|line| line.split(" (").next().unwrap_or(line)).collect();
-    eprintln!("{of}: {}", crates.len());
-    if crates.is_empty() || crates.len() > most {
-        bail!("{of}: {} crates, at most {most} are allowed", crates.len());
-    }
-    Ok(())
-}
-
 /// Runs cargo with the words of a line.
 fn cargo(root: &Path, line: &str) -> Result<()> {
     call(&mut command(root, line)).with_context(|| format!("`cargo {line}` failed"))
@@ -166,7 +145,7 @@ pub(crate) fn is_there(program: impl AsRef<OsStr>) -> bool {
 }
 
 /// The cargo that runs this program.
-fn command(root: &Path, line: &str) -> Command {
+pub(crate) fn command(root: &Path, line: &str) -> Command {
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(root).args(line.split_whitespace()).stdin(Stdio::null());
     command.env("RUSTDOCFLAGS", "-D warnings");

@@ -15,7 +15,7 @@ usage: cargo xtask <chore>
   python the suite of the Python package, on what `cargo build --workspace --lib` built
   package [--sources] crates, sources and wheel to publish, built and tried; or without the wheel
   web    the page of web/: its engine in WebAssembly, and the program that serves it, tried in a browser
-  tidy   that ARCHITECTURE.md names what exists, and how long files are";
+  tidy   that ARCHITECTURE.md names what exists, how long files are, of how many crates programs";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -1,13 +1,20 @@
 //! Rules that no compiler checks: the paths that ARCHITECTURE.md names exist, files and repository
-//! are no longer than they may be, errors of libraries name no flags, and the learner does not know the arms it is tried on.
+//! are no longer than they may be and made of no more crates, errors of libraries name no flags, and
+//! the learner does not know the arms it is tried on.
 
+use crate::ci::command;
 use anyhow::{Context, Result, bail};
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Lines of a file of Rust, and of all of them.
 const MOST_LINES_OF_FILE: usize = 400;
 const MOST_LINES: usize = 80_000;
+
+/// What cargo builds, and the crates it may be made of, with itself.
+const MOST_CRATES: [(&str, usize); 2] =
+    [("--package torquewise-cli", 200), ("--package torquewise --no-default-features", 100)];
 
 /// Prints every broken rule.
 pub(crate) fn run(root: &Path) -> Result<()> {
@@ -40,6 +47,13 @@ fn check(root: &Path) -> Result<Vec<String>> {
     if total > MOST_LINES {
         broken.push(format!("{total} lines of Rust, at most {MOST_LINES} are allowed"));
     }
+    for (of, most) in MOST_CRATES {
+        let number = crates(root, of)?.len();
+        eprintln!("{of}: {number} crates");
+        if number == 0 || number > most {
+            broken.push(format!("{of}: {number} crates, at most {most} are allowed"));
+        }
+    }
     // Cargo refuses circles; this edge would be none.
     let manifest: toml::Table =
         read(&root.join("crates/torquewise-identify/Cargo.toml"))?.parse()?;
@@ -47,6 +61,15 @@ fn check(root: &Path) -> Result<Vec<String>> {
         broken.push("torquewise-identify must not know true arms: its tests alone may".into());
     }
     Ok(broken)
+}
+
+/// The names of what cargo builds, with versions.
+fn crates(root: &Path, of: &str) -> Result<BTreeSet<String>> {
+    let line = format!("tree {of} --edges normal,build --prefix none --format {{p}}");
+    let listed = command(root, &line).output().context("cannot start cargo tree")?;
+    let listed = String::from_utf8_lossy(&listed.stdout);
+    let name = |line: &str| line.split(" (").next().unwrap_or(line).to_owned();
+    Ok(listed.lines().map(name).collect())
 }
 
 /// The files of Rust in a folder and those in it, but for what tools leave there.

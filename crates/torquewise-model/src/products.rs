@@ -1,7 +1,7 @@
 //! Sums of terms as products ready to evaluate, each sine and cosine once.
 
 use crate::term::{Factor, Kind, Sum, Term};
-use indexmap::IndexSet;
+use torquewise_regression::atom::Numbering;
 
 /// One term with its functions looked up by place.
 #[derive(Clone, Debug)]
@@ -17,7 +17,7 @@ pub(crate) struct Product {
 
 /// The functions of all terms, each once, and the terms of each joint that look them up.
 pub(crate) fn numbered(equations: &[Sum]) -> (Vec<Factor>, Vec<Vec<Product>>) {
-    let mut factors = IndexSet::new();
+    let mut factors = Numbering::default();
     let mut product = |(coefficient, term): &(f64, Term)| {
         let powers = term.dq.iter().chain(&term.ddq).enumerate();
         let rates: Vec<usize> =
@@ -26,11 +26,11 @@ pub(crate) fn numbered(equations: &[Sum]) -> (Vec<Factor>, Vec<Vec<Product>>) {
         Product {
             coefficient: *coefficient,
             kind: term.kind(),
-            factors: term.factors.iter().map(|own| factors.insert_full(own.clone()).0).collect(),
+            factors: term.factors.iter().map(|own| factors.place(own.clone())).collect(),
             column: alone.and_then(|place| place.checked_sub(term.n_joints())),
             rates,
         }
     };
     let joints = equations.iter().map(|sum| sum.iter().map(&mut product).collect()).collect();
-    (factors.into_iter().collect(), joints)
+    (factors.into_values(), joints)
 }

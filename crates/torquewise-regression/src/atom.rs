@@ -1,5 +1,7 @@
 //! Atoms: one harmonic times one monomial, the letters of every library.
 
+use std::collections::BTreeMap;
+
 /// Which of the two real functions of a harmonic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Phase {
@@ -80,4 +82,29 @@ pub struct Atom {
     pub wave: Wave,
     /// Its monomial.
     pub monomial: Monomial,
+}
+
+/// Numbers distinct values in the order they come.
+#[derive(Debug)]
+pub struct Numbering<T>(BTreeMap<T, usize>);
+
+impl<T> Default for Numbering<T> {
+    fn default() -> Self {
+        Self(BTreeMap::new())
+    }
+}
+
+impl<T: Ord> Numbering<T> {
+    /// The number of a value, the next one if it is new.
+    pub fn place(&mut self, value: T) -> usize {
+        let next = self.0.len();
+        *self.0.entry(value).or_insert(next)
+    }
+
+    /// The values in the order of their numbers.
+    pub fn into_values(self) -> Vec<T> {
+        let mut values = Vec::from_iter(self.0);
+        values.sort_unstable_by_key(|(_, place)| *place);
+        values.into_iter().map(|(value, _)| value).collect()
+    }
 }

@@ -1,8 +1,7 @@
 //! A library in coordinates, as sparse sums over numbered atoms.
 
-use crate::atom::{Atom, Monomial, Wave};
+use crate::atom::{Atom, Monomial, Numbering, Wave};
 use crate::error::{Result, expect};
-use indexmap::IndexSet;
 
 /// One candidate: a sum of atoms, empty where the column is zero in an equation.
 pub type AtomSum = Vec<Atom>;
@@ -43,9 +42,9 @@ impl Design {
     }
 
     fn numbered(n_angles: usize, n_variables: usize, equations: &[Vec<AtomSum>]) -> Self {
-        let (mut waves, mut monomials) = (IndexSet::new(), IndexSet::new());
+        let (mut waves, mut monomials) = (Numbering::default(), Numbering::default());
         let mut pair = |Atom { wave, monomial, .. }: &Atom| {
-            (waves.insert_full(wave.clone()).0, monomials.insert_full(monomial.clone()).0)
+            (waves.place(wave.clone()), monomials.place(monomial.clone()))
         };
         let mut atoms: Vec<_> = equations.iter().flatten().flatten().map(&mut pair).collect();
         atoms.sort_unstable();
@@ -54,7 +53,7 @@ impl Design {
         let mut column = |column: &AtomSum| column.iter().filter_map(&mut numbered).collect();
         let equations =
             equations.iter().map(|columns| columns.iter().map(&mut column).collect()).collect();
-        let (waves, monomials) = (Vec::from_iter(waves), Vec::from_iter(monomials));
+        let (waves, monomials) = (waves.into_values(), monomials.into_values());
         Self { waves, monomials, atoms, equations, n_angles, n_variables }
     }
 

@@ -1,13 +1,12 @@
 //! Moments Σₜ wave(θₜ)·x(t)^α, and the normal equations YᵀY and Yᵀy that follow from them without
 //! the rows (E3).
 
-use crate::atom::{Monomial, Wave};
+use crate::atom::{Monomial, Numbering, Wave};
 use crate::design::Design;
 use crate::normal_equations::{NormalEquations, ascending};
 use crate::products::add_product;
 use crate::samples::{Samples, monomial_values, wave_cost, wave_values};
 use faer::Mat;
-use indexmap::IndexSet;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -31,13 +30,14 @@ pub struct MomentPlan {
 impl MomentPlan {
     /// Lists the products that the Gram matrix of a design is made of.
     pub fn new(design: &Design) -> Self {
-        let mut waves: IndexSet<Wave> = design.waves.iter().cloned().collect();
-        let mut monomials: IndexSet<Monomial> = design.monomials.iter().cloned().collect();
+        let (mut waves, mut monomials) = (Numbering::default(), Numbering::default());
+        design.waves.iter().for_each(|wave| _ = waves.place(wave.clone()));
+        design.monomials.iter().for_each(|monomial| _ = monomials.place(monomial.clone()));
         let mut wave_pairs = Vec::with_capacity(packed(0, design.waves.len()));
         for (b, right) in design.waves.iter().enumerate() {
             for left in &design.waves[..=b] {
                 wave_pairs.push(left.product(right).map(|term| match term {
-                    Some((sign, wave)) => (0.5 * sign, waves.insert_full(wave).0),
+                    Some((sign, wave)) => (0.5 * sign, waves.place(wave)),
                     None => (0.0, 0),
                 }));
             }
@@ -47,14 +47,14 @@ impl MomentPlan {
         for (i, a) in design.monomials.iter().enumerate() {
             for (j, b) in design.monomials.iter().enumerate() {
                 let powers = a.powers.iter().zip(&b.powers).map(|(a, b)| a + b).collect();
-                let place = monomials.insert_full(Monomial { powers }).0;
+                let place = monomials.place(Monomial { powers });
                 monomial_pairs.push(place);
                 if place >= design.monomials.len() {
                     products.entry(place).or_insert((i, j));
                 }
             }
         }
-        let (waves, monomials) = (Vec::from_iter(waves), Vec::from_iter(monomials));
+        let (waves, monomials) = (waves.into_values(), monomials.into_values());
         Self { design: design.clone(), waves, monomials, products, wave_pairs, monomial_pairs }
     }
 
@@ -194,7 +194,7 @@ fn gather_gram(plan: &MomentPlan, table: &Mat<f64>, columns: &[Entries]) -> Mat<
 
 /// Splits columns into parts, and numbers the functions of the angles in them.
 fn parts_of(design: &Design, columns: &[Entries]) -> (Vec<Function>, Vec<Vec<Part>>) {
-    let mut functions = IndexSet::new();
+    let mut functions = Numbering::default();
     let mut split = |entries: &Entries| {
         let mut by_monomial: BTreeMap<usize, BTreeMap<usize, f64>> = BTreeMap::new();
         for &(atom, weight) in entries {
@@ -206,7 +206,7 @@ fn parts_of(design: &Design, columns: &[Entries]) -> (Vec<Function>, Vec<Vec<Par
             let weight = *waves.values().next()?;
             let shape: Vec<(usize, u64)> =
                 waves.into_iter().map(|(wave, own)| (wave, (own / weight).to_bits())).collect();
-            Some(Part { function: functions.insert_full(shape).0, monomial, weight })
+            Some(Part { function: functions.place(shape), monomial, weight })
         };
         by_monomial.into_iter().filter_map(&mut part).collect()
     };
@@ -214,7 +214,7 @@ fn parts_of(design: &Design, columns: &[Entries]) -> (Vec<Function>, Vec<Vec<Par
     let spell = |shape: Vec<(usize, u64)>| {
         shape.into_iter().map(|(wave, bits)| (wave, f64::from_bits(bits))).collect()
     };
-    (functions.into_iter().map(spell).collect(), columns)
+    (functions.into_values().into_iter().map(spell).collect(), columns)
 }
 
 /// The Gram matrix of parts: functions f and g share their sum of moments, one entry per monomial,

@@ -5,7 +5,6 @@ use super::{
 };
 use faer::MatRef;
 use simba::simd::SimdValue;
-use smallvec::SmallVec;
 
 impl Kinematics {
     /// Torques \[N·m\] of all joints, n.
@@ -13,12 +12,13 @@ impl Kinematics {
     /// - `inertial`: inertial parameters of all bodies, 10 each
     ///
     /// # Panics
-    /// If the arguments are of another chain.
+    /// If the chain has more than [`MOST_JOINTS`] joints, or the arguments are of another one.
     pub fn torque<T: Scalar>(&self, state: MotionState<'_, T>, inertial: &[f64], torque: &mut [T]) {
-        // Room that is not cleared: short chains should not pay for what only long ones need.
         let MotionState { q, dq, ddq } = state;
-        let bodies = self.bodies(|joint| [q[joint], dq[joint], ddq[joint]]);
-        let bodies: SmallVec<[Body<T>; MOST_JOINTS]> = bodies.map(|(body, _)| body).collect();
+        let mut room = [Body::default(); MOST_JOINTS];
+        let bodies = &mut room[..self.n_joints()];
+        let moved = self.bodies(|joint| [q[joint], dq[joint], ddq[joint]]);
+        bodies.iter_mut().zip(moved).for_each(|(body, (moved, _))| *body = moved);
         let mut wrench = Wrench::default();
         for (joint, body) in bodies.iter().enumerate().rev() {
             wrench = wrench.plus(&body.wrench(&Inertia::of(&inertial[PER_BODY * joint..])));
