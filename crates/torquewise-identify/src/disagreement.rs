@@ -223,7 +223,7 @@ impl fmt::Display for Disagreement {
         write!(
             f,
             "{one} and {other} disagree about the gravity of {}: another payload, tool or \
-             mounting? Fit them apart, or leave one out",
+             mounting? Take them apart, or leave one out",
             joints.join(", ")
         )
     }

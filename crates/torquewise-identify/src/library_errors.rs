@@ -19,13 +19,16 @@ pub(crate) fn held_out_rms(model: &Model, sample: &Motion) -> Result<[Vec<f64>; 
     let few = thinned(sample, ROWS);
     let tau = few.require_tau()?.to_owned();
     let columns = columns(model, &few);
+    // A joint without any residual weighs as much as the best of the others.
+    let residuals = model.training.residual_rms.iter().copied();
+    let least = residuals.filter(|rms| *rms > 0.0).fold(f64::INFINITY, f64::min);
     let rms = |blocks: Vec<HeldOut>| -> Vec<f64> {
         let of = |(joints, columns): &(std::ops::Range<usize>, Mat<f64>)| {
             let own = tau.subcols(joints.start, joints.len()).to_owned();
             let target = [(&own, &own)];
             let weight = |row: usize| {
                 let rms = model.training.residual_rms[joints.start + row / few.n_rows()];
-                if rms > 0.0 { 1.0 / rms } else { 1.0 }
+                if least.is_finite() { 1.0 / rms.max(least) } else { 1.0 }
             };
             let weights: Vec<f64> = (0..columns.nrows()).map(weight).collect();
             let weighed = Mat::from_fn(columns.nrows(), columns.ncols(), |row, k| {

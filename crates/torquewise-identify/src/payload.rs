@@ -4,6 +4,7 @@ mod gains;
 mod pass;
 mod rows;
 
+use crate::disagreement::Disagreement;
 use crate::fitted::loaded_equations;
 use faer::Mat;
 use nalgebra::Vector3;
@@ -48,6 +49,9 @@ pub struct Payload {
     pub residual_without: Vec<f64>,
     /// The same with it.
     pub residual_with: Vec<f64>,
+    /// Logs that do not carry the same load.
+    #[serde(skip)]
+    pub at_odds: Vec<Disagreement>,
     /// Whether the verdict of the fit of the model is that it should not be used.
     #[serde(skip)]
     of_useless: bool,
@@ -185,6 +189,7 @@ impl Payload {
             elsewhere: Pass::better(passes, link).map(|link| name(link).clone()),
             residual_without: rms(&pass.squares),
             residual_with: rms(&with.squares),
+            at_odds: Vec::new(),
             of_useless: model.training.useless().is_some(),
             on: link,
             inertial,
@@ -195,7 +200,7 @@ impl Payload {
 
     /// What the log does not determine, and which motion would.
     pub fn hints(&self) -> Vec<String> {
-        let mut hints = Vec::new();
+        let mut hints: Vec<String> = self.at_odds.iter().map(ToString::to_string).collect();
         if self.of_useless {
             let said = "the model is unusable by the verdict of its fit, and so may the load be";
             hints.push(said.to_owned());

@@ -12,7 +12,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 use torquewise_identify::bandwidth::{Tuned, tune};
-use torquewise_identify::disagreement::disagreements;
 use torquewise_identify::plan::ChainOptions;
 use torquewise_identify::reconstruct::reconstruct_from;
 use torquewise_identify::verdict::{Grade, Verdict, judge};
@@ -126,15 +125,9 @@ impl<'a> Fit<'a> {
         if !fit.found.warnings.iter().any(is_cut_off) {
             fit.found.warnings.extend(log.cut_off());
         }
-        let (repairs, is_single) = (log.repairs(), log.logs().paths().len() == 1);
-        if !is_single || repairs.values().any(|own| own.splits > 0) {
-            let stretch =
-                |k: usize| if is_single { format!("stretch {}", k + 1) } else { log.file_of(k) };
-            let watched = log.watched(self.observer, "comparing the logs");
-            let at_odds = disagreements(&fit.found.model, &watched, &stretch)?;
-            fit.found.warnings.extend(at_odds.into_iter().map(Warning::Disagreement));
-        }
-        fit.found.model.training.conditioning = repairs;
+        let at_odds = log.at_odds(&fit.found.model, self.observer)?;
+        fit.found.warnings.extend(at_odds.into_iter().map(Warning::Disagreement));
+        fit.found.model.training.conditioning = log.repairs();
         Ok(fit)
     }
 }

@@ -4,9 +4,11 @@ use crate::error::{Error, Result};
 use crate::observe::{Observer, Watched};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use torquewise_identify::disagreement::{Disagreement, disagreements};
 use torquewise_identify::warning::{Warning, list};
 use torquewise_logs::conditioned::RawLogs;
 use torquewise_logs::{ConditionedLogs, LEAST_GAIN, Logs, Options};
+use torquewise_model::Model;
 use torquewise_model::model::TrainingFilter;
 use torquewise_motion::repairs::counted;
 use torquewise_motion::signals::{ConditionReport, Conditioning, Cutoff, SignalReport};
@@ -235,6 +237,23 @@ impl Prepared {
     pub fn file_of(&self, trajectory: usize) -> String {
         let file = self.logs().file_of(trajectory);
         file.map_or_else(|| format!("trajectory {}", trajectory + 1), |f| f.display().to_string())
+    }
+
+    /// Logs, or stretches of one between gaps, that differ in what gravity does, as after another
+    /// load was taken up.
+    pub(crate) fn at_odds(
+        &self,
+        model: &Model,
+        observer: Observer<'_>,
+    ) -> Result<Vec<Disagreement>> {
+        let is_single = self.logs().paths().len() == 1;
+        if is_single && self.repairs().values().all(|own| own.splits == 0) {
+            return Ok(Vec::new());
+        }
+        let name =
+            |k: usize| if is_single { format!("stretch {}", k + 1) } else { self.file_of(k) };
+        let watched = self.watched(observer, "comparing the logs");
+        Ok(disagreements(model, &watched, &name)?)
     }
 
     /// What should be known of torques of few levels, units, odd velocities and rows left out.

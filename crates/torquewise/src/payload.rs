@@ -36,7 +36,9 @@ pub fn payload(
 ) -> Result<Payload> {
     let log = prepare(model, log)?;
     let watched = log.watched(observer, "weighing");
-    Ok(Payload::find(model, &watched, place)?)
+    let mut found = Payload::find(model, &watched, place)?;
+    found.at_odds = log.at_odds(model, observer)?;
+    Ok(found)
 }
 
 /// Finds what a unit of each torque column is worth, from a log with a load of known mass and a model
@@ -56,5 +58,7 @@ pub fn gains(
 ) -> Result<DriveGains> {
     let log = prepare(model, log)?;
     let watched = log.watched(observer, "weighing");
-    Ok(DriveGains::find(model, &watched, place, mass)?)
+    let mut found = DriveGains::find(model, &watched, place, mass)?;
+    found.at_odds = log.at_odds(model, observer)?;
+    Ok(found)
 }

@@ -226,6 +226,11 @@ fn a_load_is_weighed_and_added_to_a_model_of_its_own() {
     assert!(nothing.stderr.contains("the mass is not told from zero"), "{nothing:?}");
     let said = terminal.run("payload both.json log.csv").stderr;
     assert!(said.contains("log is 0.50") && said.lines().count() == 1, "{said}");
+    // One load is asked of logs that carry two, and of two that carry the same.
+    let said = terminal.run("payload arm.json log.csv loaded.csv").stderr;
+    assert!(said.contains("log.csv and loaded.csv disagree about the gravity of"), "{said}");
+    let same = terminal.run("payload arm.json loaded.csv test.csv").stderr;
+    assert!(!same.contains("disagree about the gravity"), "{same}");
 }
 
 #[test]

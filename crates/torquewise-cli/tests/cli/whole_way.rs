@@ -16,6 +16,7 @@ fn evaluate_notes_and_predict_marks_where_a_log_leaves_the_range_of_the_fit() {
     let terminal = Terminal::with_model();
     let mut log = Table::of(&terminal, "log.csv");
     terminal.write("turned.csv", &log.clone().with("q1", |_, q1, _| q1 + 30.0).text());
+    terminal.write("degrees.csv", &log.clone().with("q1", |_, q1, _| q1.to_degrees()).text());
     log.rows[49][3] = 9.5;
     terminal.write("fast.csv", &log.text());
 
@@ -24,6 +25,9 @@ fn evaluate_notes_and_predict_marks_where_a_log_leaves_the_range_of_the_fit() {
 
     assert!(!inside.stderr.contains("leaves the range"), "{inside:?}");
     assert!(outside.stderr.contains("note: joint1 leaves the range"), "{outside:?}");
+    let degrees = terminal.run("evaluate model.json degrees.csv").stderr;
+    assert!(degrees.contains("joint1 leaves") && degrees.contains("degrees?"), "{degrees}");
+    assert!(!outside.stderr.contains("degrees?"), "{outside:?}");
     for (log, beyond) in [("log", "0"), ("turned", "1")] {
         terminal.run(&format!("predict model.json {log}.csv -o torque.csv"));
         let marked = Table::of(&terminal, "torque.csv").column("outside_range");

@@ -4,6 +4,7 @@ use super::pass::Pass;
 use super::rows::WithLoad;
 use super::{LoadPlace, Payload, STRENGTH, chain_of};
 use crate::clustered::{Stretches, scatter, score};
+use crate::disagreement::Disagreement;
 use crate::warning::list;
 use faer::{ColRef, Mat};
 use serde::Serialize;
@@ -26,6 +27,9 @@ pub struct DriveGains {
     pub apparent_mass: f64,
     /// Rows that they were found on.
     pub rows: usize,
+    /// Logs that do not carry the same load.
+    #[serde(skip)]
+    pub at_odds: Vec<Disagreement>,
     #[serde(skip)]
     joints: Vec<String>,
     /// Whether the axes of the model were given.
@@ -174,6 +178,7 @@ impl DriveGains {
             known_mass: mass,
             apparent_mass: apparent.value,
             rows: pass.rows,
+            at_odds: Vec::new(),
             joints: model.joints.clone(),
             is_given: chain.robot.is_some() || chain.fitted.is_empty(),
         })
@@ -186,7 +191,7 @@ impl DriveGains {
 
     /// Why gains may be wrong, or are not resolved, and what to do.
     pub fn hints(&self) -> Vec<String> {
-        let mut hints = Vec::new();
+        let mut hints: Vec<String> = self.at_odds.iter().map(ToString::to_string).collect();
         if !self.is_given {
             hints.push(
                 "the axes of the model were learned: lengths of a wrist, and with them its gains, \

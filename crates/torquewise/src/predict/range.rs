@@ -2,7 +2,7 @@
 
 use torquewise_model::units;
 use torquewise_model::{Model, number};
-use torquewise_motion::Motion;
+use torquewise_motion::{LARGEST, Motion};
 
 /// A position may be this part of the trained range beyond its ends.
 const Q_MARGIN: f64 = 0.05;
@@ -10,6 +10,8 @@ const Q_MARGIN: f64 = 0.05;
 const RATE_FACTOR: f64 = 1.5;
 /// Ranges this close to each other are of the same rows.
 const SAME: f64 = 1e-9;
+/// What to do beyond the range.
+const TRUST: &str = "do not trust its torque there, or fit on a log that covers it";
 
 /// The range of a motion, joint by joint, to be compared with that of a model.
 #[derive(Clone, Debug)]
@@ -83,7 +85,7 @@ impl MotionRange {
         for (joint, name) in model.joints.iter().enumerate() {
             let kind = model.kinds().of(joint);
             let [is_off, rates @ ..] = self.beyond(model, joint);
-            let mut beyond = Vec::new();
+            let (mut beyond, mut advice) = (Vec::new(), TRUST);
             if is_off {
                 let ([low, high], [from, to]) = (self.q[joint], training.q_range[joint]);
                 let reached = match (short(low), short(high)) {
@@ -91,6 +93,9 @@ impl MotionRange {
                     (low, high) => format!("from {low} to {high}"),
                 };
                 beyond.push(format!("q {reached} {}, not {from:.2} to {to:.2}", kind.unit));
+                if f64::max(-low, high) > LARGEST[0] && f64::max(-from, to) <= LARGEST[0] {
+                    advice = "are these degrees?";
+                }
             }
             let signals = [
                 ("dq", "rad/s", &self.dq, &training.dq_peak),
@@ -104,8 +109,7 @@ impl MotionRange {
             }
             if !beyond.is_empty() {
                 warnings.push(format!(
-                    "{name} leaves the range the model was fitted on ({}): \
-                     do not trust its torque there, or fit on a log that covers it",
+                    "{name} leaves the range the model was fitted on ({}): {advice}",
                     beyond.join("; ")
                 ));
             }
