@@ -139,16 +139,12 @@ impl Grid {
         let Some(cutoff) = lowest_near_best(&cutoffs) else { return Ok(None) };
         let delays = at(logs, chain, (cutoff, &logs.delays()), 0.0, watch)?;
         let mut delay = none;
-        if let Some(clear) = clear_delay(&delays, none) {
-            let in_motion = at(logs, chain, (cutoff, &[none, clear]), SLOW, watch)?;
-            if let [without, with] = &in_motion[..]
-                && with.errors.all() < without.errors.all()
-            {
-                delay = clear;
+        if let Some(best) = best_delay(&delays) {
+            let with = |slow| at(logs, chain, (cutoff, &[none, best]), slow, watch);
+            if is_clear(&with(0.0)?) && is_better(&with(SLOW)?) {
+                delay = best;
+                cutoffs = self::cutoffs(logs, (chain, delay), watch)?;
             }
-        }
-        if !is_same(delay, none) {
-            cutoffs = self::cutoffs(logs, (chain, delay), watch)?;
         }
         let best = lowest_near_best(&cutoffs);
         Ok(best.map(|cutoff| Self { cutoffs, delays, cutoff, delay }))
@@ -181,7 +177,7 @@ impl Grid {
         let delays = self.delays.iter().map(|tried| of(tried, milliseconds(tried.delay))).collect();
         let lowest =
             ("cut-off of the filter", hertz(cutoff), "lowest near the least error", cutoffs);
-        let rule = "none but for a clear gain, in motion too,";
+        let rule = "lowest of a parabola, but none without a clear gain, in motion too,";
         let clear = ("delay of the torque", milliseconds(delay), rule, delays);
         let choice = |(what, chosen, rule, from): (&str, String, &str, Vec<Candidate>)| Choice {
             what: what.to_owned(),
@@ -202,20 +198,30 @@ fn lowest_near_best(tried: &[Tried]) -> Option<f64> {
     near.map(|tried| tried.cutoff).reduce(f64::min)
 }
 
-/// The delay of least error, where it is clearly better than none, and not the first or the last
-/// that was tried.
-fn clear_delay(tried: &[Tried], none: f64) -> Option<f64> {
-    let inner = tried.get(1..tried.len().saturating_sub(1))?.iter();
-    let best = inner.min_by(|a, b| a.errors.all().total_cmp(&b.errors.all()))?;
-    if [tried.first()?, tried.last()?].iter().any(|end| end.errors.all() < best.errors.all()) {
-        return None;
-    }
-    let without = tried.iter().find(|tried| is_same(tried.delay, none))?;
-    let pairs = without.errors.by_block().into_iter().zip(best.errors.by_block());
-    let gains: Vec<f64> = pairs.map(|(without, best)| (without / best).ln()).collect();
-    let gain = (without.errors.all() / best.errors.all()).ln();
-    let is_clear = gain > LEAST_GAIN && mean(&gains) > LEAST_CERTAINTY * standard_error(&gains);
-    is_clear.then_some(best.delay)
+/// The delay of least error, unless that is at an end of those that were tried: where a parabola
+/// through the squared errors of the best and the two beside it is least.
+fn best_delay(tried: &[Tried]) -> Option<f64> {
+    let square = |own: &Tried| own.errors.all().powi(2);
+    let best = tried.iter().min_by(|a, b| square(a).total_cmp(&square(b)))?;
+    let at = tried.iter().position(|own| is_same(own.delay, best.delay))?;
+    let [before, after] = [tried.get(at.checked_sub(1)?)?, tried.get(at + 1)?];
+    let [falls, rises] = [before, after].map(|beside| square(beside) - square(best));
+    let step = 0.5 * (after.delay - before.delay);
+    Some(best.delay + 0.5 * step * (falls - rises) / (falls + rises).max(f64::MIN_POSITIVE))
+}
+
+/// Whether the second of two delays is clearly better than the first.
+fn is_clear(tried: &[Tried]) -> bool {
+    let [without, with] = tried else { return false };
+    let pairs = without.errors.by_block().into_iter().zip(with.errors.by_block());
+    let gains: Vec<f64> = pairs.map(|(without, with)| (without / with).ln()).collect();
+    let gain = (without.errors.all() / with.errors.all()).ln();
+    gain > LEAST_GAIN && mean(&gains) > LEAST_CERTAINTY * standard_error(&gains)
+}
+
+/// Whether the second of two delays is better than the first.
+fn is_better(tried: &[Tried]) -> bool {
+    matches!(tried, [without, with] if with.errors.all() < without.errors.all())
 }
 
 /// What cut-offs leave with a delay: every second one, then those beside the best.

@@ -82,6 +82,8 @@ const APART: f64 = 0.2;
 const LEVEL: f64 = 0.95;
 /// Peaks beyond a threshold are more than expected by at most so many standard deviations of a count.
 const BY_CHANCE: f64 = 2.5;
+/// Contacts in a log that is not said to be free, at most, but for half of its peaks.
+const MOST_CONTACTS: f64 = 10.0;
 /// A threshold at a peak is above it, however both are rounded.
 const ROUNDED: f64 = 1.0 + 1e-9;
 /// Rows that the level is found from at most: more are thinned evenly.
@@ -142,7 +144,7 @@ impl Thresholds {
     /// The thresholds that free motion asks for.
     ///
     /// - `is_free`: whether nothing touched the arm, so that its largest peak is no contact either;
-    ///   else contacts are taken to be fewer than half of the peaks
+    ///   else contacts are taken to be fewer than half of the peaks, or than ten
     ///
     /// # Errors
     /// As [`external_torques`]; [`IdentifyError::TooFewRows`] if it is too short to tell.
@@ -283,19 +285,21 @@ impl Peaks {
     }
 
     /// The excess that so many peaks of as much other motion are expected to be beyond: peaks are taken to
-    /// fall off exponentially. Where contacts may be among them, their mean excess is found by their
-    /// median, which a few of another kind do not move; where none are, the peaks that are beyond may
-    /// be more than expected by chance alone.
+    /// fall off exponentially. Where contacts may be among them, their mean excess is found by quantiles
+    /// that these do not move: the median, and where peaks are many, that of all but some. Where none
+    /// are, the peaks that are beyond may be more than expected by chance alone.
     fn excess_at(&mut self, expected: f64, is_free: bool) -> f64 {
         if let Some((_, _, most)) = self.open.take() {
             self.push(most);
         }
+        let count = f64::max((self.excess.len() * (self.left_out + 1)) as f64, 1.0);
         let mean = if is_free {
             self.excess.iter().sum::<f64>() / self.excess.len().max(1) as f64
         } else {
-            quantile(&mut self.excess, 0.5) / std::f64::consts::LN_2
+            let parts = [0.5, f64::max(0.5, 1.0 - MOST_CONTACTS / count)];
+            let means = parts.map(|part| quantile(&mut self.excess, part) / -f64::ln(1.0 - part));
+            f64::max(means[0], means[1])
         };
-        let count = f64::max((self.excess.len() * (self.left_out + 1)) as f64, 1.0);
         // Its own standard error, that few peaks may not promise too little.
         let told = mean * (1.0 + 1.0 / count.sqrt()) * (count / expected).ln().max(0.0);
         if !is_free {

@@ -46,7 +46,9 @@ impl<'a> Searched<'a> {
         watch: Watch<'_>,
     ) -> Result<Self, IdentifyError> {
         Progress::Geometry.tell(watch)?;
-        let learned = learn(&survey.sample, options, (seed, before), watch)?;
+        let learned = learn(&survey.sample, options, (seed, before), watch);
+        // A search among degrees finds no arm, or stops for a reason that says nothing of them.
+        let learned = learned.or_else(|error| survey.check_units().and(Err(error)))?;
         let sample = thinned(&survey.sample, LAST_ROWS);
         let Learned { chain, spec, laws, .. } = &learned;
         let rest = if spec.has_friction() { AT_REST } else { 0.0 };
@@ -73,7 +75,9 @@ impl<'a> Searched<'a> {
         let Self { survey, options, learned, at } = self;
         Progress::Refit.tell(watch)?;
         let (sizes, sample) = (Sizes::of(survey), thinned(&survey.sample, LAST_ROWS));
-        let (at, searched_part) = refine(&sample, &at, &sizes, watch)?;
+        let (at, mut searched_part) = refine(&sample, &at, &sizes, watch)?;
+        // Of a joint that never moves nothing is told.
+        survey.constant_joints().into_iter().for_each(|joint| searched_part[joint] = 0.0);
         let at = at.widened(&learned.offered, &sample)?;
         let mut passes = Passes::over_all(cut_for(at, survey.rows), MOST_PASSES);
         passes.may_release = options.geometry.is_none();
@@ -92,7 +96,8 @@ pub struct Request {
     pub(crate) sizes: Sizes,
     choices: Vec<Choice>,
     found: Option<GeometryFound>,
-    /// What the search left of each joint over what the chain of the first pass does, n.
+    /// What the search left of each joint over what the chain of the first pass does, n; 0 where that
+    /// is not asked.
     searched_part: Vec<f64>,
     /// The same \[N·m\], in the band of the logs; empty before their first pass.
     searched_rms: Vec<f64>,

@@ -52,7 +52,7 @@ impl ClockRepair {
         let at = |part: usize| repeats.get(part * repeats.len() / 10).copied().unwrap_or_default();
         let is_even = repeats.len() >= LIKE_RUNS && at(9) <= 2 * at(1);
         let most = if is_even { FEW_HELD.max(2 * at(5)).min(MOST_HELD) } else { FEW_HELD };
-        let dropped: usize = repeats.iter().map(|repeats| (*repeats).min(most)).sum();
+        let dropped: usize = repeats.iter().filter(|repeats| **repeats <= most).sum();
         let held = if dropped as f64 > LEAST_HELD * rows as f64 { most } else { 0 };
         let mut off = [0.0, 0.0];
         for piece in pieces {

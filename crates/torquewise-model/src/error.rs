@@ -33,8 +33,10 @@ pub enum ModelError {
     #[error("the model file has version {found}, this program reads version {known}")]
     #[diagnostic(help("fit the model anew, or use the program that wrote it"))]
     Version { found: u64, known: u64 },
-    #[error("the model has steps 1 to {known}, step {found} was asked for")]
-    #[diagnostic(help("name one of its steps"))]
+    #[error("the model has no step {found}: it has {known}")]
+    #[diagnostic(help(
+        "name a step from 1; a chain has none, a library that is fitted stepwise has"
+    ))]
     Step { found: usize, known: usize },
     #[error("the model file is damaged: {reason}")]
     #[diagnostic(help("fit the model anew"))]

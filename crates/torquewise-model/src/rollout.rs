@@ -259,10 +259,15 @@ pub fn drifts(
     Ok(drifts)
 }
 
-/// Whether a value lies in the middle 90 % of some.
+/// Whether a value lies in the middle 90 % of some; half of those that are no number are beyond
+/// either end.
 fn is_in_band(mut among: Vec<f64>, value: f64) -> bool {
-    among.sort_by(f64::total_cmp);
     let Some(last) = among.len().checked_sub(1) else { return false };
+    let mut way = 1.0;
+    for own in among.iter_mut().filter(|own| own.is_nan()) {
+        (*own, way) = (way * f64::INFINITY, -way);
+    }
+    among.sort_by(f64::total_cmp);
     let outside = (last + OUTSIDE / 2) / OUTSIDE;
     (among[outside]..=among[last - outside]).contains(&value)
 }

@@ -59,9 +59,12 @@ pub struct ShaftFriction<'m> {
     shaft: &'m [f64],
 }
 
-/// Rows slower than so many half widths of the reversal of friction hardly count in a fit: a curve that
-/// bends below is not resolved.
-const SEEN: f64 = 3.0;
+/// A curve that bends below so many half widths of the reversal of friction is not resolved: slower
+/// rows hardly count in a fit, and those of an arm that noise keeps moving bend it too (puma560-3 with
+/// dwells: v_s .06 in place of .1, F_s 9.6 in place of 7, at 4 half widths).
+const SEEN: f64 = 5.0;
+/// A fit takes no friction for none: a load factor up to this is what it leaves where none is.
+const LEAST_LOAD: f64 = 2e-3;
 /// What is left of the turn of a reversal after its travel.
 const LEFT: f64 = 0.1;
 /// Even steps in which a decay is looked for, and halvings of the step that it is in.
@@ -153,7 +156,7 @@ impl<'m> ShaftFriction<'m> {
             backward: self.sliding(-1.0),
             stiffness,
             travel: turned.and_then(|_| self.decay(element, LEFT, 1)),
-            load_factor: load_factor.positive(),
+            load_factor: load_factor.positive().filter(|own| own.value > LEAST_LOAD),
         }
     }
 

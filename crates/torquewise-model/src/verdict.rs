@@ -26,11 +26,17 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// The worse grade of two, for the reasons of both.
+    /// The worse grade of two, for the reasons of both, each once.
     #[must_use]
     pub fn with(self, other: Self) -> Self {
-        let [worse, better] = if other.grade > self.grade { [other, self] } else { [self, other] };
-        Self { grade: worse.grade, because: [worse.because, better.because].concat() }
+        let [mut worse, better] =
+            if other.grade > self.grade { [other, self] } else { [self, other] };
+        for reason in better.because {
+            if !worse.because.contains(&reason) {
+                worse.because.push(reason);
+            }
+        }
+        worse
     }
 }
 

@@ -15,7 +15,9 @@ pub enum ChainError {
     #[diagnostic(help("record a longer motion"))]
     TooFewRows { rows: usize, joints: usize, needed: usize },
     #[error("the normal equations of the chain cannot be solved")]
-    #[diagnostic(help("look for joints that never move and for values that are not finite"))]
+    #[diagnostic(help(
+        "inspect the log for joints that never move and values that are not in rad, s and N·m"
+    ))]
     Singular,
     #[error("stopped")]
     Stopped,

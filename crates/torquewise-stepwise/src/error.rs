@@ -64,8 +64,10 @@ pub enum IdentifyError {
         "give a letter for each joint, r where it turns and p where it slides, as a URDF has them where one is given"
     ))]
     Kinds { kinds: String, joints: String },
-    #[error("{signal} of {joint} reaches {found:e}, which no arm does")]
-    #[diagnostic(help("repair or drop such rows, and check the units"))]
+    #[error("{signal} of {joint} reaches {found:.3e}, which no arm does")]
+    #[diagnostic(help(
+        "repair or drop such rows, and check the units: where they are degrees, `unit` in a profile says so"
+    ))]
     NoMotion { signal: &'static str, joint: String, found: f64 },
     #[error("the torque of {0} never changes")]
     #[diagnostic(help("check that it is measured, or leave the joint out"))]

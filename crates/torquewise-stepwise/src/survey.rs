@@ -70,6 +70,21 @@ impl Survey {
         Ok(())
     }
 
+    /// Whether its positions may be in rad, or m.
+    ///
+    /// # Errors
+    /// [`IdentifyError::NoMotion`].
+    pub fn check_units(&self) -> Result<(), IdentifyError> {
+        let largest = |[low, high]: &[f64; 2]| high.max(-low);
+        let all = self.joints.iter().zip(self.q_range.iter().map(largest));
+        match all.into_iter().find(|(_, found)| *found > torquewise_motion::LARGEST[0]) {
+            Some((joint, found)) => {
+                Err(IdentifyError::NoMotion { signal: "q", joint: joint.clone(), found })
+            }
+            None => Ok(()),
+        }
+    }
+
     /// What a model keeps of the log it was fitted on; `residual_rms`: what it leaves of the torque
     /// of each joint \[N·m\], n.
     pub fn training(&self, residual_rms: Vec<f64>) -> Training {

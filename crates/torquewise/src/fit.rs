@@ -195,6 +195,14 @@ impl FitResult {
         repaired.into_iter().chain(remarks.map(ToString::to_string)).collect()
     }
 
+    /// Takes over the verdict of a log of other motion where that is worse, so that whoever uses the
+    /// model is told.
+    pub fn judged_by(&mut self, test: &Evaluation) {
+        if test.verdict.grade > self.verdict().grade {
+            self.found.model.training.verdict = Some(test.verdict.clone());
+        }
+    }
+
     /// How well the model predicts the torque of another log of the arm.
     ///
     /// # Errors

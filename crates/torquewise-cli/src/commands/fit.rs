@@ -84,13 +84,16 @@ pub(crate) fn run(arguments: &Arguments, words: &[OsString]) -> Result<Outcome> 
     if !loaded.is_empty() {
         options.library.get_or_insert(Library::Chain);
     }
-    let fit = Fit::new(&log).options(options).observer(&watch()).run()?;
-    fit.model.save(staged(&arguments.output)?)?;
+    let mut fit = Fit::new(&log).options(options).observer(&watch()).run()?;
     let test = test.map(|test| test.prepare_as(fit.model.training.filter, Rows::WithRawTorque));
     let test = test.transpose()?;
 
     let judged = test.as_ref().map(|test| evaluate_prepared(&fit.model, test, &watch()));
     let judged = judged.transpose()?;
+    if let Some(judged) = &judged {
+        fit.judged_by(judged);
+    }
+    fit.model.save(staged(&arguments.output)?)?;
     let tested = judged.as_ref().map(|judged| (judged, arguments.test.len()));
     let mut outcome = outcome(&fit, tested, arguments.explain)?;
     outcome.json["file"] = json!(arguments.output.display().to_string());

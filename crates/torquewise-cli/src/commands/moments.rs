@@ -9,6 +9,7 @@ use crate::progress::watch;
 use crate::signal_arguments::SignalArguments;
 use clap::Args;
 use std::path::PathBuf;
+use torquewise::motion::signals::CutoffFrom;
 use torquewise::summary::repairs_text;
 use torquewise::sums::sum_up;
 
@@ -45,5 +46,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let (summary, log) = sum_up(&log, &options, request.as_ref(), &watch())?;
     let written = write_moments(&arguments.output, &summary)?;
     let text = log.text() + &written.text + &repairs_text(&log.repairs());
-    Ok(Outcome { text, warnings: log.warnings(), ..written })
+    let is_chosen = log.report().is_some_and(|own| own.cutoff_from == CutoffFrom::Motion);
+    let notes = is_chosen.then(|| {
+        "moments keep their cut-off and take torque to be on time, as a fit of one of the logs might \
+         not: give its --filter and --delay"
+            .to_owned()
+    });
+    Ok(Outcome { text, warnings: log.warnings(), notes: notes.into_iter().collect(), ..written })
 }

@@ -91,7 +91,7 @@ fn models_that_cannot_be_used_are_refused() {
         ("predict model.json three.csv -o out.csv", &["model has 2 joints", "the log 3"]),
         ("evaluate model.json named.csv", &["joint1, joint2", "hip, knee"]),
         ("predict model.json named.csv -o out.csv", &["joint1, joint2", "hip, knee"]),
-        ("predict one.json log.csv -o out.csv --step 2", &["steps 1 to 1", "step 2"]),
+        ("predict one.json log.csv -o out.csv --step 2", &["no step 2: it has 1"]),
     ] {
         terminal.refused(line, words);
     }

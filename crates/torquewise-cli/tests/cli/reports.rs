@@ -57,6 +57,14 @@ fn a_model_can_be_judged_by_another_log_at_once() {
         let evaluated = terminal.done("evaluate model.json test.csv");
         assert!(evaluated.contains(words), "{words}: {evaluated}");
     }
+    // What a test says of a model goes wherever the model does.
+    let other = Table::of(&terminal, "test.csv").scaled(&["tau2"], -1.0).text();
+    terminal.write("turned.csv", &other);
+    terminal.run("fit log.csv -o turned.json --test turned.csv --report turned.html");
+    let exported = terminal.run("export turned.json --to c -o turned.c").stderr;
+    assert!(exported.contains("do not let this code move an arm"), "{exported}");
+    let report = terminal.read("turned.html");
+    assert!(report.contains("Fit again before a model") && !report.contains("--to c"));
     let said = terminal.done("fit log.csv -o model.json --test test.csv --test log.csv");
     assert!(said.contains("On the test logs, 2 together:"), "{said}");
     assert!(terminal.read("report.html").contains("<strong>Usable</strong>"));

@@ -110,6 +110,20 @@ fn encoders_and_torques_of_few_levels_at_rest_are_no_held_rows() {
 }
 
 #[test]
+fn dwells_of_an_arm_without_noise_are_no_held_rows() {
+    // Forty strokes, with a dwell of 5 to 44 rows before each.
+    let (mut sampled, mut now) = (Vec::new(), 0.0);
+    for stroke in 0..40 {
+        sampled.extend([now; 5].into_iter().chain(std::iter::repeat_n(now, stroke)));
+        sampled.extend((0..60).map(|row| now + STEP * f64::from(row)));
+        now += 60.0 * STEP;
+    }
+    let rows = u32::try_from(sampled.len()).unwrap();
+
+    assert_eq!(ClockRepair::of(&[block(even(rows), &sampled)]).held, 0);
+}
+
+#[test]
 fn where_blocks_are_cut_does_not_matter() {
     let late = block(jittery(5_000), &even(5_000));
 

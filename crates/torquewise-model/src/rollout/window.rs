@@ -24,6 +24,8 @@ struct Rows {
     q: Vec<Vec<f64>>,
     dq: Vec<Vec<f64>>,
     tau: Vec<Vec<f64>>,
+    /// What the model leaves of the torque.
+    left: Vec<Vec<f64>>,
 }
 
 impl Rows {
@@ -111,11 +113,13 @@ impl Window<'_> {
         see: &mut SeeStep<'_>,
     ) -> Result<Vec<Vec<f64>>, ModelError> {
         let start = [&self.rows.q, &self.rows.dq].map(|rows| rows[self.first].clone());
-        self.moved(torque, start, horizons, (&mut || 0.0, see))
+        let nothing = vec![0.0; self.rows.q[self.first].len()];
+        self.moved(torque, start, horizons, (&mut |_| nothing.clone(), see))
     }
 
-    /// Where it seems to lead if measured states have noise, and torques jump at any instant between
-    /// two rows.
+    /// Where it seems to lead if measured states have noise, torques jump at any instant between two
+    /// rows, and the torque misses what it misses at some other time of the trajectory: noise, and what
+    /// no model holds, as long as they last.
     pub(super) fn other(
         &self,
         torque: &Torque,
@@ -132,26 +136,31 @@ impl Window<'_> {
         };
         let start = [(&self.rows.q, &noise[0]), (&self.rows.dq, &noise[1])];
         let start = start.map(|(rows, noise)| noisy(&rows[self.first], noise, random));
-        let mut late = || random.random_range(-0.5..0.5);
-        let ends = self.moved(torque, start, horizons, (&mut late, &mut |_, _| ()))?;
+        let Rows { left, .. } = self.rows;
+        let later = random.random_range(0..left.len());
+        let mut missed = |row: usize| {
+            let jump = self.rows.missed(row, random.random_range(-0.5..0.5));
+            let left = &left[(row + later) % left.len()];
+            jump.iter().zip(left).map(|(jump, left)| jump - left).collect()
+        };
+        let ends = self.moved(torque, start, horizons, (&mut missed, &mut |_, _| ()))?;
         Ok(ends.iter().map(|q| noisy(q, &noise[0], random)).collect())
     }
 
-    /// - `late`: by what part of the time between two rows a torque that jumps there does so after
-    ///   its middle
+    /// - `missed`: what the line from a row to the next misses of the mean torque \[N·m\], n
     fn moved(
         &self,
         torque: &Torque,
         [q, dq]: [Vec<f64>; 2],
         horizons: &[f64],
-        (late, see): (&mut dyn FnMut() -> f64, &mut SeeStep<'_>),
+        (missed, see): (&mut dyn FnMut(usize) -> Vec<f64>, &mut SeeStep<'_>),
     ) -> Result<Vec<Vec<f64>>, ModelError> {
         let Self { rows, path, first } = self;
         let mut path = path.clone();
         path.step(&q);
         let mut arm = Moving { path, ddq: vec![0.0; dq.len()], dq };
         let (mut row, mut t) = (*first, rows.t[*first]);
-        let mut missed = rows.missed(row, late());
+        let mut off = missed(row);
         let mut reached = Vec::new();
         for horizon in horizons {
             let end = rows.t[*first] + horizon;
@@ -161,10 +170,10 @@ impl Window<'_> {
                 let now = rows.before(row, middle);
                 if now > row {
                     row = now;
-                    missed = rows.missed(row, late());
+                    off = missed(row);
                 }
                 let mut tau = rows.between(&rows.tau, row, middle);
-                tau.iter_mut().zip(&missed).for_each(|(tau, missed)| *tau += missed);
+                tau.iter_mut().zip(&off).for_each(|(tau, off)| *tau += off);
                 torque.step(&mut arm, &tau, seconds)?;
                 see(&arm, seconds);
                 t += seconds;
@@ -207,16 +216,20 @@ pub fn windows(
     take: &mut dyn FnMut(&[Window<'_>]) -> Result<(), ReadError>,
 ) -> Result<(), ReadError> {
     model.check_joints(recording.joints())?;
-    let path = Torque::new(model).path();
+    let torque = Torque::new(model);
+    let (path, mut followed) = (torque.path(), torque.path());
     let (mut rows, mut own) = (Rows::default(), None);
     recording.read(&mut |trajectory, block| {
+        let tau = block.require_tau()?;
+        let left = tau - torque.over(&followed.follow(trajectory, block))?;
         for row in 0..block.n_rows() {
             if own != Some(trajectory) || !rows.goes_on(block.t()[row]) {
                 take(&std::mem::take(&mut rows).windows(path.clone(), longest))?;
                 own = Some(trajectory);
             }
             let of = |x: faer::MatRef<'_, f64>| x.row(row).iter().copied().collect::<Vec<f64>>();
-            rows.tau.push(of(block.require_tau()?));
+            rows.tau.push(of(tau));
+            rows.left.push(of(left.as_ref()));
             rows.t.push(block.t()[row]);
             rows.q.push(of(block.q()));
             rows.dq.push(of(block.dq()));

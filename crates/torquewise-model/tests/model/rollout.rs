@@ -96,9 +96,30 @@ fn the_band_knows_the_noise_of_measured_states() {
     let (q, dq) = (noisy(clean.q(), 1e-3), noisy(clean.dq(), 2e-2));
     let motion = Motion::new(Signals { q, dq, ..clean.into_signals() }).unwrap();
 
-    assert!(covered(&motion, 0.1, &[0.4; 50], no_noise()) < 0.01);
+    // What noise in q̇ leaves of the torque makes a band a hundredth as wide.
+    assert!(covered(&motion, 0.1, &[0.4; 50], no_noise()) < 0.03);
     let share = covered(&motion, 0.1, &[0.4; 50], [vec![1e-3; 2], vec![2e-2; 2]]);
     assert!((0.8..0.98).contains(&share), "{share}");
+}
+
+#[test]
+fn the_band_knows_the_noise_of_the_torque_white_or_not() {
+    let clean = obeying(&knee(FrictionLaw::Viscous, 0.4), 5_000, 1e-3, &wave);
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    for kept in [0.0, 0.98] {
+        let mut noise = 0.0;
+        let tau = Mat::from_fn(5_000, 2, |row, joint| {
+            let unit: f64 = StandardNormal.sample(&mut random);
+            noise = if joint == 0 { noise } else { kept * noise + 0.5 * unit };
+            clean.tau().unwrap()[(row, joint)] + if joint == 0 { 0.0 } else { noise }
+        });
+        let noisy =
+            Motion::new(Signals { tau: Some(tau), ..clean.clone().into_signals() }).unwrap();
+
+        let share = covered(&noisy, 0.2, &[0.4; 50], no_noise());
+
+        assert!((0.8..0.98).contains(&share), "{kept}: {share}");
+    }
 }
 
 #[test]

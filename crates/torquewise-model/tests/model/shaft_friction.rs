@@ -7,10 +7,10 @@ use torquewise_model::selection::Selection;
 use torquewise_model::shaft_friction::{Estimated, FrictionParameters, ShaftFriction};
 use torquewise_model::{Form, FrictionTerm, Kind, Model, RigidChain, Weighted};
 
-const DRY: FrictionLaw = FrictionLaw::Coulomb { width: 0.01 };
+const DRY: FrictionLaw = FrictionLaw::Coulomb { width: 0.008 };
 
 fn stribeck(speed: f64) -> FrictionLaw {
-    FrictionLaw::Stribeck { speed, width: 0.01 }
+    FrictionLaw::Stribeck { speed, width: 0.008 }
 }
 
 /// A law of the second of two joints.
@@ -114,11 +114,11 @@ fn what_is_not_resolved_has_no_number() {
     // The law and the element together are 1.4 errors from zero.
     assert_eq!([sliding.coulomb, sliding.stiction, sliding.stribeck_speed], [None; 3]);
     assert_eq!(sliding.viscous, None);
-    // A curve that bends where rows no longer count, below three half widths of the reversal.
+    // A curve that bends where rows no longer count, below five half widths of the reversal.
     let bent = |width| {
         only(&model(vec![both(FrictionLaw::Coulomb { width }, 3.0), both(stribeck(0.05), 1.2)]))
     };
-    let [fast, slow] = [0.01, 0.02].map(|width| bent(width).forward);
+    let [fast, slow] = [0.008, 0.02].map(|width| bent(width).forward);
     assert!(fast.stiction.is_some() && fast.stribeck_speed.is_some());
     assert_eq!([slow.stiction, slow.stribeck_speed], [None; 2]);
     assert_near(slow.coulomb, 3.0, 0.01);

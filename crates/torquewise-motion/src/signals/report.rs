@@ -69,7 +69,7 @@ impl fmt::Display for CutoffFrom {
         f.write_str(match self {
             Self::Setting => "as set",
             Self::Motion => {
-                "eight times the frequency of the motion; the fit of a chain tries others"
+                "eight times the frequency of the motion; where a chain is fitted, others are tried"
             }
             Self::HeldOut => "at which torque of held-out rows is predicted best",
         })

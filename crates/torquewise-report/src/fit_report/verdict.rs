@@ -59,12 +59,14 @@ pub(crate) fn next(findings: &Findings<'_>) -> Section {
         Some(_) => "Judge the model by another motion as well",
         None => "Record a log of another motion and judge the model by it",
     };
-    let uses = vec![
-        format!("{judge}: torquewise evaluate {model} LOG."),
+    let then = if findings.verdict.grade == Grade::Unusable {
+        "Fit again before a model moves an arm.".to_owned()
+    } else {
         format!(
             "Write the model as C code for a controller: torquewise export {model} --to c -o arm.c."
-        ),
-    ];
+        )
+    };
+    let uses = vec![format!("{judge}: torquewise evaluate {model} LOG."), then];
     let items = [(Tone::Warning, warnings), (Tone::Note, remarks), (Tone::Good, uses)];
     let items = items.into_iter().filter(|(_, lines)| !lines.is_empty());
     let callout = |(tone, lines)| Item::Callout { tone, heading: String::new(), lines };

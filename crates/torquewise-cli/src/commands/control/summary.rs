@@ -97,7 +97,7 @@ fn warnings(compared: &Compared) -> Vec<String> {
             if share > SATURATED {
                 warnings.push(format!(
                     "{}: {joint} is at the limit of its torque at {:.0} % of the ticks: give it \
-                     a slower motion",
+                     a slower motion, or less weight where that alone asks for more",
                     run.name,
                     100.0 * share
                 ));
