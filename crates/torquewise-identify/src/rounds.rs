@@ -46,9 +46,7 @@ impl<'a> Searched<'a> {
         watch: Watch<'_>,
     ) -> Result<Self, IdentifyError> {
         Progress::Geometry.tell(watch)?;
-        let learned = learn(&survey.sample, options, (seed, before), watch);
-        // A search among degrees finds no arm, or stops for a reason that says nothing of them.
-        let learned = learned.or_else(|error| survey.check_units().and(Err(error)))?;
+        let learned = learn(&survey.sample, options, (seed, before), watch)?;
         let sample = thinned(&survey.sample, LAST_ROWS);
         let Learned { chain, spec, laws, .. } = &learned;
         let rest = if spec.has_friction() { AT_REST } else { 0.0 };

@@ -20,6 +20,7 @@ use torquewise_identify::{
 };
 use torquewise_stepwise::Progress;
 use torquewise_stepwise::progress::Watch;
+use torquewise_stepwise::survey::survey;
 
 /// A fit to be run: what it reads, and what is asked for.
 #[must_use]
@@ -118,7 +119,12 @@ impl<'a> Fit<'a> {
         let plan = options.plan(log.joints().len(), log.is_filtered())?;
         let is_chosen = log.filter == Filter::Auto || log.delay.is_none() && log.is_filtered();
         let rows = if is_chosen { Rows::WithRawTorque } else { Rows::Filtered };
-        let mut fit = fit_at_best(log.prepare(rows)?, &plan, self.observer)?;
+        let fitted = fit_at_best(log.prepare(rows)?, &plan, self.observer);
+        if let Err(Error::Identify(IdentifyError::Chain(_))) = &fitted {
+            // What stops a search among degrees says nothing of them.
+            survey(log.prepare(rows)?.rows())?.check_units()?;
+        }
+        let mut fit = fitted?;
         let Some(log) = &fit.log else { return Ok(fit) };
         fit.found.model.training.filter = log.filter();
         let is_cut_off = |own: &Warning| matches!(own, Warning::Clipped { .. });

@@ -36,6 +36,12 @@ fn units_that_a_profile_leaves_open_are_told_with_their_cure() {
     terminal.write("ms.toml", cure);
     assert!(!terminal.run("inspect ms.csv --profile ms.toml").stderr.contains(cure));
 
+    // Among degrees no arm is found.
+    let arm = Table::simulated("planar-2 --seconds 20 --rate 100 --motion sines --seed 1");
+    let bare = arm.without(&["dq1", "dq2", "ddq1", "ddq2"]);
+    terminal.write("degrees.csv", &bare.scaled(&["q1", "q2"], 1_f64.to_degrees()).text());
+    terminal.refused("fit degrees.csv -o m.json", &["q of joint1 reaches", "are degrees, `unit`"]);
+
     let renamed = [("q1", "pos1"), ("q2", "pos2"), ("tau1", "current1"), ("tau2", "current2")];
     terminal.write("log.csv", &table.renamed(&renamed).text());
     let literal = terminal.run("inspect log.csv").stdout;
