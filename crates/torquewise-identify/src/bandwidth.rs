@@ -202,8 +202,8 @@ fn lowest_near_best(tried: &[Tried]) -> Option<f64> {
 /// through the squared errors of the best and the two beside it is least.
 fn best_delay(tried: &[Tried]) -> Option<f64> {
     let square = |own: &Tried| own.errors.all().powi(2);
-    let best = tried.iter().min_by(|a, b| square(a).total_cmp(&square(b)))?;
-    let at = tried.iter().position(|own| is_same(own.delay, best.delay))?;
+    let numbered = tried.iter().enumerate();
+    let (at, best) = numbered.min_by(|(_, a), (_, b)| square(a).total_cmp(&square(b)))?;
     let [before, after] = [tried.get(at.checked_sub(1)?)?, tried.get(at + 1)?];
     let [falls, rises] = [before, after].map(|beside| square(beside) - square(best));
     let step = 0.5 * (after.delay - before.delay);

@@ -218,7 +218,7 @@ pub fn drifts(
     };
     // Sums of squares and counts first, means of them in the end.
     let mut drifts: Vec<Drift> = horizons.iter().map(begun).collect();
-    windows(model, recording, longest, &mut |windows| {
+    windows(model, recording, (longest, others.map(|_| &torque)), &mut |windows| {
         let ends = |window: &Window<'_>| {
             let others = others.map(|own| own.ends(&arms, window, horizons)).transpose()?;
             let own = window.simulated(&torque, horizons, &mut |_, _| ());

@@ -58,16 +58,7 @@ impl Survey {
     /// # Errors
     /// [`IdentifyError::NoMotion`].
     pub fn check_size(&self) -> Result<(), IdentifyError> {
-        for (k, joint) in self.joints.iter().enumerate() {
-            let [low, high] = self.q_range[k];
-            let tau = self.torque_mean[k].hypot(self.torque_std[k]);
-            let all = [("q", low), ("q", high), ("dq", self.dq_peak[k]), ("ddq", self.ddq_peak[k])];
-            let beyond = |(_, found): &(_, f64)| found.is_nan() || found.abs() >= LARGEST;
-            if let Some((signal, found)) = all.into_iter().chain([("tau", tau)]).find(beyond) {
-                return Err(IdentifyError::NoMotion { signal, joint: joint.clone(), found });
-            }
-        }
-        Ok(())
+        self.refuse(|_, found| found.is_nan() || found.abs() >= LARGEST)
     }
 
     /// Whether its positions may be in rad, or m.
@@ -75,14 +66,21 @@ impl Survey {
     /// # Errors
     /// [`IdentifyError::NoMotion`].
     pub fn check_units(&self) -> Result<(), IdentifyError> {
-        let largest = |[low, high]: &[f64; 2]| high.max(-low);
-        let all = self.joints.iter().zip(self.q_range.iter().map(largest));
-        match all.into_iter().find(|(_, found)| *found > torquewise_motion::LARGEST[0]) {
-            Some((joint, found)) => {
-                Err(IdentifyError::NoMotion { signal: "q", joint: joint.clone(), found })
+        self.refuse(|signal, found| signal == "q" && found.abs() > torquewise_motion::LARGEST[0])
+    }
+
+    /// Fails at the first joint with a largest value that is beyond what it may be.
+    fn refuse(&self, is_beyond: impl Fn(&str, f64) -> bool) -> Result<(), IdentifyError> {
+        for (k, joint) in self.joints.iter().enumerate() {
+            let [low, high] = self.q_range[k];
+            let tau = self.torque_mean[k].hypot(self.torque_std[k]);
+            let all = [("q", low), ("q", high), ("dq", self.dq_peak[k]), ("ddq", self.ddq_peak[k])];
+            let mut all = all.into_iter().chain([("tau", tau)]);
+            if let Some((signal, found)) = all.find(|(signal, found)| is_beyond(signal, *found)) {
+                return Err(IdentifyError::NoMotion { signal, joint: joint.clone(), found });
             }
-            None => Ok(()),
         }
+        Ok(())
     }
 
     /// What a model keeps of the log it was fitted on; `residual_rms`: what it leaves of the torque

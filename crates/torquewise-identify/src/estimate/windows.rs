@@ -43,7 +43,7 @@ pub(super) fn add_up_windows(
     let mut sums = NormalSums::new(rotors.len(), at.n_joints(), 1);
     let arm = Arm { torque, at, rotors, weights };
     let longest = HORIZONS[HORIZONS.len() - 1];
-    windows(&model, recording, longest, &mut |windows| {
+    windows(&model, recording, (longest, None), &mut |windows| {
         let blocks = windows.par_iter().map(|window| arm.block(window));
         for block in blocks.collect::<Result<Vec<_>, ModelError>>()?.into_iter().flatten() {
             sums.add(&block)?;

@@ -24,7 +24,7 @@ struct Rows {
     q: Vec<Vec<f64>>,
     dq: Vec<Vec<f64>>,
     tau: Vec<Vec<f64>>,
-    /// What the model leaves of the torque.
+    /// What a model leaves of the torque, where that is asked.
     left: Vec<Vec<f64>>,
 }
 
@@ -206,22 +206,24 @@ impl Window<'_> {
 /// half their length apart or more.
 ///
 /// - `longest`: their length \[s\]
+/// - `left_by`: whose torque is taken from the measured one, where drifts of other arms are asked
 ///
 /// # Errors
 /// The reader's message; [`ModelError`] if the recording is of another arm or without torque.
 pub fn windows(
     model: &Model,
     recording: &(impl Recording + ?Sized),
-    longest: f64,
+    (longest, left_by): (f64, Option<&Torque>),
     take: &mut dyn FnMut(&[Window<'_>]) -> Result<(), ReadError>,
 ) -> Result<(), ReadError> {
     model.check_joints(recording.joints())?;
-    let torque = Torque::new(model);
-    let (path, mut followed) = (torque.path(), torque.path());
+    let path = Torque::new(model).path();
+    let mut followed = path.clone();
     let (mut rows, mut own) = (Rows::default(), None);
     recording.read(&mut |trajectory, block| {
         let tau = block.require_tau()?;
-        let left = tau - torque.over(&followed.follow(trajectory, block))?;
+        let predicted = left_by.map(|torque| torque.over(&followed.follow(trajectory, block)));
+        let left = predicted.transpose()?.map(|predicted| tau - predicted);
         for row in 0..block.n_rows() {
             if own != Some(trajectory) || !rows.goes_on(block.t()[row]) {
                 take(&std::mem::take(&mut rows).windows(path.clone(), longest))?;
@@ -229,7 +231,7 @@ pub fn windows(
             }
             let of = |x: faer::MatRef<'_, f64>| x.row(row).iter().copied().collect::<Vec<f64>>();
             rows.tau.push(of(tau));
-            rows.left.push(of(left.as_ref()));
+            rows.left.extend(left.as_ref().map(|left| of(left.as_ref())));
             rows.t.push(block.t()[row]);
             rows.q.push(of(block.q()));
             rows.dq.push(of(block.dq()));
