@@ -2,8 +2,10 @@
 
 use crate::arrays::{Rows, check_columns};
 use crate::errors::{raised, wrong};
+use crate::model::Model;
 use numpy::PyArray1;
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 use std::sync::Arc;
 use torquewise::Torque;
 use torquewise::motion::path::Path;
@@ -12,6 +14,7 @@ use torquewise::motion::path::Path;
 #[pyclass(module = "torquewise")]
 #[derive(Debug)]
 pub(crate) struct FrictionState {
+    pub(crate) model: Py<Model>,
     pub(crate) n: usize,
     pub(crate) torque: Arc<Torque>,
     pub(crate) path: Path,
@@ -51,6 +54,21 @@ impl FrictionState {
         let dq = self.one("dq", &dq)?;
         let tau = self.torque.friction_after(&self.path, &dq).map_err(raised)?;
         Ok(PyArray1::from_vec(py, tau))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let make = py.import("operator")?.getattr("methodcaller")?.call1(("state",))?;
+        let path = (self.path.q().to_vec(), self.path.states().to_vec());
+        (make, (&self.model,), path).into_pyobject(py)
+    }
+
+    fn __setstate__(&mut self, path: (Vec<f64>, Vec<f64>)) -> PyResult<()> {
+        let (q, states) = path;
+        if states.len() != self.path.states().len() || !q.is_empty() && q.len() != self.n {
+            return wrong("the state is not of this model");
+        }
+        self.path.resume(q, states);
+        Ok(())
     }
 }
 

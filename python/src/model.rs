@@ -235,8 +235,9 @@ impl Model {
     }
 
     /// What friction remembers, to be fed every sample of q.
-    fn state(&self) -> FrictionState {
-        FrictionState { n: self.n(), torque: Arc::clone(&self.torque), path: self.torque.path() }
+    fn state(own: PyRef<'_, Self>) -> FrictionState {
+        let (n, torque, path) = (own.n(), Arc::clone(&own.torque), own.torque.path());
+        FrictionState { model: own.into(), n, torque, path }
     }
 
     /// Errors on a log, joint by joint: JSON.

@@ -246,6 +246,10 @@ def test_friction_that_remembers_is_followed():
     for own in zip(q, dq, ddq):
         state.step(own[0])
         assert np.allclose(state.torque(own[1], own[2]), model.torque(*own))
+    for again in (copy.deepcopy(state), pickle.loads(pickle.dumps(state))):
+        assert np.array_equal(again.torque(dq[-1], ddq[-1]), state.torque(dq[-1], ddq[-1]))
+    with pytest.raises(ValueError, match="not of this model"):
+        state.__setstate__(([0.0], [0.0]))
     state.reset()
     with pytest.raises(ValueError, match="step"):
         state.friction(dq[0])

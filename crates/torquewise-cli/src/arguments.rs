@@ -79,10 +79,11 @@ fn direction(text: &str) -> Result<[f64; 3], String> {
 #[derive(Args, Clone, Debug, Serialize)]
 #[command(next_help_heading = "Patterns of motion")]
 pub(crate) struct PatternArguments {
-    /// Constants of the activation index
+    /// Constants of the activation index, by which rows are clustered
     #[arg(long, value_parser = words(&ACTIVATION), default_value = "scaled")]
     activation: String,
-    /// Number of clusters from 1 to 9, or `auto` for the elbow
+    /// Number of clusters from 1 to 9, or `auto` for the elbow; a chain is fitted to all rows at
+    /// once, its report alone tells of them
     #[arg(long, value_name = "auto|K", default_value = "auto", value_parser = clusters)]
     // Named in full, since clap takes a plain Option for one that may be left out.
     clusters: std::option::Option<usize>,
@@ -133,7 +134,7 @@ pub(crate) const METHOD: [(&str, &str); 2] = [
 #[command(next_help_heading = "Method")]
 pub(crate) struct PlanArguments {
     /// Candidates [default: energy; product with --method sindy; chain for filtered logs, friction,
-    /// or five joints and more]
+    /// five joints and more, or where it misses less than terms that are not good]
     #[arg(long, value_parser = words(&LIBRARY))]
     library: Option<String>,
     /// Friction of the joints [default: auto with --library chain, else none]

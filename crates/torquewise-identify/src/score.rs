@@ -36,7 +36,7 @@ pub fn score(
     model: &Model,
     recording: &(impl Recording + ?Sized),
 ) -> Result<Scores, IdentifyError> {
-    score_along(model, recording, &mut |_| {})
+    score_along(model, recording, &mut |_, _| {})
 }
 
 /// The same where something else is to see each block in that one pass.
@@ -46,7 +46,7 @@ pub fn score(
 pub fn score_along(
     model: &Model,
     recording: &(impl Recording + ?Sized),
-    see: &mut dyn FnMut(&Motion),
+    see: &mut dyn FnMut(usize, &Motion),
 ) -> Result<Scores, IdentifyError> {
     model.check_joints(recording.joints())?;
     let torque = Torque::new(model);
@@ -56,7 +56,7 @@ pub fn score_along(
     let mut rows = 0_usize;
     let mut path = torque.path();
     recording.read(&mut |trajectory, block| {
-        see(block);
+        see(trajectory, block);
         let tau_hat = torque.over(&path.follow(trajectory, block))?;
         let tau = block.require_tau()?;
         for (joint, [first, sum, squares, errors]) in sums.iter_mut().enumerate() {

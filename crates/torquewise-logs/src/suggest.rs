@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use torquewise_motion::signals::Signal;
 
 /// A profile for a log that has other columns than `t`, `q1`…`qn`, …
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Suggestion {
     /// The profile as text, with comments where something is to be filled in.
     pub toml: String,
@@ -23,6 +23,10 @@ pub struct Suggestion {
     /// Whether the clock and the positions were found, so that the log can be read with the
     /// profile as it stands.
     pub is_complete: bool,
+    /// Whether it names columns of a torque.
+    pub has_torque: bool,
+    /// Whether it takes columns from other files of the log's folder.
+    pub takes_others: bool,
 }
 
 /// Guesses a profile from the column names of a log, and the ranges and slopes of its first rows.

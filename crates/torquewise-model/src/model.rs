@@ -88,6 +88,9 @@ pub struct TrainingFilter {
 pub struct Training {
     /// Rows of the log.
     pub rows: usize,
+    /// Digests of the positions of its trajectories, ascending; of many the least.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub digests: Vec<u32>,
     /// Which of its joints slide, of a model without a chain.
     #[serde(default, skip_serializing_if = "JointKinds::all_turn")]
     pub kinds: JointKinds,

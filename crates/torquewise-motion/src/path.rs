@@ -46,6 +46,12 @@ impl Path {
         self.states.fill(0.0);
     }
 
+    /// Goes on from where another path of as many elements was: its [`q`](Self::q) and
+    /// [`states`](Self::states).
+    pub fn resume(&mut self, q: Vec<f64>, states: Vec<f64>) {
+        (self.q, self.states) = (q, states);
+    }
+
     /// Takes the next sample of the positions q \[rad\], n; one that is not finite is passed over.
     pub fn step(&mut self, q: &[f64]) {
         if q.iter().any(|q| !q.is_finite()) {

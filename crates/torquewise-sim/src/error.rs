@@ -54,7 +54,9 @@ pub enum SimError {
     #[diagnostic(help("to keep one serial chain, lock {lock}"))]
     Branches { link: String, lock: String },
     #[error("the URDF has no joint `{unknown}`: it has {known}")]
-    #[diagnostic(help("name the joints of the log after them, by `joints` in a profile"))]
+    #[diagnostic(help(
+        "name the joints of the log after them, by `joints` in a profile; lock those that it lacks"
+    ))]
     UnknownJoints { unknown: String, known: String },
     #[error("the joints of the log are {found}, the URDF has them in the order {expected}")]
     #[diagnostic(help("put them in that order, by `joints` in a profile"))]

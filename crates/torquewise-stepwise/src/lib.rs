@@ -3,6 +3,7 @@
 //! Read [`reconstruct`](reconstruct::reconstruct) first; it is the method on one page.
 
 pub mod error;
+mod digests;
 mod systematic_sample;
 pub mod noise;
 pub mod survey;
@@ -23,6 +24,7 @@ pub mod fit;
 pub mod reconstruct;
 pub mod orders;
 
+pub use digests::Digests;
 pub use error::IdentifyError;
 pub use fit::StepReport;
 pub use friction::FrictionKind;

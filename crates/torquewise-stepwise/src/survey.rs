@@ -1,5 +1,6 @@
 //! One look at the whole log, and an even sample of it, in fixed memory.
 
+use crate::digests::Digests;
 use crate::error::IdentifyError;
 use crate::noise::{NoiseFloor, NoiseSum};
 use crate::systematic_sample::SystematicSample;
@@ -36,6 +37,8 @@ pub struct Survey {
     pub torque_std: Vec<f64>,
     /// RMS of what a filter took from the torque of each joint \[N·m\], n.
     pub removed_rms: Vec<f64>,
+    /// Digests of its trajectories.
+    pub digests: Vec<u32>,
     /// The white noise in its signals.
     pub noise: NoiseFloor,
     /// Every k-th row of each log, k a power of two, at most [`SAMPLE_ROWS`] of them.
@@ -88,6 +91,7 @@ impl Survey {
     pub fn training(&self, residual_rms: Vec<f64>) -> Training {
         Training {
             rows: self.rows,
+            digests: self.digests.clone(),
             residual_rms,
             torque_std: self.torque_std.clone(),
             q_range: self.q_range.clone(),
@@ -140,6 +144,7 @@ pub struct SurveySum {
     /// from them.
     sums: ExactSums,
     has_torque: bool,
+    digests: Digests,
     noise: NoiseSum,
     /// t q₁…qₙ dq₁… ddq₁… tau₁… of each sampled row, then what friction remembers there.
     sampled: SystematicSample,
@@ -162,6 +167,7 @@ impl SurveySum {
             largest: [f64::NEG_INFINITY, f64::NEG_INFINITY, 0.0, 0.0].map(|x| vec![x; n]),
             sums: ExactSums::zeros(1 + 3 * n),
             has_torque: true,
+            digests: Digests::default(),
             noise: NoiseSum::new(n),
             sampled: SystematicSample::new(width(n), SAMPLE_ROWS),
             path: None,
@@ -191,6 +197,7 @@ impl SurveySum {
         self.trajectories += usize::from(same.is_none());
         self.sums.add(0, &[end - same.map_or(start, |(_, time)| time)])?;
         self.last = Some((trajectory, end));
+        self.digests.add(trajectory, block);
         self.noise.add(block, |_| true);
         for joint in 0..self.joints.len() {
             self.add_joint(block, joint)?;
@@ -243,6 +250,7 @@ impl SurveySum {
             own.iter_mut().zip(more).for_each(|(most, other)| *most = most.max(*other));
         }
         self.has_torque &= other.has_torque;
+        self.digests.merge(&other.digests);
         self.noise.merge(&other.noise);
         self.sampled.merge(&other.sampled);
         (self.last, self.path) = (None, None);
@@ -251,6 +259,7 @@ impl SurveySum {
 
     /// Puts what it holds in an order of its own, whatever was merged first.
     pub fn sort(&mut self) {
+        self.digests.close();
         self.noise.sort();
         self.sampled.sort();
         (self.last, self.path) = (None, None);
@@ -297,6 +306,7 @@ impl SurveySum {
             torque_mean,
             torque_std,
             removed_rms: (0..n).map(|joint| removed(joint).sqrt()).collect(),
+            digests: self.digests.least(),
             noise: self.noise.finish(),
             sample,
         })

@@ -11,7 +11,7 @@ use torquewise_identify::verdict::{Verdict, judge_by};
 use torquewise_model::Model;
 use torquewise_model::rollout::{self, Drift, Others};
 use torquewise_motion::{Motion, Recording};
-use torquewise_stepwise::NoiseFloor;
+use torquewise_stepwise::{Digests, NoiseFloor};
 
 /// Errors of a model on a log, joint by joint.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -216,8 +216,11 @@ fn scored(
     recording: &impl Recording,
     raw: Option<(Motion, Vec<f64>)>,
 ) -> Result<Evaluation> {
-    let mut range = MotionRange::new(model.n_joints());
-    let scores = score_along(model, recording, &mut |block| range.add(block))?;
+    let (mut range, mut digests) = (MotionRange::new(model.n_joints()), Digests::default());
+    let scores = score_along(model, recording, &mut |trajectory, block| {
+        range.add(block);
+        digests.add(trajectory, block);
+    })?;
     let is_raw = !recording.is_filtered();
     let joint = |JointScore { name, rmse, nrmse_percent, r2, .. }| JointEvaluation {
         name,
@@ -251,12 +254,14 @@ fn scored(
     let still = joints.iter().filter(|joint| !joint.nrmse_percent.is_finite());
     let still = still
         .map(|joint| format!("the torque of {} never changes: look at its RMSE only", joint.name));
-    // The same motion under another torque is another log.
+    // The same motion under another torque is another log. One of several may leave all that is left.
     let left = model.training.residual_rms.iter().zip(&model.training.torque_std);
+    let most = MOST_LEFT * (model.training.rows as f64 / scores.rows as f64).sqrt().max(1.0);
     let is_left = |(joint, (rms, std)): (&JointEvaluation, (&f64, &f64))| {
-        joint.rmse <= MOST_LEFT * rms + ROUNDING * std
+        joint.rmse <= most * rms + ROUNDING * std
     };
-    let is_trained = range.is_trained(model) && joints.iter().zip(left).all(is_left);
+    let is_known = digests.least().iter().any(|own| model.training.digests.contains(own));
+    let is_trained = is_known && joints.iter().zip(left).all(is_left);
     let by_fit = model.training.verdict.clone().filter(|_| is_trained);
     let mut notes = range.warnings(model);
     notes.extend(is_trained.then(|| TRAINED.to_owned()));

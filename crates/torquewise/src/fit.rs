@@ -47,8 +47,8 @@ impl<'a> Fit<'a> {
     }
 
     /// Conditions the log, fits it, and judges the model on blocks of time that were held out. Where the
-    /// library is open and its terms give a model that is of no use or not physical, or joints slide, it
-    /// learns a chain.
+    /// library is open and its terms give a model that is not good or not physical, as of an arm with
+    /// friction, or joints slide, it learns a chain, and takes it if that misses less.
     ///
     /// # Errors
     /// `Error::UnusedOption` if an option does not go with what is fitted, `Error::Interrupted`
@@ -76,15 +76,20 @@ impl<'a> Fit<'a> {
         let slides = seen.as_ref().filter(|seen| !seen.kinds.all_turn());
         let may_slide = seen.as_ref().is_some_and(|seen| !seen.may_slide.is_empty());
         let is_useful = |fit: &FitResult| fit.verdict().grade != Grade::Unusable;
-        let suffices = is_useful(&fit) && fit.mass_matrix()?.positive_definite;
-        if slides.is_none() && !may_slide && suffices {
+        let is_physical = fit.mass_matrix()?.positive_definite;
+        let is_good = fit.verdict().grade == Grade::Good && is_physical;
+        if slides.is_none() && !may_slide && is_good {
             return Ok(fit);
         }
+        let is_better = |chain: &FitResult| {
+            let is_least = || chain.log_error().zip(fit.log_error()).is_some_and(|(a, b)| a < b);
+            is_useful(chain) && (!is_useful(&fit) || !is_physical || !is_good && is_least())
+        };
         let chain = FitOptions { library: Some(Library::Chain), ..self.options.clone() };
         if self.options.library.is_none() && chain.check().is_ok() {
             match self.run_as(&chain) {
                 Err(Error::Interrupted) => return Err(Error::Interrupted),
-                Ok(chain) if !chain.model.kinds().all_turn() || !suffices && is_useful(&chain) => {
+                Ok(chain) if !chain.model.kinds().all_turn() || is_better(&chain) => {
                     return Ok(chain);
                 }
                 Ok(chain) => {
@@ -192,6 +197,12 @@ impl FitResult {
     /// Whether the model may be used, and why, by its own log; [`Evaluation::verdict`] is by others too.
     pub fn verdict(&self) -> Verdict {
         judge(&self.found)
+    }
+
+    /// Sum over the joints of the logarithm of the error on held-out rows; `None` where none were.
+    fn log_error(&self) -> Option<f64> {
+        let errors = self.found.model.training.held_out_errors()?;
+        Some(errors.iter().map(|error| error.max(f64::MIN_POSITIVE).ln()).sum())
     }
 
     /// What is good to know and changes nothing: remarks of the fit, and what was repaired.

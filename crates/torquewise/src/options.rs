@@ -35,8 +35,8 @@ pub enum Library {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FitOptions {
-    /// By default a chain for filtered logs, friction, or five joints and more, else the energy
-    /// library; the product library with one-shot SINDy.
+    /// By default a chain for filtered logs, friction, five joints and more, or where it misses less
+    /// than terms that are not good, else the energy library; the product library with one-shot SINDy.
     #[serde(deserialize_with = "some_word")]
     pub library: Option<Library>,
     /// Standstill, uniform and variable velocity in turn, or all rows at once as SINDy does.

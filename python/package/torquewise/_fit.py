@@ -189,7 +189,8 @@ def fit(
         are weighed by the model, a chain, see :attr:`Fit.loads`.
     library
         ``"energy"``, ``"product"`` or ``"chain"``; by default a chain of rigid bodies for filtered
-        logs, friction, or five joints and more, else energies.
+        logs, friction, five joints and more, or where it misses less than terms that are not good,
+        else energies.
     method
         ``"stepwise"``: gravity from standstill, Coriolis from uniform, inertia from variable
         velocity; or ``"sindy"``: one shot.

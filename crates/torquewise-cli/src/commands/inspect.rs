@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use torquewise::Error;
 use torquewise::inspect::{Inspection, inspect};
 use torquewise::log::Rows;
-use torquewise::logs::{LogError, LogInput, suggest};
+use torquewise::logs::{LogError, LogInput, Suggestion, suggest};
 use torquewise::model::number;
 use torquewise::stepwise::{NoiseFloor, Survey};
 use torquewise::summary::{repairs_note, repairs_text};
@@ -32,16 +32,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         Ok(log) => log,
         // Columns by other names are no mistake; a mistake in our own names is.
         Err(error @ CliError::Library(Error::Log(LogError::NoColumn { .. }))) => {
-            return suggested(arguments)?.ok_or(error);
+            let suggestion = suggestion(arguments)?.ok_or(error)?;
+            return Ok(suggested(suggestion, arguments));
         }
         Err(error) => return Err(error),
     };
     // A torque by another name is no mistake either.
     let bare = log.files.require_tau();
     if matches!(bare, Err(LogError::NoTorque { file }) if Some(&file) == arguments.logs.first())
-        && let Some(outcome) = suggested(arguments)?.filter(|own| own.text.contains("\n[tau]\n"))
+        && let Some(suggestion) = suggestion(arguments)?.filter(|own| own.has_torque)
     {
-        return Ok(outcome);
+        return Ok(suggested(suggestion, arguments));
     }
     let recorded = arguments.filter.prepare(&log, Rows::Filtered)?;
     let inspection = inspect(&recorded, &watch())?;
@@ -58,33 +59,35 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 }
 
 /// A profile for a log whose columns are not understood.
-fn suggested(arguments: &Arguments) -> Result<Option<Outcome>> {
+fn suggestion(arguments: &Arguments) -> Result<Option<Suggestion>> {
     if arguments.filter.signals.profile.is_some() {
         return Ok(None);
     }
     let logs: Vec<LogInput> = arguments.logs.iter().map(LogInput::from).collect();
-    let suggestion = suggest(&logs)?;
+    Ok(Some(suggest(&logs)?))
+}
+
+fn suggested(suggestion: Suggestion, arguments: &Arguments) -> Outcome {
     let again = match arguments.logs.first() {
-        Some(first) if suggestion.toml.contains("\n[beside]\n") => {
-            format!("inspect {} alone", first.display())
-        }
+        Some(first) if suggestion.takes_others => format!("inspect {} alone", first.display()),
         _ => "inspect again".to_owned(),
     };
     let what = format!(
         "the columns of this log need a profile; a suggestion is on standard output: save it as \
          profile.toml, correct it, and {again} with --profile profile.toml"
     );
-    Ok(Some(Outcome {
-        notes: std::iter::once(what).chain(suggestion.reasons.clone()).collect(),
-        text: suggestion.toml.clone(),
-        json: json!({
-            "profile": suggestion.toml,
-            "reasons": suggestion.reasons,
-            "complete": suggestion.is_complete,
-        }),
+    let json = json!({
+        "profile": suggestion.toml,
+        "reasons": suggestion.reasons,
+        "complete": suggestion.is_complete,
+    });
+    Outcome {
+        notes: std::iter::once(what).chain(suggestion.reasons).collect(),
+        text: suggestion.toml,
+        json,
         warnings: vec!["names and first rows of the columns were looked at, no more".to_owned()],
         is_unusable: false,
-    }))
+    }
 }
 
 fn text(inspection: &Inspection) -> String {

@@ -30,6 +30,29 @@ fn with_friction() -> Terminal {
     terminal
 }
 
+/// Terms of a library without friction would miss half of the torque.
+#[test]
+fn friction_that_was_not_asked_for_is_learned() {
+    let terminal = Terminal::new();
+    terminal.write("dry.toml", "[joint1]\ncoulomb = 2.0\nviscous = 1.5\n[joint2]\ncoulomb = 1.0\n");
+    let plan = "planar-2 --seconds 40 --rate 100 --case 2";
+    terminal.done(&format!("simulate {plan} --friction dry.toml -o log.csv"));
+
+    let found = terminal.json("fit log.csv -o model.json");
+
+    assert_eq!(found["verdict"], "good", "{found}");
+    let shown = terminal.json("show model.json");
+    let coulomb =
+        |joint: usize| &shown["friction_parameters"][joint]["forward"]["coulomb"]["value"];
+    for (joint, planted) in [2.0, 1.0].into_iter().enumerate() {
+        let value = coulomb(joint).as_f64().unwrap();
+        assert!((value - planted).abs() < 0.05 * planted, "{joint}: {value}");
+    }
+    // A method that was asked for stays.
+    let terms = terminal.json("fit log.csv --library energy -o terms.json");
+    assert_ne!(terms["verdict"], "good", "{terms}");
+}
+
 #[test]
 fn show_sets_friction_apart_and_tells_what_was_chosen() {
     let terminal = with_friction();

@@ -313,6 +313,12 @@ fn a_model_that_is_judged_by_its_own_rows_is_told_so() {
         let found = said.stderr.contains("says nothing of others");
         assert_eq!(found, is_told, "{line}: {}", said.stderr);
     }
+    // So is one of several logs.
+    terminal.done("fit log.csv other.csv -o both.json");
+    for own in ["log.csv", "other.csv"] {
+        let said = terminal.run(&format!("evaluate both.json {own}"));
+        assert!(said.stderr.contains("says nothing of others"), "{own}: {said:?}");
+    }
     // The same motion under other torques is another log.
     terminal.write("turned.csv", &Table::of(&terminal, "log.csv").scaled(&["tau1"], -1.0).text());
     let said = terminal.run("evaluate model.json turned.csv");

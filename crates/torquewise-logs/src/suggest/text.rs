@@ -13,7 +13,7 @@ const LARGEST_RADIANS: f64 = 4.0 * PI;
 
 impl Suggestion {
     fn new() -> Self {
-        Self { toml: "robot = \"\"\n".into(), reasons: Vec::new(), is_complete: false }
+        Self { toml: "robot = \"\"\n".into(), ..Self::default() }
     }
 
     fn line(&mut self, line: impl AsRef<str>) {
@@ -79,7 +79,8 @@ pub(super) fn of_columns(
         draft.reason(format!("Not taken, since others fit better: {names}."));
     }
     let is_complete = found.time.is_some() && found.get(Signal::Q).is_some();
-    Suggestion { is_complete, ..draft }
+    let (has_torque, takes_others) = (found.get(Signal::Tau).is_some(), !beside.is_empty());
+    Suggestion { is_complete, has_torque, takes_others, ..draft }
 }
 
 fn signals(draft: &mut Suggestion, found: &Found, measured: &Measured) {

@@ -26,8 +26,8 @@ pub struct Quantisation {
 ///   all are taken
 ///
 /// Source: J. von Neumann et al., Ann. Math. Stat. 12 (1941); white noise gives Δ⁴x a variance of
-/// 70 σ². The median of |Δ⁴x| is taken, or the root mean square where that is next to nothing, as
-/// with an encoder that mostly stands on one step.
+/// 70 σ². The median of |Δ⁴x| is taken, or the root mean square where that is rounding, as with an
+/// encoder that mostly stands on one step.
 pub(crate) fn white_noise(x: &[f64], still: &[bool]) -> f64 {
     let fourth = |w: &[f64]| w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4];
     let windows = || x.windows(5).zip(still.windows(5));
@@ -42,8 +42,8 @@ pub(crate) fn white_noise(x: &[f64], still: &[bool]) -> f64 {
     let mean_square = differences.iter().map(|x| x * x).sum::<f64>() / differences.len() as f64;
     let mut sizes: Vec<f64> = differences.into_iter().map(f64::abs).collect();
     let robust = median(&mut sizes) / 0.674_489_75;
-    let plain = mean_square.sqrt();
-    (if robust > 1e-3 * plain { robust } else { plain }) / 70.0_f64.sqrt()
+    let rounding = 64.0 * f64::EPSILON * x.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    (if robust > rounding { robust } else { mean_square.sqrt() }) / 70.0_f64.sqrt()
 }
 
 /// Rows where a joint is in the lower of two clusters of its own speed.

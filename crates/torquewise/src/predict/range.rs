@@ -8,8 +8,6 @@ use torquewise_motion::{LARGEST, Motion};
 const Q_MARGIN: f64 = 0.05;
 /// A speed or acceleration may be this many times the largest trained on.
 const RATE_FACTOR: f64 = 1.5;
-/// Ranges this close to each other are of the same rows.
-const SAME: f64 = 1e-9;
 /// What to do beyond the range.
 const TRUST: &str = "do not trust its torque there, or fit on a log that covers it";
 
@@ -40,15 +38,6 @@ impl MotionRange {
                 *peak = rates.col(joint).iter().fold(*peak, |peak, rate| peak.max(rate.abs()));
             }
         }
-    }
-
-    /// Whether it is the very range of the rows that a model was fitted on.
-    pub fn is_trained(&self, model: &Model) -> bool {
-        let training = &model.training;
-        let same = |a: f64, b: f64| (a - b).abs() <= SAME * b.abs();
-        let of_q = self.q.iter().flatten().zip(training.q_range.iter().flatten());
-        let of_dq = self.dq.iter().zip(&training.dq_peak);
-        !training.dq_peak.is_empty() && of_q.chain(of_dq).all(|(a, b)| same(*a, *b))
     }
 
     /// Which rows of a block leave the range a model was fitted on, with any joint.

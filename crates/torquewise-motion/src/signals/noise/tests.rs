@@ -23,6 +23,17 @@ fn noise_on_a_motion_is_found() {
 }
 
 #[test]
+fn jumps_of_a_signal_without_noise_are_none() {
+    let smooth = |k: u32| 10.0 * (0.01 * f64::from(k)).sin();
+    let x: Vec<f64> = (0..4000).map(|k| smooth(k) + f64::from(k / 100 % 2)).collect();
+
+    assert!(white_noise(&x, &vec![false; 4000]) < 1e-7);
+    // Of an encoder that stands on one step the few that it takes are all that is seen.
+    let steps: Vec<f64> = (0..4000).map(|k| f64::from(k / 100)).collect();
+    assert!(white_noise(&steps, &vec![false; 4000]) > 0.01);
+}
+
+#[test]
 fn noise_is_taken_from_standstill_where_there_is_some() {
     let noise = gaussian(4000, 1.0, 11);
     let x: Vec<f64> = (0..4000).map(|k| if k < 2000 { 0.1 } else { 1.0 } * noise[k]).collect();
