@@ -134,7 +134,7 @@ pub(crate) const METHOD: [(&str, &str); 2] = [
 #[command(next_help_heading = "Method")]
 pub(crate) struct PlanArguments {
     /// Candidates [default: energy; product with --method sindy; chain for filtered logs, friction,
-    /// five joints and more, or where it misses less than terms that are not good]
+    /// four joints and more, or where it misses less than terms that are not good]
     #[arg(long, value_parser = words(&LIBRARY))]
     library: Option<String>,
     /// Friction of the joints [default: auto with --library chain, else none]

@@ -21,7 +21,7 @@ const LEAST_ROWS: usize = 100;
 /// Other signs must leave this part of what the torques leave as they are, product of the mean squares
 /// of all joints.
 const QUARTER: f64 = 0.25;
-/// A torque turned round must be explained but for this part, RMS.
+/// A torque turned round must be explained but for this part, RMS; all of them in the mean.
 const HALF: f64 = 0.5;
 /// Friction alone tells a sign where it leaves this part, as where a torque is little but friction: of
 /// the wrist of a UR10e 0.014 at most. Of 37 real logs as they should be none came below 0.1, but one of
@@ -121,16 +121,16 @@ impl SignTest {
             }
             (found, geometry) = (signs, chain.geometry);
         }
-        if is_mirrored && found == all_turned {
-            return Ok((0..n).collect());
-        }
         let rows = rows.placed(&geometry);
+        let here = |signs: u32| tried(&rows, signs, &geometry, &[]);
+        let whole = here(found);
+        if is_mirrored && found == all_turned {
+            let left: f64 = (0..n).map(|joint| whole.part(&rows, joint)).product();
+            let is_explained = left < HALF.powf(n as f64);
+            return Ok((0..n).filter(|_| is_explained).collect());
+        }
         let parts: Vec<u32> = (0..found).filter(|signs| signs & !found == 0).collect();
-        let parts = parts
-            .into_par_iter()
-            .map(|signs| tried(&rows, signs, &geometry, &[]))
-            .collect::<Vec<_>>();
-        let whole = tried(&rows, found, &geometry, &[]);
+        let parts: Vec<Tried> = parts.into_par_iter().map(here).collect();
         Ok(joints_of(found).filter(|joint| self.tells(*joint, &whole, &parts, &rows)).collect())
     }
 

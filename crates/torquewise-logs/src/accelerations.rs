@@ -27,20 +27,21 @@ pub(crate) struct Accelerations {
     acceleration: Pairs,
 }
 
-/// Slope of a value over each window of rows, and the mean of the rate beside it.
+/// Slope of a value over each window of rows; of the rate beside it the mean, and that in the middle.
 ///
 /// - `t`: clock, and seconds of its unit
 pub(crate) fn slopes<X: Index<usize, Output = f64>>(
     (t, seconds): (&[f64], f64),
     value: &X,
     rate: &X,
-) -> impl Iterator<Item = [f64; 2]> {
+) -> impl Iterator<Item = [f64; 3]> {
     (0..(t.len() + 1).saturating_sub(WINDOW)).filter_map(move |first| {
         let last = first + WINDOW - 1;
         let step = (t[last] - t[first]) * seconds;
         let slope = (value[last] - value[first]) / step;
         let mean = (first..=last).map(|row| rate[row]).sum::<f64>() / WINDOW as f64;
-        (step > 0.0 && slope.is_finite() && mean.is_finite()).then_some([slope, mean])
+        let all = [slope, mean, rate[first + WINDOW / 2]];
+        (step > 0.0 && all.iter().all(|x| x.is_finite())).then_some(all)
     })
 }
 
@@ -49,10 +50,11 @@ pub(crate) fn slopes<X: Index<usize, Output = f64>>(
 struct Pairs(Vec<Vec<[f64; 2]>>);
 
 impl Pairs {
-    fn add(&mut self, t: &[f64], value: MatRef<'_, f64>, rate: MatRef<'_, f64>) {
+    /// - `of`: which rate, see [`slopes`]
+    fn add(&mut self, t: &[f64], value: MatRef<'_, f64>, rate: MatRef<'_, f64>, of: usize) {
         self.0.resize_with(value.ncols().max(self.0.len()), Vec::new);
         for ((value, rate), pairs) in value.col_iter().zip(rate.col_iter()).zip(&mut self.0) {
-            pairs.extend(slopes((t, 1.0), &value, &rate));
+            pairs.extend(slopes((t, 1.0), &value, &rate).map(|all| [all[0], all[of]]));
         }
     }
 
@@ -83,8 +85,9 @@ impl Pairs {
 
 impl Accelerations {
     pub(crate) fn add(&mut self, block: &Motion) {
-        self.velocity.add(block.t(), block.q(), block.dq());
-        self.acceleration.add(block.t(), block.dq(), block.ddq());
+        self.velocity.add(block.t(), block.q(), block.dq(), 1);
+        // Of accelerations that are used as they are, noise counts.
+        self.acceleration.add(block.t(), block.dq(), block.ddq(), 2);
         self.rows += block.n_rows();
     }
 
@@ -147,6 +150,7 @@ mod tests {
         assert_eq!(odd(sine(measured)), None);
         assert!(odd(sine(|row, t| measured(row, t) + 30.0 * noise(row + 1))).is_some());
         assert!(odd(sine(|_, t| measured(0, t - 1.0))).is_some_and(|found| found[0] < 0.0));
+        assert!(odd(sine(|row, t| measured(row, t) + 3.0 * noise(2 * row))).is_some());
         assert_eq!(odd(sine(|_, _| 0.0)), Some([0.0, 0.0]));
         // Low-passed, of another unit, and right beside noisy velocities.
         for (factor, late) in [(0.4, 0.1), (57.3, 0.0)] {

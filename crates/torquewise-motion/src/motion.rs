@@ -193,7 +193,7 @@ impl Motion {
     }
 
     /// The same rows with what the filter took from their torque \[N·m\], m×n.
-    pub(crate) fn with_removed_tau(self, removed_tau: Option<Mat<f64>>) -> Self {
+    pub fn with_removed_tau(self, removed_tau: Option<Mat<f64>>) -> Self {
         Self { removed_tau, ..self }
     }
 

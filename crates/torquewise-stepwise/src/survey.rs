@@ -47,8 +47,8 @@ pub struct Survey {
 
 /// Rows of a sample at most: enough for quantiles and clusters, few enough for any log.
 pub const SAMPLE_ROWS: usize = 1 << 14;
-/// q, q̇, q̈ and τ.
-const SIGNALS: usize = 4;
+/// q, q̇, q̈, τ, and what a filter took from τ.
+const SIGNALS: usize = 5;
 
 /// From here on a number, in SI units, is that of a damaged file, not of an arm.
 const LARGEST: f64 = 1e9;
@@ -146,7 +146,8 @@ pub struct SurveySum {
     has_torque: bool,
     digests: Digests,
     noise: NoiseSum,
-    /// t q₁…qₙ dq₁… ddq₁… tau₁… of each sampled row, then what friction remembers there.
+    /// t q₁…qₙ dq₁… ddq₁… tau₁… of each sampled row, what a filter took from tau, then what friction
+    /// remembers there.
     sampled: SystematicSample,
     /// What friction remembers of the path.
     #[serde(skip)]
@@ -286,12 +287,13 @@ impl SurveySum {
         let columns = |first: usize, count: usize| {
             Mat::from_fn(rows.len(), count, |row, k| rows[row][first + k])
         };
-        let [q, dq, ddq, tau] = std::array::from_fn(|signal| columns(1 + signal * n, n));
+        let [q, dq, ddq, tau, removed] = std::array::from_fn(|signal| columns(1 + signal * n, n));
         let (t, tau) = (rows.iter().map(|row| row[0]).collect(), self.has_torque.then_some(tau));
         let states = columns(1 + SIGNALS * n, TRAVELS.len() * n);
         let memory = Memory::new(TRAVELS.to_vec(), states);
         let joints = self.joints.clone();
-        let sample = Motion::new(Signals { joints, t, q, dq, ddq, tau })?.with_memory(Some(memory));
+        let sample = Motion::new(Signals { joints, t, q, dq, ddq, tau })?;
+        let sample = sample.with_memory(Some(memory)).with_removed_tau(Some(removed));
         let (torque_mean, torque_std) = (0..n).map(|joint| self.torque(joint)).unzip();
         let removed = |joint| self.sums.value(1 + 2 * n + joint) / self.rows.max(1) as f64;
         let [low, high, dq_peak, ddq_peak] = self.largest.clone();
@@ -338,9 +340,10 @@ fn width(n: usize) -> usize {
 
 fn row_of(block: &Motion, row: usize) -> Vec<f64> {
     let signals = [Some(block.q()), Some(block.dq()), Some(block.ddq()), block.tau()];
+    let signals = signals.into_iter().chain([block.removed_tau()]);
     let value = |signal: Option<MatRef<'_, f64>>, joint| signal.map_or(0.0, |x| x[(row, joint)]);
     let joints = 0..block.n_joints();
-    let values = signals.into_iter().flat_map(|x| joints.clone().map(move |joint| value(x, joint)));
+    let values = signals.flat_map(|x| joints.clone().map(move |joint| value(x, joint)));
     let memory = block.memory().into_iter().flat_map(|memory| memory.row(row));
     std::iter::once(block.t()[row]).chain(values).chain(memory).collect()
 }

@@ -136,6 +136,10 @@ impl<'a> Fit<'a> {
         if !fit.found.warnings.iter().any(is_cut_off) {
             fit.found.warnings.extend(log.cut_off());
         }
+        if fit.found.warnings.iter().any(is_cut_off) {
+            // What a limit takes from a torque looks like a gain.
+            fit.found.warnings.retain(|own| !matches!(own, Warning::Gains { .. }));
+        }
         let at_odds = log.at_odds(&fit.found.model, self.observer)?;
         fit.found.warnings.extend(at_odds.into_iter().map(Warning::Disagreement));
         fit.found.model.training.conditioning = log.repairs();

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::fit::timed;
 use crate::log::Prepared;
 use crate::observe::Observer;
-use crate::options::MOST_WHOLE;
+use crate::options::MOST_BY_TERMS;
 use crate::summary::all_repairs;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -127,7 +127,7 @@ impl Inspection {
         let mut open = Warning::of_survey(&self.survey);
         open.retain(|own| self.has_tau() || !matches!(own, Warning::ConstantTorque { .. }));
         // A chain, which is fitted to other logs, needs no patterns.
-        let is_stepwise = !self.is_filtered && self.survey.joints.len() <= MOST_WHOLE;
+        let is_stepwise = !self.is_filtered && self.survey.joints.len() <= MOST_BY_TERMS;
         let patterns = missing_patterns(&self.patterns.present).filter(|_| is_stepwise);
         open.extend(self.torque.iter().cloned());
         open.iter().map(ToString::to_string).chain(patterns).collect()

@@ -189,7 +189,7 @@ def fit(
         are weighed by the model, a chain, see :attr:`Fit.loads`.
     library
         ``"energy"``, ``"product"`` or ``"chain"``; by default a chain of rigid bodies for filtered
-        logs, friction, five joints and more, or where it misses less than terms that are not good,
+        logs, friction, four joints and more, or where it misses less than terms that are not good,
         else energies.
     method
         ``"stepwise"``: gravity from standstill, Coriolis from uniform, inertia from variable

@@ -1,6 +1,6 @@
 //! A model with friction, as `show` and `predict` tell it.
 
-use crate::spoilt::Table;
+use crate::spoilt::{Table, noise};
 use crate::terminal::{Terminal, numbers};
 use serde_json::{Value, json};
 
@@ -51,6 +51,30 @@ fn friction_that_was_not_asked_for_is_learned() {
     // A method that was asked for stays.
     let terms = terminal.json("fit log.csv --library energy -o terms.json");
     assert_ne!(terms["verdict"], "good", "{terms}");
+}
+
+/// A filter blurs the torque at reversals: raw torque tells how sharp they are.
+#[test]
+fn dry_friction_of_a_filtered_log_is_as_sharp_as_it_was() {
+    let terminal = Terminal::new();
+    terminal.write("dry.toml", "[joint1]\ncoulomb = 4.0\nviscous = 2.0\n[joint2]\ncoulomb = 2.0\n");
+    for seed in [1, 2] {
+        let plan = format!("planar-2 --motion sines --seconds 60 --rate 200 --seed {seed}");
+        terminal.done(&format!("simulate {plan} --friction dry.toml -o log{seed}.csv"));
+        let table = Table::of(&terminal, &format!("log{seed}.csv"));
+        let table = table.without(&["dq1", "dq2", "ddq1", "ddq2"]);
+        let table = ["tau1", "tau2"]
+            .into_iter()
+            .fold(table, |table, name| table.with(name, |row, tau, _| tau + 0.05 * noise(row)));
+        terminal.write(&format!("log{seed}.csv"), &table.text());
+    }
+
+    terminal.done("fit log1.csv -o model.json");
+    let found = terminal.json("evaluate model.json log2.csv");
+
+    for joint in found["joints"].as_array().unwrap() {
+        assert!(joint["raw_nrmse_percent"].as_f64().unwrap() < 2.0, "{joint}");
+    }
 }
 
 #[test]

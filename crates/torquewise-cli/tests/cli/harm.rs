@@ -25,6 +25,21 @@ fn a_torque_that_was_cut_off_is_named() {
 }
 
 #[test]
+fn a_torque_that_was_cut_off_is_no_other_unit() {
+    let terminal = Terminal::new();
+    terminal.write("dry.toml", "[joint1]\ncoulomb = 4.0\nviscous = 2.0\n[joint2]\ncoulomb = 2.0\n");
+    let plan = "planar-2 --motion sines --seconds 60 --rate 100 --seed 2 --friction dry.toml";
+    terminal.done(&format!("simulate {plan} -o log.csv"));
+    let cut = Table::of(&terminal, "log.csv").with("tau1", |_, tau, _| tau.clamp(-4.0, 4.0));
+    terminal.write("cut.csv", &cut.text());
+
+    let said = terminal.run("fit cut.csv -o m.json");
+
+    assert!(said.stdout.contains("the torque of joint1 is cut off"), "{said:?}");
+    assert!(!said.stderr.contains("in one unit"), "{said:?}");
+}
+
+#[test]
 fn units_that_a_profile_leaves_open_are_told_with_their_cure() {
     let terminal = Terminal::new();
     let table = Table::recorded();

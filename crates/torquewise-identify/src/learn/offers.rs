@@ -30,6 +30,8 @@ pub(super) struct Offer {
     /// A longer variant must lower the error by this part, and by so much of the torque.
     worth: f64,
     trifle: f64,
+    /// Whether raw torque judges, which no filter blurs: of all offers that are made together.
+    is_raw: bool,
 }
 
 /// Arms seldom have a shaft that two joints share, or a spring.
@@ -51,13 +53,15 @@ impl Offer {
         let place = trials.iter().position(near)?;
         let (what, chosen) = (self.what.clone(), trials[place].label.clone());
         let (part, count) = (100.0 * self.worth, trials[place].errors.len());
+        let raw = if self.is_raw { "in raw torque, " } else { "" };
         let or = if self.trifle > 0.0 {
             format!(" or {} % of the torque", 100.0 * self.trifle)
         } else {
             String::new()
         };
-        let rule =
-            format!("simplest within {part:.1} % of the least error{or}, {count} regions held out");
+        let rule = format!(
+            "simplest within {part:.1} % of the least error{or}, {raw}{count} regions held out"
+        );
         Some((place, Choice { what, chosen, rule, from: listed(trials) }))
     }
 
@@ -98,6 +102,7 @@ impl ChainLearner<'_> {
                 usual: 0,
                 worth: WORTH_OF_SHAFT,
                 trifle: TRIFLE,
+                is_raw: false,
             }
         };
         let turns = |joint: usize| kinds.of(joint).turns();
@@ -116,6 +121,7 @@ impl ChainLearner<'_> {
             usual: 0,
             worth: WORTH_OF_SPRING,
             trifle: TRIFLE,
+            is_raw: false,
         };
         (0..n).filter(|joint| !known.contains(joint)).map(of).collect()
     }
@@ -154,6 +160,7 @@ impl ChainLearner<'_> {
                 usual: 2,
                 worth: WORTH_OF_FRICTION / self.motion.n_joints() as f64,
                 trifle: ROUNDING,
+                is_raw: false,
             }
         };
         (0..self.motion.n_joints()).map(of).collect()
@@ -179,6 +186,7 @@ impl ChainLearner<'_> {
             usual: 0,
             worth: WORTH,
             trifle: 0.0,
+            is_raw: true,
         };
         let bare = ChainSpec { drive: known, ..spec.clone() };
         if let Some((way, choice)) = self.best(&bare, chain, &[offer])?.into_iter().next() {
@@ -220,7 +228,9 @@ impl ChainLearner<'_> {
         let rest = self.laws.width.iter().map(|width| AT_REST * width).collect();
         let at = Linearisation::of(chain, (library, &none), rest);
         let blocks = regions(&motion, self.motion.n_rows().div_ceil(motion.n_rows().max(1)));
-        let target = [(&tau, &tau)];
+        let removed = motion.removed_tau().filter(|_| offers.iter().any(|offer| offer.is_raw));
+        let predicted = removed.map(|removed| &tau + removed);
+        let target = [(&tau, predicted.as_ref().unwrap_or(&tau))];
         let Some(unseen) = Unseen::new(&at, &motion, &target, &blocks, 0.0)? else {
             return Ok(Vec::new());
         };

@@ -70,6 +70,20 @@ fn of_a_wrist_the_torque_that_is_turned_is_named_and_no_other() {
 }
 
 #[test]
+fn of_torques_that_are_noise_no_sign_is_told() {
+    let arm = Arm::builtin("planar-2").unwrap();
+    for seed in 1..=6 {
+        let mut normal = normals(seed);
+        let log = motion(&arm, MotionKind::Sines, 40.0, 10.0, 1);
+        let log = with_torque(log, |_, tau| tau.iter_mut().for_each(|tau| *tau = normal()));
+
+        let found = findings(&log, &chain(FrictionKind::Auto));
+
+        assert!(!found.iter().any(|own| matches!(own, Warning::WrongSign { .. })), "{found:?}");
+    }
+}
+
+#[test]
 fn of_a_joint_that_hardly_moves_no_sign_is_told() {
     let arm = Arm::builtin("puma560-3").unwrap();
     let log = motion(&arm, MotionKind::Sines, 40.0, 50.0, 1);

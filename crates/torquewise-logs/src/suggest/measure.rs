@@ -64,7 +64,7 @@ fn ratio(t: &[f64], seconds: f64, q: &[Vec<f64>], dq: &[Vec<f64>]) -> Option<f64
     let (mut product, mut square) = (0.0, 0.0);
     for (q, dq) in q.iter().zip(dq) {
         let rows = t.len().min(q.len()).min(dq.len());
-        for [slope, mean] in slopes((&t[..rows], seconds), q, dq) {
+        for [slope, mean, _] in slopes((&t[..rows], seconds), q, dq) {
             product += mean * slope;
             square += slope * slope;
         }
