@@ -8,6 +8,7 @@ use serde::{Serialize, Serializer};
 use serde_json::json;
 use torquewise_identify::score::{JointScore, score, score_along};
 use torquewise_identify::verdict::{Verdict, judge_by};
+use torquewise_identify::warning::list;
 use torquewise_model::Model;
 use torquewise_model::rollout::{self, Drift, Others};
 use torquewise_motion::{Motion, Recording};
@@ -265,6 +266,7 @@ fn scored(
     let by_fit = model.training.verdict.clone().filter(|_| is_trained);
     let mut notes = range.warnings(model);
     notes.extend(is_trained.then(|| TRAINED.to_owned()));
+    notes.extend(cut_motion(&joints));
     Ok(Evaluation {
         warnings: still.collect(),
         verdict: by_fit.unwrap_or_else(|| judge_by(model, &errors, covered.as_deref())),
@@ -273,6 +275,24 @@ fn scored(
         interval_coverage_percent: covered,
         rollouts: Vec::new(),
         notes,
+    })
+}
+
+/// Percentage of the spread of the torque by which a filter that cuts the motion errs more than raw torque.
+const CUT_PERCENT: f64 = 0.5;
+
+/// What the filter adds to the error, where it lets too little of the motion through.
+fn cut_motion(joints: &[JointEvaluation]) -> Option<String> {
+    let is_cut = |own: &&JointEvaluation| {
+        own.raw_nrmse_percent.is_some_and(|raw| own.nrmse_percent > raw + CUT_PERCENT)
+    };
+    let cut: Vec<String> = joints.iter().filter(is_cut).map(|own| own.name.clone()).collect();
+    (!cut.is_empty()).then(|| {
+        format!(
+            "of {} less is missed of the raw torque than of the filtered: the filter of the fit cuts this \
+             motion, which is faster than that of the fit; go by raw torque",
+            list(&cut)
+        )
     })
 }
 

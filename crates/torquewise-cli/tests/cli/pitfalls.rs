@@ -326,3 +326,21 @@ fn a_model_that_is_judged_by_its_own_rows_is_told_so() {
     assert!(said.stdout.contains("verdict: unusable: test torque of joint1"), "{said:?}");
     terminal.refused("evaluate log.csv model.json", &["log.csv is a log, not a model"]);
 }
+
+#[test]
+fn a_filter_that_cuts_the_motion_of_a_test_is_told() {
+    let terminal = Terminal::new();
+    for seed in [1, 2] {
+        let plan = format!("planar-2 --motion sines --seconds 40 --rate 100 --seed {seed}");
+        let table = Table::simulated(&plan).without(&["dq1", "dq2", "ddq1", "ddq2"]);
+        terminal.write(&format!("log{seed}.csv"), &table.text());
+    }
+    for (cutoff, is_told) in [(0.8, true), (3.0, false)] {
+        terminal.done(&format!("fit log1.csv -o model.json --filter {cutoff}"));
+
+        let said = terminal.run("evaluate model.json log2.csv");
+
+        let found = said.stderr.contains("joint2 less is missed of the raw torque");
+        assert_eq!(found, is_told, "{said:?}");
+    }
+}
