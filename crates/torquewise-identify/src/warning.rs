@@ -325,7 +325,7 @@ impl fmt::Display for Warning {
             Self::NotPhysical(flaw) => write!(
                 f,
                 "{flaw}, within the range of the log: simulation and computed torque go wrong there, \
-                 and export refuses the model; record more motion, or fit a chain"
+                 and export refuses the model; record more motion, or fit with library chain"
             ),
             Self::Refit { ratio } => write!(
                 f,

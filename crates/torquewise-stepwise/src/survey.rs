@@ -339,8 +339,8 @@ fn width(n: usize) -> usize {
 }
 
 fn row_of(block: &Motion, row: usize) -> Vec<f64> {
-    let signals = [Some(block.q()), Some(block.dq()), Some(block.ddq()), block.tau()];
-    let signals = signals.into_iter().chain([block.removed_tau()]);
+    let states = [block.q(), block.dq(), block.ddq()].map(Some);
+    let signals = states.into_iter().chain([block.tau(), block.removed_tau()]);
     let value = |signal: Option<MatRef<'_, f64>>, joint| signal.map_or(0.0, |x| x[(row, joint)]);
     let joints = 0..block.n_joints();
     let values = signals.flat_map(|x| joints.clone().map(move |joint| value(x, joint)));

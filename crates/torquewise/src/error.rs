@@ -83,7 +83,7 @@ pub enum Error {
     #[diagnostic(help("give logs of one arm"))]
     OtherArm { found: String, expected: String },
     #[error("the model keeps no covariance of its parameters, so its torque has no interval")]
-    #[diagnostic(help("fit a chain"))]
+    #[diagnostic(help("fit the log with library chain"))]
     NoCovariance,
     #[error("the predicted torque overflows at t = {t} s")]
     #[diagnostic(help(

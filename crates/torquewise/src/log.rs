@@ -14,6 +14,9 @@ use torquewise_motion::repairs::counted;
 use torquewise_motion::signals::{ConditionReport, Conditioning, Cutoff, SignalReport};
 use torquewise_motion::{Motion, ReadError, Recording, Repairs};
 
+/// Velocity over the slope of its position from which on it is told; of real logs the largest is 1.14.
+const MOST_GAIN: f64 = 1.15;
+
 /// Log files of one arm, opened: each is a trajectory or several.
 ///
 /// Logs without q̈ are filtered and differentiated, at a bandwidth that held-out raw torque
@@ -292,7 +295,8 @@ impl Prepared {
 
     fn odd_velocities(&self) -> Option<String> {
         let gains = self.report().into_iter().flat_map(|report| &report.dq_gain);
-        let odd = |gain: &f64| !(LEAST_GAIN..1.0 / LEAST_GAIN).contains(gain);
+        // A filter or noise makes a gain smaller, never larger.
+        let odd = |gain: &f64| !(LEAST_GAIN..MOST_GAIN).contains(gain);
         let joints = self.logs().joints().iter().zip(gains);
         let (joints, gains): (Vec<String>, Vec<String>) = joints
             .filter_map(|(joint, gain)| Some((joint.clone(), format!("{:.3}", gain.filter(odd)?))))
