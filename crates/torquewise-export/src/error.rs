@@ -23,7 +23,7 @@ pub enum ExportError {
     #[diagnostic(help("begin with a letter, then letters, digits and _"))]
     Name { name: String },
     #[error("the model has no links, of which a robot file is made")]
-    #[diagnostic(help("fit the log with library chain, or along a URDF"))]
+    #[diagnostic(help("fit the log along a chain, by library chain or a URDF"))]
     NoChain,
     #[error("several coordinates turn one joint of the model, for which robot files have no word")]
     #[diagnostic(help("log the joint angles themselves"))]

@@ -58,7 +58,7 @@ pub enum ModelError {
     #[diagnostic(help("record motion that accelerates every joint, and fit the model anew"))]
     NoInertia,
     #[error("the model has no chain of rigid bodies")]
-    #[diagnostic(help("fit the log with library chain, or along a URDF"))]
+    #[diagnostic(help("fit the log along a chain, by library chain or a URDF"))]
     NoChain,
 }
 
