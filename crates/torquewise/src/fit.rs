@@ -75,15 +75,16 @@ impl<'a> Fit<'a> {
         };
         let slides = seen.as_ref().filter(|seen| !seen.kinds.all_turn());
         let may_slide = seen.as_ref().is_some_and(|seen| !seen.may_slide.is_empty());
-        let is_useful = |fit: &FitResult| fit.verdict().grade != Grade::Unusable;
         let is_physical = fit.mass_matrix()?.positive_definite;
-        let is_good = fit.verdict().grade == Grade::Good && is_physical;
+        let grade = fit.verdict().grade;
+        let is_good = grade == Grade::Good && is_physical;
         if slides.is_none() && !may_slide && is_good {
             return Ok(fit);
         }
         let is_better = |chain: &FitResult| {
             let is_least = || chain.log_error().zip(fit.log_error()).is_some_and(|(a, b)| a < b);
-            is_useful(chain) && (!is_useful(&fit) || !is_physical || !is_good && is_least())
+            let is_sound = grade != Grade::Unusable && is_physical;
+            chain.verdict().grade != Grade::Unusable && (!is_sound || !is_good && is_least())
         };
         let chain = FitOptions { library: Some(Library::Chain), ..self.options.clone() };
         if self.options.library.is_none() && chain.check().is_ok() {

@@ -30,8 +30,6 @@ pub(super) struct Offer {
     /// A longer variant must lower the error by this part, and by so much of the torque.
     worth: f64,
     trifle: f64,
-    /// Whether raw torque judges, which no filter blurs: of all offers that are made together.
-    is_raw: bool,
 }
 
 /// Arms seldom have a shaft that two joints share, or a spring.
@@ -46,14 +44,14 @@ const ROUNDING: f64 = 1e-5;
 const SWEEPS: usize = 2;
 
 impl Offer {
-    /// The simplest variant that is near the best, and its record.
-    fn chosen(&self, trials: &[CvScore]) -> Option<(usize, Choice)> {
+    /// The simplest variant that is near the best, and its record; whether raw torque judged.
+    fn chosen(&self, trials: &[CvScore], is_raw: bool) -> Option<(usize, Choice)> {
         let least = trials.iter().map(CvScore::error).fold(f64::INFINITY, f64::min);
         let near = |trial: &CvScore| (1.0 - self.worth) * trial.error() - self.trifle <= least;
         let place = trials.iter().position(near)?;
         let (what, chosen) = (self.what.clone(), trials[place].label.clone());
         let (part, count) = (100.0 * self.worth, trials[place].errors.len());
-        let raw = if self.is_raw { "in raw torque, " } else { "" };
+        let raw = if is_raw { "in raw torque, " } else { "" };
         let or = if self.trifle > 0.0 {
             format!(" or {} % of the torque", 100.0 * self.trifle)
         } else {
@@ -102,7 +100,6 @@ impl ChainLearner<'_> {
                 usual: 0,
                 worth: WORTH_OF_SHAFT,
                 trifle: TRIFLE,
-                is_raw: false,
             }
         };
         let turns = |joint: usize| kinds.of(joint).turns();
@@ -121,7 +118,6 @@ impl ChainLearner<'_> {
             usual: 0,
             worth: WORTH_OF_SPRING,
             trifle: TRIFLE,
-            is_raw: false,
         };
         (0..n).filter(|joint| !known.contains(joint)).map(of).collect()
     }
@@ -160,7 +156,6 @@ impl ChainLearner<'_> {
                 usual: 2,
                 worth: WORTH_OF_FRICTION / self.motion.n_joints() as f64,
                 trifle: ROUNDING,
-                is_raw: false,
             }
         };
         (0..self.motion.n_joints()).map(of).collect()
@@ -186,10 +181,9 @@ impl ChainLearner<'_> {
             usual: 0,
             worth: WORTH,
             trifle: 0.0,
-            is_raw: true,
         };
         let bare = ChainSpec { drive: known, ..spec.clone() };
-        if let Some((way, choice)) = self.best(&bare, chain, &[offer])?.into_iter().next() {
+        if let Some((way, choice)) = self.best(&bare, chain, &[offer], true)?.into_iter().next() {
             self.laws = laws[way].clone();
             choices.extend(choice);
         }
@@ -205,7 +199,7 @@ impl ChainLearner<'_> {
         choices: &mut Vec<Choice>,
     ) -> Result<(), IdentifyError> {
         spec.gravity = Some(Gravity::of(chain, &spec.drive));
-        for (offer, (way, choice)) in offers.iter().zip(self.best(spec, chain, offers)?) {
+        for (offer, (way, choice)) in offers.iter().zip(self.best(spec, chain, offers, false)?) {
             let terms = offer.ways[way].1.iter().filter(|term| !spec.drive.contains(term));
             let terms: Vec<DriveTerm> = terms.cloned().collect();
             spec.drive.extend(terms);
@@ -216,11 +210,14 @@ impl ChainLearner<'_> {
 
     /// The variant of each offer that is best in addition to a specification and the others, with
     /// its record; nothing where no rows can be held out.
+    ///
+    /// - `is_raw`: whether raw torque judges, which no filter blurs
     fn best(
         &self,
         spec: &ChainSpec,
         chain: &Chain,
         offers: &[Offer],
+        is_raw: bool,
     ) -> Result<Vec<(usize, Option<Choice>)>, IdentifyError> {
         let (library, places) = placed(offers, &spec.drive);
         let motion = thinned(self.motion, LAST_ROWS);
@@ -228,7 +225,7 @@ impl ChainLearner<'_> {
         let rest = self.laws.width.iter().map(|width| AT_REST * width).collect();
         let at = Linearisation::of(chain, (library, &none), rest);
         let blocks = regions(&motion, self.motion.n_rows().div_ceil(motion.n_rows().max(1)));
-        let removed = motion.removed_tau().filter(|_| offers.iter().any(|offer| offer.is_raw));
+        let removed = motion.removed_tau().filter(|_| is_raw);
         let predicted = removed.map(|removed| &tau + removed);
         let target = [(&tau, predicted.as_ref().unwrap_or(&tau))];
         let Some(unseen) = Unseen::new(&at, &motion, &target, &blocks, 0.0)? else {
@@ -255,7 +252,8 @@ impl ChainLearner<'_> {
                 };
                 let trials: Option<Vec<CvScore>> =
                     (0..offer.ways.len()).into_par_iter().map(judged).collect();
-                let Some((way, choice)) = trials.and_then(|trials| offer.chosen(&trials)) else {
+                let Some((way, choice)) = trials.and_then(|trials| offer.chosen(&trials, is_raw))
+                else {
                     continue;
                 };
                 (chosen[k], record[k]) = (way, Some(choice));
