@@ -1,6 +1,6 @@
 //! Columns of the drive terms: friction, rotors, springs.
 
-use crate::states::States;
+use crate::states::{States, along};
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 use torquewise_model::friction::{Direction, FrictionLaw};
@@ -94,17 +94,17 @@ impl DriveTerm {
 
     /// What it loads the joints with, per unit of its coefficient, states×n.
     pub(crate) fn loads(&self, states: &States) -> Mat<f64> {
-        let of_shaft = |shaft: &[f64], value: &dyn Fn(usize) -> f64| {
-            let values: Vec<f64> = (0..states.len()).map(value).collect();
-            Mat::from_fn(values.len(), shaft.len(), |state, joint| shaft[joint] * values[state])
+        let (shaft, values) = match self {
+            Self::Energy(term) => return states.loads(term, 1.0),
+            Self::Friction(term) => (&term.shaft, states.friction(term)),
+            Self::Rotor(shaft) => (shaft, along(shaft, &states.ddq)),
         };
-        match self {
-            Self::Energy(term) => states.loads(term, 1.0),
-            Self::Friction(term) => of_shaft(&term.shaft, &|state| states.friction(state, term)),
-            Self::Rotor(shaft) => of_shaft(shaft, &|state| {
-                shaft.iter().zip(states.ddq.row(state).iter()).map(|(s, a)| s * a).sum()
-            }),
+        let mut loads = Mat::zeros(states.len(), shaft.len());
+        for (joint, turns) in shaft.iter().enumerate().filter(|(_, turns)| **turns != 0.0) {
+            let own = loads.col_as_slice_mut(joint).iter_mut().zip(&values);
+            own.for_each(|(load, value)| *load = turns * value);
         }
+        loads
     }
 
     pub(crate) fn n_joints(&self) -> usize {
@@ -153,28 +153,28 @@ impl Gravity {
     }
 }
 
-/// Columns of what is beside the links over a motion: one m×e matrix for each joint.
+/// Columns of what is beside the links over a motion, (m·n)×e, joint by joint.
 ///
 /// - `gravity`: what friction under load is in proportion to
-pub(crate) fn columns(
-    drive: &[DriveTerm],
-    motion: &Motion,
-    gravity: Option<&Gravity>,
-) -> Vec<Mat<f64>> {
+pub(crate) fn columns(drive: &[DriveTerm], motion: &Motion, gravity: Option<&Gravity>) -> Mat<f64> {
     let mut states = States::of(motion);
     if let (true, Some(gravity)) = (drive.iter().any(DriveTerm::is_load_dependent), gravity) {
         states.gravity = Some(gravity.over(motion, &states));
     }
-    let loads: Vec<Mat<f64>> = drive.iter().map(|drive| drive.loads(&states)).collect();
-    let of_joint =
-        |joint: usize| Mat::from_fn(motion.n_rows(), loads.len(), |row, k| loads[k][(row, joint)]);
-    (0..motion.n_joints()).map(of_joint).collect()
+    let m = motion.n_rows();
+    let mut columns = Mat::zeros(m * motion.n_joints(), drive.len());
+    for (drive, mut column) in drive.iter().zip(columns.col_iter_mut()) {
+        for (joint, loads) in drive.loads(&states).col_iter().enumerate() {
+            column.as_mut().subrows_mut(joint * m, m).copy_from(loads);
+        }
+    }
+    columns
 }
 
 /// The rows of a motion for a chain.
 ///
 /// - `drive`: columns of what is beside the links, as [`columns`] makes them
-pub(crate) fn chain_rows(motion: &Motion, drive: &[Mat<f64>]) -> Result<ChainRows, IdentifyError> {
+pub(crate) fn chain_rows(motion: &Motion, drive: Mat<f64>) -> Result<ChainRows, IdentifyError> {
     let signals = [motion.q(), motion.dq(), motion.ddq(), motion.require_tau()?];
     Ok(ChainRows::new(signals, drive)?)
 }

@@ -194,7 +194,7 @@ impl<'a> ChainLearner<'a> {
     fn rows(&self, spec: &ChainSpec, count: usize) -> Result<ChainRows, IdentifyError> {
         let motion = thinned(self.motion, count);
         let drive = columns(&spec.drive, &motion, spec.gravity.as_ref());
-        let rows = chain_rows(&motion, &drive)?;
+        let rows = chain_rows(&motion, drive)?;
         // Where a joint moves, its friction has one direction.
         let moves =
             |row, joint: usize| motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.width[joint];

@@ -1,7 +1,7 @@
 //! The few energy terms that the torque of a chain needs, on states like those of the log.
 
 use crate::states::States;
-use faer::Mat;
+use faer::{ColRef, Mat};
 use rayon::prelude::*;
 use torquewise_model::{EnergyTerm, Place};
 use torquewise_motion::Motion;
@@ -27,7 +27,8 @@ pub(crate) fn prune(
     let tolerance: Vec<f64> = residual_rms.iter().map(|rms| TOLERANCE * rms).collect();
     let terms = glance(terms, &states, &tolerance);
     let size = |loads: &Mat<f64>| -> f64 {
-        let parts = loads.col_iter().zip(&tolerance).map(|(x, limit)| x.norm_l2() / limit);
+        let squares = |x: ColRef<'_, f64>| x.iter().map(|x| x * x).sum::<f64>();
+        let parts = loads.col_iter().zip(&tolerance).map(|(x, limit)| squares(x).sqrt() / limit);
         parts.fold(0.0, f64::max)
     };
     let mut order: Vec<usize> = (0..terms.len()).collect();

@@ -3,6 +3,7 @@
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::sync::OnceLock;
 use torquewise_model::term::Factor;
 use torquewise_model::{EnergyTerm, FrictionTerm, Place, Trig};
 use torquewise_motion::Motion;
@@ -15,8 +16,8 @@ pub(crate) fn state_of(motion: &Motion, row: usize) -> [Vec<f64>; 3] {
 
 /// States of an arm, each sine and cosine of them once.
 pub(crate) struct States {
-    /// `[joint]` → cos q, sin q, cos 2q, sin 2q of each state.
-    waves: Vec<[Vec<f64>; 4]>,
+    /// `[joint]` → cos q, sin q, cos 2q, sin 2q of each state, from the first term that asks for them.
+    waves: OnceLock<Vec<[Vec<f64>; 4]>>,
     /// q, q̇ and q̈, states×n each.
     q: Mat<f64>,
     dq: Mat<f64>,
@@ -55,15 +56,9 @@ impl States {
         let taken = |x: faer::MatRef<'_, f64>, signal: usize| {
             Mat::from_fn(rows.len(), n, |state, joint| x[(rows[state][signal], joint)])
         };
-        let q = taken(motion.q(), 0);
-        let waves = |joint: usize| {
-            let q = q.col_as_slice(joint);
-            let all = |wave: fn(f64) -> f64| q.iter().map(|q| wave(*q)).collect::<Vec<f64>>();
-            [all(f64::cos), all(f64::sin), all(|q| (2.0 * q).cos()), all(|q| (2.0 * q).sin())]
-        };
         Self {
-            waves: (0..n).map(waves).collect(),
-            q,
+            waves: OnceLock::new(),
+            q: taken(motion.q(), 0),
             dq: taken(motion.dq(), 1),
             ddq: taken(motion.ddq(), 2),
             memory: motion.memory().map(|memory| {
@@ -85,18 +80,33 @@ impl States {
         [self.dq.norm_max(), self.ddq.norm_max()]
     }
 
-    /// What a law of friction comes to at a state, per unit of its coefficient.
-    pub(crate) fn friction(&self, state: usize, law: &FrictionTerm) -> f64 {
-        let remembered = |(joint, travel)| self.memory.as_ref()?.state(state, joint, travel);
-        let known = law.element().and_then(remembered);
-        let speeds = || self.dq.row(state).iter().copied().collect::<Vec<f64>>();
-        let value = known.unwrap_or_else(|| law.value(&speeds()));
-        match &self.gravity {
-            Some(gravity) if law.load => {
-                value * law.pressed(&gravity.row(state).iter().copied().collect::<Vec<f64>>())
+    fn waves(&self) -> &[[Vec<f64>; 4]] {
+        self.waves.get_or_init(|| {
+            let of_joint = |joint: usize| {
+                let q = self.q.col_as_slice(joint);
+                let all = |wave: fn(f64) -> f64| q.iter().map(|q| wave(*q)).collect::<Vec<f64>>();
+                [all(f64::cos), all(f64::sin), all(|q| (2.0 * q).cos()), all(|q| (2.0 * q).sin())]
+            };
+            (0..self.n_joints()).map(of_joint).collect()
+        })
+    }
+
+    /// What a law of friction comes to at each state, per unit of its coefficient.
+    pub(crate) fn friction(&self, law: &FrictionTerm) -> Vec<f64> {
+        let remembers = self.memory.as_ref().zip(law.element());
+        let speeds = along(&law.shaft, &self.dq).into_iter().enumerate();
+        let values = speeds.map(|(state, speed)| {
+            let known =
+                remembers.and_then(|(memory, (joint, travel))| memory.state(state, joint, travel));
+            let value = known.unwrap_or_else(|| law.at_speed(speed));
+            match &self.gravity {
+                Some(gravity) if law.load => {
+                    value * law.pressed(&gravity.row(state).iter().copied().collect::<Vec<f64>>())
+                }
+                _ => value,
             }
-            _ => value,
-        }
+        });
+        values.collect()
     }
 
     /// Torque of a term on all states, states×n: d/dt ∂T/∂q̇ − ∂T/∂q + ∂V/∂q (E4).
@@ -183,7 +193,7 @@ impl States {
     /// Sine and cosine of a sum of joint angles.
     fn turn(&self, multiples: &[i8]) -> (Vec<f64>, Vec<f64>) {
         let mut sum: Option<(Vec<f64>, Vec<f64>)> = None;
-        for (&k, waves) in multiples.iter().zip(&self.waves).filter(|(k, _)| **k != 0) {
+        for (&k, waves) in multiples.iter().zip(self.waves()).filter(|(k, _)| **k != 0) {
             let (mut s, c) = match k.unsigned_abs() {
                 1 => (waves[1].clone(), waves[0].clone()),
                 2 => (waves[3].clone(), waves[2].clone()),
@@ -208,4 +218,15 @@ impl States {
         }
         sum.unwrap_or_else(|| (vec![0.0; self.len()], vec![1.0; self.len()]))
     }
+}
+
+/// Σ shaft\[j\]·xⱼ of each state.
+///
+/// - `x`: states×n
+pub(crate) fn along(shaft: &[f64], x: &Mat<f64>) -> Vec<f64> {
+    let mut sum = vec![0.0; x.nrows()];
+    for (joint, turns) in shaft.iter().enumerate().filter(|(_, turns)| **turns != 0.0) {
+        sum.iter_mut().zip(x.col_as_slice(joint)).for_each(|(sum, x)| *sum += turns * x);
+    }
+    sum
 }

@@ -78,7 +78,7 @@ impl SignTest {
         }
         self.drive.extend(mirrored(&self.drive));
         let extras = columns(&self.drive, &motion, None);
-        let rows = chain_rows(&motion, &extras)?.measured();
+        let rows = chain_rows(&motion, extras.clone())?.measured();
         let tried = |rows: &ChainRows, signs: u32, geometry: &Geometry, free: &[usize]| {
             let rows = joints_of(signs).fold(rows.clone(), ChainRows::turned);
             let rounds = if free.is_empty() { 0 } else { Search::default().rounds };
@@ -174,7 +174,7 @@ impl SignTest {
 
     /// Product over joints of the mean square that a chain leaves, or that friction adds which drives
     /// its shaft, over the variance of the torque: a joint that nothing explains does not count.
-    fn left(&self, chain: &Chain, rows: &ChainRows, motion: &Motion, extras: &[Mat<f64>]) -> f64 {
+    fn left(&self, chain: &Chain, rows: &ChainRows, motion: &Motion, extras: &Mat<f64>) -> f64 {
         let mut left: Vec<f64> = chain.residual_rms.iter().map(|rms| rms * rms).collect();
         let mut shafts: Vec<&[f64]> = self.drive.iter().filter_map(DriveTerm::resists).collect();
         shafts.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
@@ -184,7 +184,10 @@ impl SignTest {
             let load = |row: usize, joint: usize| -> f64 {
                 let terms = self.drive.iter().zip(&chain.drive).enumerate();
                 let own = terms.filter(|(_, (drive, _))| own(drive));
-                own.map(|(k, (_, coefficient))| coefficient * extras[joint][(row, k)]).sum()
+                own.map(|(k, (_, coefficient))| {
+                    coefficient * extras[(joint * motion.n_rows() + row, k)]
+                })
+                .sum()
             };
             let joints: Vec<usize> = (0..shaft.len()).filter(|&j| shaft[j] != 0.0).collect();
             let (mut power, mut squares) = (0.0, vec![0.0; shaft.len()]);
@@ -230,7 +233,7 @@ pub(crate) fn at_a_glance(
 ) -> Result<Linearisation, IdentifyError> {
     let drive = DriveTerm::usual(&FrictionLibrary::new(dq_peak.to_vec()));
     let motion = thinned(sample, ROWS);
-    let rows = chain_rows(&motion, &columns(&drive, &motion, None))?.measured();
+    let rows = chain_rows(&motion, columns(&drive, &motion, None))?.measured();
     let found = search(&rows, &Search { seed, ..Search::default() }, &searching(watch))?;
     let chain = found.chains.into_iter().next().ok_or(ChainError::Singular)?;
     Ok(Linearisation::of(&chain, (drive, &chain.drive), vec![0.0; motion.n_joints()]))
@@ -256,7 +259,7 @@ pub(crate) fn swapped(
     let pairs: Vec<[usize; 2]> = pairs.filter(is_likely).collect();
     let peaks = (0..n).map(|joint| motion.dq().col(joint).norm_max()).collect();
     let drive = DriveTerm::usual(&FrictionLibrary::new(peaks));
-    let rows = chain_rows(&motion, &columns(&drive, &motion, None))?.measured();
+    let rows = chain_rows(&motion, columns(&drive, &motion, None))?.measured();
     let watch = searching(watch);
     let left = |rows: &ChainRows, (starts, count): (usize, usize)| {
         glance(&rows.thinned(count), &Search { seed, starts, ..Search::default() }, &watch)

@@ -210,7 +210,8 @@ impl<'a> Unseen<'a> {
             let own = all.subrows(joint * m, m);
             let columns = (0..p).filter(|&j| own.col(j).iter().any(|x| *x != 0.0));
             let columns: Vec<usize> = columns.collect();
-            let rows = Mat::from_fn(m, columns.len(), |row, k| own[(row, columns[k])]);
+            let rows =
+                picked(&all, &(joint * m..(joint + 1) * m).collect::<Vec<usize>>(), &columns);
             JointRows { columns, rows, weights: weights[joint * m..(joint + 1) * m].to_vec() }
         };
         let joints: Vec<JointRows> = (0..n).map(of_joint).collect();
@@ -270,7 +271,8 @@ impl<'a> Unseen<'a> {
             for (b, block) in self.blocks.iter().enumerate() {
                 let held = picked(rows, &block.rows, &own);
                 for (parts, solved) in parts.iter_mut().zip(solved) {
-                    let fitted = &held * picked(&solved[b], &places, &all_of(self.targets.len()));
+                    let places = picked(&solved[b], &places, &all_of(self.targets.len()));
+                    let fitted = &held * places;
                     for (k, (_, target)) in self.targets.iter().enumerate() {
                         let left = block.rows.iter().zip(fitted.col(k).iter());
                         let left = left.filter(|(row, _)| weights[**row] != 0.0);
@@ -298,7 +300,13 @@ impl<'a> Unseen<'a> {
 }
 
 fn picked(of: &Mat<f64>, rows: &[usize], columns: &[usize]) -> Mat<f64> {
-    Mat::from_fn(rows.len(), columns.len(), |k, l| of[(rows[k], columns[l])])
+    let mut picked = Mat::zeros(rows.len(), columns.len());
+    for (l, &column) in columns.iter().enumerate() {
+        let from = of.col_as_slice(column);
+        let own = picked.col_as_slice_mut(l).iter_mut().zip(rows);
+        own.for_each(|(x, &row)| *x = from[row]);
+    }
+    picked
 }
 
 fn all_of(count: usize) -> Vec<usize> {

@@ -12,6 +12,8 @@ const WINDOW: usize = 11;
 /// Correlation below which rates are no slopes, or mostly noise; and slopes that it takes.
 const LEAST: f64 = 0.7;
 const LEAST_SLOPES: usize = 100;
+/// Correlation from which the gain of a velocity is that of its joint, not of noise.
+const FOLLOWS: f64 = 0.95;
 /// Gains of velocities against slopes; beyond, rows are not as far apart as their stamps say.
 const GAINS: RangeInclusive<f64> = 0.5..=2.0;
 /// Rates over slopes that filters of a robot may explain.
@@ -58,11 +60,12 @@ impl Pairs {
         }
     }
 
-    /// Correlation and gain of slopes and rates, both made smaller where one is beyond some times the upper
-    /// tenth of its joint, so that a few wrong numbers count little. Nothing where there are too few slopes.
-    fn correlation_and_gain(&self) -> Option<[f64; 2]> {
+    /// Correlation and gain of slopes and rates of some joints, both made smaller where one is beyond some
+    /// times the upper tenth of its joint, so that a few wrong numbers count little. Nothing where there are
+    /// too few slopes.
+    fn correlation_and_gain(joints: &[Vec<[f64; 2]>]) -> Option<[f64; 2]> {
         let (mut slopes, mut rates, mut products) = (0.0, 0.0, 0.0);
-        for pairs in &self.0 {
+        for pairs in joints {
             let most = [0, 1].map(|of| {
                 let sizes = pairs.iter().map(|pair| pair[of].abs());
                 let mut sizes: Vec<f64> = sizes.filter(|size| *size > 0.0).collect();
@@ -76,7 +79,7 @@ impl Pairs {
                 products += slope * rate;
             }
         }
-        let count: usize = self.0.iter().map(Vec::len).sum();
+        let count: usize = joints.iter().map(Vec::len).sum();
         let is_known = count >= LEAST_SLOPES && slopes > 0.0;
         let correlation = if rates > 0.0 { products / (slopes * rates).sqrt() } else { 0.0 };
         is_known.then(|| [correlation, products / slopes])
@@ -101,8 +104,17 @@ impl Accelerations {
     pub(crate) fn agreement(&self) -> Option<[f64; 2]> {
         let is_slope =
             |[correlation, gain]: &[f64; 2]| *correlation >= LEAST && GAINS.contains(gain);
-        self.velocity.correlation_and_gain().filter(is_slope)?;
-        self.acceleration.correlation_and_gain()
+        Pairs::correlation_and_gain(&self.velocity.0).filter(is_slope)?;
+        Pairs::correlation_and_gain(&self.acceleration.0)
+    }
+
+    /// Velocity over the slope of the position of each joint, n; nothing where it does not follow.
+    pub(crate) fn velocity_gains(&self) -> Vec<Option<f64>> {
+        let of = |joint: &Vec<[f64; 2]>| {
+            let [correlation, gain] = Pairs::correlation_and_gain(std::slice::from_ref(joint))?;
+            (correlation >= FOLLOWS && GAINS.contains(&gain)).then_some(gain)
+        };
+        self.velocity.0.iter().map(of).collect()
     }
 
     /// Correlation and gain of the file whose accelerations follow best, where these are no slopes.
@@ -168,6 +180,18 @@ mod tests {
         // One file whose accelerations follow keeps those of all.
         let files = [sine(|_, _| 0.0), sine(measured)].map(|file| file.agreement());
         assert_eq!(Accelerations::odd(files.into_iter()), None);
+    }
+
+    #[test]
+    fn velocities_of_another_scale_are_told_where_they_follow() {
+        let scaled = |factor: f64| {
+            let rate = |t: f64| factor * (3.0 * t).sin();
+            seen(|_, t| [-(3.0 * t).cos() / 3.0, rate(t), 3.0 * (3.0 * t).cos()]).velocity_gains()
+        };
+        for factor in [0.7, 1.0, 1.2] {
+            assert!(scaled(factor)[0].is_some_and(|gain| (gain / factor - 1.0).abs() < 0.01));
+        }
+        assert_eq!(seen(|row, _| [1, 2, 3].map(|k| noise(k * row))).velocity_gains(), [None]);
     }
 
     #[test]

@@ -31,6 +31,7 @@ pub struct Logs {
     joints: Vec<String>,
     /// Correlation and gain of accelerations that were left out, as they do not follow from velocities.
     odd_ddq: Option<[f64; 2]>,
+    velocity_gains: Vec<Option<f64>>,
     /// Of the last complete reading of each file.
     readings: Arc<Mutex<Vec<Reading>>>,
 }
@@ -95,7 +96,8 @@ impl Logs {
         let joints = agreed_joints(&sources)?;
         let paths = sources.iter().map(|source| (&source.file).into()).collect();
         let readings = Arc::new(Mutex::new(vec![Reading::default(); sources.len()]));
-        let mut logs = Self { sources, paths, joints, odd_ddq: None, readings };
+        let (odd_ddq, velocity_gains) = (None, vec![None; joints.len()]);
+        let mut logs = Self { sources, paths, joints, odd_ddq, velocity_gains, readings };
         if logs.has_dq() && logs.has_ddq() {
             // What cannot be read is told by whoever reads it all.
             let seen = |source: &Source| {
@@ -105,9 +107,13 @@ impl Logs {
                     let Some((_, block)) = blocks.next(Blocks::block).ok()? else { break };
                     seen.add(&block);
                 }
-                seen.agreement()
+                Some(seen)
             };
-            logs.odd_ddq = Accelerations::odd(logs.sources.iter().map(seen));
+            let seen: Vec<Accelerations> = logs.sources.iter().filter_map(seen).collect();
+            for (joint, gain) in logs.velocity_gains.iter_mut().enumerate() {
+                *gain = seen.iter().find_map(|seen| *seen.velocity_gains().get(joint)?);
+            }
+            logs.odd_ddq = Accelerations::odd(seen.iter().map(Accelerations::agreement));
             if logs.odd_ddq.is_some() {
                 logs.sources.iter_mut().for_each(|source| source.mapping.forget(Signal::Ddq));
             }
@@ -118,6 +124,12 @@ impl Logs {
     /// The files, as given.
     pub fn paths(&self) -> &[PathBuf] {
         &self.paths
+    }
+
+    /// Recorded velocity of each joint over the slope of its position, n; `None` where it does not
+    /// follow, or where accelerations are derived: then the filter tells.
+    pub fn velocity_gains(&self) -> &[Option<f64>] {
+        &self.velocity_gains
     }
 
     /// Whether all files hold velocities.

@@ -42,7 +42,8 @@ impl ExactSums {
     pub fn add(&mut self, first: usize, values: &[f64]) -> Result<()> {
         let own = self.entries.iter_mut().skip(first).zip(values);
         expect("numbers to be summed", values.len(), own.len())?;
-        for (sum, &found) in own {
+        // Adding nothing changes nothing, and a parameter of one joint is nothing at many others.
+        for (sum, &found) in own.filter(|(_, found)| **found != 0.0) {
             let total = words(found).and_then(|words| added(*sum, words));
             *sum = total.ok_or(SparseError::OutOfRange { found })?;
         }

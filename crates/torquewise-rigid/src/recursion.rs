@@ -118,6 +118,11 @@ fn times<T: Scalar>(m: &Matrix3<T>, v: &Vector3<T>) -> Vector3<T> {
     m.column(0) * v.x + m.column(1) * v.y + m.column(2) * v.z
 }
 
+/// A B, column by column as [`times`].
+fn product<T: Scalar>(a: &Matrix3<T>, b: &Matrix3<T>) -> Matrix3<T> {
+    Matrix3::from_columns(&[0, 1, 2].map(|k| times(a, &b.column(k).into_owned())))
+}
+
 impl Kinematics {
     /// The frames of a geometry.
     pub fn new(geometry: &Geometry) -> Self {

@@ -37,12 +37,12 @@ impl ChainRows {
     /// Collects rows.
     ///
     /// - `q`, `dq`, `ddq`, `tau`: m×n; rad, rad/s, rad/s², N·m
-    /// - `extras`: columns that explain torque beside the chain (friction, offsets), one m×e matrix
-    ///   for each joint
+    /// - `extras`: columns that explain torque beside the chain (friction, offsets), (m·n)×e: all rows
+    ///   of joint 1 first
     ///
     /// # Errors
     /// [`ChainError::Shape`] if shapes differ, [`ChainError::TooManyJoints`] also if there is none.
-    pub fn new([q, dq, ddq, tau]: [MatRef<'_, f64>; 4], extras: &[Mat<f64>]) -> Result<Self> {
+    pub fn new([q, dq, ddq, tau]: [MatRef<'_, f64>; 4], extras: Mat<f64>) -> Result<Self> {
         let (m, n) = (q.nrows(), q.ncols());
         if n > MOST_JOINTS || n == 0 {
             return Err(ChainError::TooManyJoints { joints: n, most: MOST_JOINTS });
@@ -55,16 +55,13 @@ impl ChainRows {
         for (what, x) in [("dq", dq), ("ddq", ddq), ("tau", tau)] {
             check(what, x, n)?;
         }
-        expect("extras", extras.len(), n)?;
-        let width = extras[0].ncols();
-        extras.iter().try_for_each(|x| check("extras", x.as_ref(), width))?;
+        expect("a column of extras", extras.nrows(), m * n)?;
         let states = [q, dq, ddq].map(|x| x.to_owned());
         let torque = (0..n).flat_map(|joint| (0..m).map(move |row| tau[(row, joint)])).collect();
-        let extras = Mat::from_fn(m * n, width, |row, column| extras[row / m][(row % m, column)]);
         let is_loaded = |column: usize, joint: usize| {
             extras.col_as_slice(column)[joint * m..(joint + 1) * m].iter().any(|x| *x != 0.0)
         };
-        let loaded = (0..width)
+        let loaded = (0..extras.ncols())
             .map(|column| (0..n).filter(|&joint| is_loaded(column, joint)).collect())
             .collect();
         let shares = vec![1.0; m * n];

@@ -294,7 +294,8 @@ impl Prepared {
     }
 
     fn odd_velocities(&self) -> Option<String> {
-        let gains = self.report().into_iter().flat_map(|report| &report.dq_gain);
+        let filtered = self.report().map(|report| &report.dq_gain[..]);
+        let gains = filtered.unwrap_or(self.logs().velocity_gains());
         // A filter or noise makes a gain smaller, never larger.
         let odd = |gain: &f64| !(LEAST_GAIN..MOST_GAIN).contains(gain);
         let joints = self.logs().joints().iter().zip(gains);

@@ -38,6 +38,7 @@ fn what_spoils_a_log_is_told() {
     };
     let still = Table::arm().with("q2", |_, _, _| 0.0).scaled(&["dq2", "ddq2"], 0.0);
     let rpm = recorded.clone().scaled(&["dq1", "dq2"], 30.0 / PI);
+    let fast = Table::arm().scaled(&["dq2"], 1.2);
     let off = &["the torque of joint2 does not follow its motion", "is its motor on"];
     let coarse = &["the torque of joint2 has few levels", "expect a poor fit"];
     let led = &["the torque of joint2 follows from the positions alone", "hand"];
@@ -46,12 +47,13 @@ fn what_spoils_a_log_is_told() {
     let (low, high) = (sorted[sorted.len() / 10], sorted[sorted.len() * 9 / 10]);
     let cut = &["the torque of joint1 is at one of its ends in 20 % of its motion"];
     let wrapped = |_: usize, q: f64, _: &[f64]| if q > 0.0 { q - PI } else { q + PI };
-    let cases: [(Table, &[&str], &[&str]); 9] = [
+    let cases: [(Table, &[&str], &[&str]); 10] = [
         (with("tau1", &|_, tau, _| tau.clamp(low, high)), cut, &[]),
         (with("q1", &wrapped), &[], &["jumps of a position by whole turns taken out"]),
         (with("t", &|row, t, _| t + 2e-3 * noise(row)), &[], &["made even: jitter"]),
         (with("tau1", &spikes), &[], &["tau of joint1: 3 outliers replaced"]),
         (rpm, &["measured velocity of joint1 and joint2 is 9.549 and 9.549 times"], &[]),
+        (fast, &["measured velocity of joint2 is 1.200 times the slope"], &[]),
         (hand, led, &[]),
         (with("tau2", &|row, _, _| 0.02 * noise(row)), off, &[]),
         (

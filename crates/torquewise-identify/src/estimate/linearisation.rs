@@ -222,7 +222,7 @@ impl Linearisation {
     fn weighed(&self, block: &Motion, seen: &Motion) -> Result<ChainRows, IdentifyError> {
         let is_loaded = self.drive.iter().any(DriveTerm::is_load_dependent);
         let gravity = is_loaded.then(|| Gravity::of(&self.chain(), &self.drive));
-        let rows = chain_rows(block, &columns(&self.drive, block, gravity.as_ref()))?;
+        let rows = chain_rows(block, columns(&self.drive, block, gravity.as_ref()))?;
         Ok(rows.with_shares(|row, joint| {
             let moves = seen.dq()[(row, joint)].abs() >= self.rest[joint];
             if moves { 1.0 } else { WEIGHT_AT_REST }

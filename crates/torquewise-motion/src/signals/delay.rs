@@ -99,11 +99,13 @@ pub(crate) fn shift_at(
         _ if row > last => 2.0 * at(last) - at(2 * last - row),
         _ => at(row),
     };
-    let value = |row: isize| {
-        let terms = (1 - taps..=taps).zip(&weights);
-        terms.map(|(k, w)| w * reflected(row + steps + k)).sum::<f64>() / sum
-    };
-    rows.map(|row| value(row.cast_signed())).collect()
+    let rows: Vec<isize> = rows.map(|row| row.cast_signed() + steps).collect();
+    // Tap by tap, so that no addition waits for the one before.
+    let mut shifted = vec![0.0; rows.len()];
+    for (k, w) in (1 - taps..=taps).zip(&weights) {
+        shifted.iter_mut().zip(&rows).for_each(|(x, row)| *x += w * reflected(row + k));
+    }
+    shifted.into_iter().map(|x| x / sum).collect()
 }
 
 fn weight(u: f64) -> f64 {
@@ -140,8 +142,8 @@ pub(crate) fn lag(derived: &[f64], measured: &[f64], rate: f64, longest: f64) ->
     let middle = whole(edge)..n - whole(edge);
     let reference = &derived[middle.clone()];
     let unlike = |seconds: f64| {
-        let shifted = shift(measured, rate, seconds);
-        1.0 - correlation(reference, &shifted[middle.clone()]).powi(2)
+        let shifted = shift_at(measured, rate, seconds, middle.clone());
+        1.0 - correlation(reference, &shifted).powi(2)
     };
     Some(best_shift(unlike, longest, 0.5 / rate)).filter(|found| found.error.is_finite())
 }

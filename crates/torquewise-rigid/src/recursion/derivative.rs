@@ -13,20 +13,19 @@ impl<T: Scalar> Moved<T> {
         let moved = derivative.joint;
         let mut tangents = std::mem::take(&mut self.tangents);
         tangents.clear();
-        let mut known = MotionDerivative::default();
+        let GeometryDerivative { rotation, origin, gravity, .. } = derivative;
+        let start = MotionDerivative { acceleration: -splat(gravity), ..Default::default() };
         for (joint, body) in self.bodies.iter().enumerate().skip(moved) {
             let before = if joint == 0 { &self.base } else { &self.bodies[joint - 1] };
-            let own = (joint == moved).then(|| {
-                let GeometryDerivative { rotation, origin, gravity, .. } = derivative;
-                known.acceleration -= splat(gravity);
-                [splat(rotation), self.shift_of(joint, (rotation, origin))]
-            });
-            known = if self.kinds.slides(joint) {
+            let own = (joint == moved)
+                .then(|| [splat(rotation), self.shift_of(joint, (rotation, origin))]);
+            let known = tangents.last().unwrap_or(&start);
+            let next = if self.kinds.slides(joint) {
                 known.slid([before, body], own, self.sliding(joint))
             } else {
                 known.next([before, body], own)
             };
-            tangents.push(known);
+            tangents.push(next);
         }
         let mut wrench = Wrench::default();
         for (joint, body) in self.bodies.iter().enumerate().rev() {

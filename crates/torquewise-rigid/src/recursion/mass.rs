@@ -1,6 +1,6 @@
 //! M(q) by composite rigid bodies, from the tip inward.
 
-use super::{Body, Inertia, Moved, PER_BODY, Scalar, Wrench, along_z, times};
+use super::{Body, Inertia, Moved, PER_BODY, Scalar, Wrench, along_z, product, times};
 use crate::joint::JointKind;
 use nalgebra::Matrix3;
 
@@ -73,14 +73,14 @@ impl<T: Scalar> Inertia<T> {
     /// The same in the frame before that of a body: turned, then moved (Huygens–Steiner).
     fn before(&self, body: &Body<T>) -> Self {
         let Body { rotation, origin, .. } = body;
-        let turned = times(rotation, &self.first);
-        let first = turned + origin * self.mass;
+        let carried = times(rotation, &self.first);
+        let first = carried + origin * self.mass;
         // The sum over its points of |p + r|² − (p + r)(p + r)ᵀ less that of |r|² − r rᵀ.
-        let trace = origin.dot(&(turned + first));
+        let trace = origin.dot(&(carried + first));
         let shift = Matrix3::from_diagonal_element(trace)
             - origin * first.transpose()
-            - turned * origin.transpose();
-        let about_origin = rotation * self.about_origin * rotation.transpose() + shift;
-        Self { mass: self.mass, first, about_origin }
+            - carried * origin.transpose();
+        let turned = product(&product(rotation, &self.about_origin), &rotation.transpose());
+        Self { mass: self.mass, first, about_origin: turned + shift }
     }
 }

@@ -17,10 +17,10 @@ fn share(row: usize, joint: usize) -> f64 {
 fn rows() -> ChainRows {
     let motion = sines(&arm(&drawn(JOINTS, 8)), 2.0, 5);
     let (m, tau) = (motion.n_rows(), motion.require_tau().unwrap());
-    let drive: Vec<Mat<f64>> = (0..JOINTS)
-        .map(|joint| Mat::from_fn(m, 2, |row, k| (0.01 * (row * (k + joint + 1)) as f64).cos()))
-        .collect();
-    let rows = ChainRows::new([motion.q(), motion.dq(), motion.ddq(), tau], &drive).unwrap();
+    let drive = Mat::from_fn(m * JOINTS, 2, |place, k| {
+        (0.01 * (place % m * (k + place / m + 1)) as f64).cos()
+    });
+    let rows = ChainRows::new([motion.q(), motion.dq(), motion.ddq(), tau], drive).unwrap();
     rows.with_shares(share)
 }
 

@@ -42,8 +42,8 @@ pub(crate) fn sines(arm: &Arm, seconds: f64, seed: u64) -> Motion {
 /// Rows of a motion with nothing beside the chain.
 pub(crate) fn rows(motion: &Motion) -> ChainRows {
     let tau = motion.require_tau().unwrap();
-    let none = vec![Mat::zeros(motion.n_rows(), 0); motion.n_joints()];
-    ChainRows::new([motion.q(), motion.dq(), motion.ddq(), tau], &none).unwrap()
+    let none = Mat::zeros(motion.n_rows() * motion.n_joints(), 0);
+    ChainRows::new([motion.q(), motion.dq(), motion.ddq(), tau], none).unwrap()
 }
 
 /// RMSE of a chain on rows over the standard deviation of the torque, of each joint.
