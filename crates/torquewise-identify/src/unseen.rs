@@ -7,6 +7,7 @@ use faer::linalg::solvers::Solve;
 use faer::{ColRef, Mat, Side};
 use rayon::prelude::*;
 use torquewise_motion::Motion;
+use torquewise_regression::products::picked;
 use torquewise_rigid::rows::spread_above_rounding;
 use torquewise_stepwise::error::IdentifyError;
 
@@ -207,18 +208,17 @@ impl<'a> Unseen<'a> {
         }
         let (n, p) = (weights.len() / m, all.ncols());
         let of_joint = |joint: usize| {
-            let own = all.subrows(joint * m, m);
-            let columns = (0..p).filter(|&j| own.col(j).iter().any(|x| *x != 0.0));
-            let columns: Vec<usize> = columns.collect();
-            let rows =
-                picked(&all, &(joint * m..(joint + 1) * m).collect::<Vec<usize>>(), &columns);
+            let own = joint * m..(joint + 1) * m;
+            let holds = |&j: &usize| all.col_as_slice(j)[own.clone()].iter().any(|x| *x != 0.0);
+            let columns: Vec<usize> = (0..p).filter(holds).collect();
+            let rows = picked(&all, &own.collect::<Vec<usize>>(), columns.iter().copied());
             JointRows { columns, rows, weights: weights[joint * m..(joint + 1) * m].to_vec() }
         };
         let joints: Vec<JointRows> = (0..n).map(of_joint).collect();
         let sums = |block: &[usize]| {
             let mut sums = (Mat::<f64>::zeros(p, p), Mat::<f64>::zeros(p, targets.len()));
             for (joint, JointRows { columns, rows, weights }) in joints.iter().enumerate() {
-                let own = picked(rows, block, &all_of(columns.len()));
+                let own = picked(rows, block, 0..columns.len());
                 let responses = Mat::from_fn(block.len(), targets.len(), |k, target| {
                     weights[block[k]] * targets[target].0[(block[k], joint)]
                 });
@@ -245,7 +245,7 @@ impl<'a> Unseen<'a> {
     /// solved.
     pub(crate) fn errors(&self, active: &[usize]) -> Vec<Option<Errors>> {
         let of = |(gram, right): &Sums| {
-            (picked(gram, active, active), picked(right, active, &all_of(right.ncols())))
+            (picked(gram, active, active.iter().copied()), picked(right, active, 0..right.ncols()))
         };
         let (all, around) = (of(&self.all), self.around.iter().map(of).collect::<Vec<Sums>>());
         let solved: Vec<Vec<Mat<f64>>> =
@@ -269,9 +269,9 @@ impl<'a> Unseen<'a> {
                 .filter_map(|(k, j)| Some((k, active.binary_search(j).ok()?)))
                 .unzip();
             for (b, block) in self.blocks.iter().enumerate() {
-                let held = picked(rows, &block.rows, &own);
+                let held = picked(rows, &block.rows, own.iter().copied());
                 for (parts, solved) in parts.iter_mut().zip(solved) {
-                    let places = picked(&solved[b], &places, &all_of(self.targets.len()));
+                    let places = picked(&solved[b], &places, 0..self.targets.len());
                     let fitted = &held * places;
                     for (k, (_, target)) in self.targets.iter().enumerate() {
                         let left = block.rows.iter().zip(fitted.col(k).iter());
@@ -297,16 +297,6 @@ impl<'a> Unseen<'a> {
         };
         spreads.iter().enumerate().map(of).collect()
     }
-}
-
-fn picked(of: &Mat<f64>, rows: &[usize], columns: &[usize]) -> Mat<f64> {
-    let mut picked = Mat::zeros(rows.len(), columns.len());
-    for (l, &column) in columns.iter().enumerate() {
-        let from = of.col_as_slice(column);
-        let own = picked.col_as_slice_mut(l).iter_mut().zip(rows);
-        own.for_each(|(x, &row)| *x = from[row]);
-    }
-    picked
 }
 
 fn all_of(count: usize) -> Vec<usize> {

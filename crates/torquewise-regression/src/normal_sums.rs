@@ -87,8 +87,8 @@ impl BlockSums {
             sums
         };
         let energies = (0..equations).flat_map(energies_of).collect();
-        let square =
-            |k, n: usize| (n * m..(n + 1) * m).map(|row| rows[(row, k)].powi(2)).sum::<f64>();
+        let own = |k, equation: usize| rows.col(k).subrows(equation * m, m);
+        let square = |k, equation| own(k, equation).iter().map(|x| x * x).sum::<f64>();
         let squares = Mat::from_fn(p, equations, square);
         let apart = [scores_apart(rows, equations), Mat::zeros(p, equations), squares];
         let bias = Mat::zeros(p + 1, p + 1);

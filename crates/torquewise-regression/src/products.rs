@@ -11,6 +11,24 @@ pub fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
     out
 }
 
+/// Some rows and columns of a matrix, in that order.
+///
+/// # Panics
+/// If there is no such row or column.
+pub fn picked(
+    of: &Mat<f64>,
+    rows: &[usize],
+    columns: impl ExactSizeIterator<Item = usize>,
+) -> Mat<f64> {
+    let mut picked = Mat::zeros(rows.len(), columns.len());
+    for (l, column) in columns.enumerate() {
+        let from = of.col_as_slice(column);
+        let own = picked.col_as_slice_mut(l).iter_mut().zip(rows);
+        own.for_each(|(x, &row)| *x = from[row]);
+    }
+    picked
+}
+
 pub(crate) fn add_product(target: &mut Mat<f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
     matmul(target.as_mut(), Accum::Add, a.transpose(), b, 1.0, Par::Seq);
 }

@@ -118,6 +118,13 @@ fn times<T: Scalar>(m: &Matrix3<T>, v: &Vector3<T>) -> Vector3<T> {
     m.column(0) * v.x + m.column(1) * v.y + m.column(2) * v.z
 }
 
+/// Mᵀ v, for the same reason.
+#[inline]
+fn back<T: Scalar>(m: &Matrix3<T>, v: &Vector3<T>) -> Vector3<T> {
+    let of = |k: usize| m[(0, k)] * v.x + m[(1, k)] * v.y + m[(2, k)] * v.z;
+    Vector3::new(of(0), of(1), of(2))
+}
+
 /// A B, column by column as [`times`].
 fn product<T: Scalar>(a: &Matrix3<T>, b: &Matrix3<T>) -> Matrix3<T> {
     Matrix3::from_columns(&[0, 1, 2].map(|k| times(a, &b.column(k).into_owned())))
@@ -167,7 +174,9 @@ impl Kinematics {
         moved.slides.clear();
         moved.bodies.clear();
         moved.bodies.reserve(self.n_joints());
-        for (joint, (body, state)) in self.bodies(state).enumerate() {
+        for joint in 0..self.n_joints() {
+            let before = moved.bodies.last().unwrap_or(&moved.base);
+            let (body, state) = self.body(joint, before, &state);
             moved.bodies.push(body);
             if !self.kinds.all_turn() {
                 let slide = T::splat(self.kinds.of(joint).twist[1]);
@@ -181,23 +190,24 @@ impl Kinematics {
         Body { acceleration: -splat(&self.gravity), ..Body::default() }
     }
 
-    /// The bodies from the base outward, each with q, q̇ and q̈ of its joint in the chain.
+    /// The body behind a joint, and q, q̇ and q̈ of that joint in the chain.
     ///
     /// - `state`: q, q̇ and q̈ of a logged coordinate
-    fn bodies<T: Scalar>(
+    fn body<T: Scalar>(
         &self,
+        joint: usize,
+        before: &Body<T>,
         state: impl Fn(usize) -> [T; 3],
-    ) -> impl Iterator<Item = (Body<T>, [T; 3])> {
-        self.placements.iter().enumerate().scan(self.base(), move |before, (joint, placement)| {
-            let state =
-                [0, 1, 2].map(|signal| self.coupling.drive(joint, |joint| state(joint)[signal]));
-            *before = if self.kinds.all_turn() {
-                before.next(placement, state)
-            } else {
-                before.moved(placement, self.kinds.of(joint), state)
-            };
-            Some((*before, state))
-        })
+    ) -> (Body<T>, [T; 3]) {
+        let placement = &self.placements[joint];
+        let state =
+            [0, 1, 2].map(|signal| self.coupling.drive(joint, |joint| state(joint)[signal]));
+        let body = if self.kinds.all_turn() {
+            before.next(placement, state)
+        } else {
+            before.moved(placement, self.kinds.of(joint), state)
+        };
+        (body, state)
     }
 
     /// Potential energy \[J\] at q, up to a constant.
@@ -269,8 +279,8 @@ impl<T: Scalar> Moved<T> {
             let (mut axis, mut arm) = (along_z(T::one()), Vector3::zeros());
             for (k, body) in self.bodies.iter().enumerate().skip(joint) {
                 if k > joint {
-                    axis = body.rotation.tr_mul(&axis);
-                    arm = body.rotation.tr_mul(&(arm + body.origin));
+                    axis = back(&body.rotation, &axis);
+                    arm = back(&body.rotation, &(arm + body.origin));
                 }
                 let loads = body.efforts(kind, &axis, &arm);
                 for (parameter, value) in loads.iter().enumerate() {
@@ -296,14 +306,14 @@ impl<T: Scalar> Body<T> {
         let (sin, cos) = q.simd_sin_cos();
         let rotation: Matrix3<T> = turned_about_z(&placement.rotation.map(T::splat), sin, cos);
         let origin: Vector3<T> = splat(&placement.origin);
-        let carried: Vector3<T> = rotation.tr_mul(&self.omega);
+        let carried: Vector3<T> = back(&rotation, &self.omega);
         let omega: Vector3<T> = carried + along_z(dq);
         let alpha: Vector3<T> =
-            rotation.tr_mul(&self.alpha) + carried.cross(&along_z(dq)) + along_z(ddq);
+            back(&rotation, &self.alpha) + carried.cross(&along_z(dq)) + along_z(ddq);
         let acceleration = self.acceleration
             + self.alpha.cross(&origin)
             + self.omega.cross(&self.omega.cross(&origin));
-        Self { rotation, origin, omega, alpha, acceleration: rotation.tr_mul(&acceleration) }
+        Self { rotation, origin, omega, alpha, acceleration: back(&rotation, &acceleration) }
     }
 
     /// Torque, or force, of a joint per unit of each parameter: [`Self::loads`], [`Self::pushes`].

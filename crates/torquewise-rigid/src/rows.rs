@@ -6,6 +6,7 @@ use crate::inertial_fit::{JointColumns, columns_at};
 use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, N_LANES};
 use faer::{Mat, MatRef};
 use std::sync::Arc;
+use torquewise_regression::products::picked;
 
 /// A spread of torque about its mean \[N·m\]; zero where it is rounding, as where torque never changes.
 pub fn spread_above_rounding(std: f64, mean: f64) -> f64 {
@@ -172,14 +173,12 @@ impl ChainRows {
     /// If there is no such row.
     pub fn select(&self, rows: &[usize]) -> Self {
         let (m, n) = (self.len(), self.n_joints());
-        let picked = |x: &Mat<f64>| Mat::from_fn(rows.len(), n, |k, joint| x[(rows[k], joint)]);
         let place = |k: usize| (k / rows.len()) * m + rows[k % rows.len()];
         let places: Vec<usize> = (0..rows.len() * n).map(place).collect();
-        let extra = |k: usize, j| self.extras[(places[k], j)];
         Self {
-            states: self.states.each_ref().map(picked),
+            states: self.states.each_ref().map(|x| picked(x, rows, 0..n)),
             torque: places.iter().map(|&place| self.torque[place]).collect(),
-            extras: Mat::from_fn(places.len(), self.extras.ncols(), extra),
+            extras: picked(&self.extras, &places, 0..self.extras.ncols()),
             loaded: self.loaded.clone(),
             shares: places.iter().map(|&place| self.shares[place]).collect(),
             known: None,

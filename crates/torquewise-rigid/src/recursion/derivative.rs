@@ -1,6 +1,6 @@
 //! Derivative of the torque by the geometry: the recursion differentiated (E8).
 
-use super::{Body, Inertia, Moved, Scalar, Wrench, along_z, splat, times};
+use super::{Body, Inertia, Moved, Scalar, Wrench, along_z, back, splat, times};
 use crate::geometry::GeometryDerivative;
 use nalgebra::Vector3;
 
@@ -23,7 +23,7 @@ impl<T: Scalar> Moved<T> {
             let next = if self.kinds.slides(joint) {
                 known.slid([before, body], own, self.sliding(joint))
             } else {
-                known.next([before, body], own)
+                known.next([before, body], own, &body.acceleration)
             };
             tangents.push(next);
         }
@@ -65,8 +65,14 @@ impl<T: Scalar> MotionDerivative<T> {
     ///
     /// - `before`, `body`: the motion of the body before and of this one
     /// - `own`: how its own frame turns and shifts, in the frame before, if it does
-    fn next(&self, [before, body]: [&Body<T>; 2], own: Option<[Vector3<T>; 2]>) -> Self {
-        let back = |v: Vector3<T>| body.rotation.tr_mul(&v);
+    /// - `carried`: acceleration of this body but for what its own slide adds, in its frame
+    fn next(
+        &self,
+        [before, body]: [&Body<T>; 2],
+        own: Option<[Vector3<T>; 2]>,
+        carried: &Vector3<T>,
+    ) -> Self {
+        let back = |v: Vector3<T>| back(&body.rotation, &v);
         let (w, o) = (&before.omega, &body.origin);
         let Self { mut omega, mut alpha, mut acceleration } = *self;
         acceleration =
@@ -74,7 +80,7 @@ impl<T: Scalar> MotionDerivative<T> {
         if let Some([rotation, origin]) = own {
             omega -= rotation.cross(w);
             alpha -= rotation.cross(&before.alpha);
-            let whole = times(&body.rotation, &body.acceleration);
+            let whole = times(&body.rotation, carried);
             acceleration = acceleration + before.alpha.cross(&origin) + w.cross(&w.cross(&origin))
                 - rotation.cross(&whole);
         }
@@ -91,8 +97,7 @@ impl<T: Scalar> MotionDerivative<T> {
         own: Option<[Vector3<T>; 2]>,
         [speed, rate]: [Vector3<T>; 2],
     ) -> Self {
-        let carried = Body { acceleration: body.acceleration - rate, ..*body };
-        let next = self.next([before, &carried], own);
+        let next = self.next([before, body], own, &(body.acceleration - rate));
         Self { acceleration: next.acceleration + next.omega.cross(&(speed + speed)), ..next }
     }
 

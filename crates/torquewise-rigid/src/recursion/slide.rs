@@ -1,6 +1,6 @@
 //! What slides, in the recursion: a body goes along z of its frame, which keeps its direction (E26).
 
-use super::{Body, Moved, PER_BODY, Scalar, along_z, splat};
+use super::{Body, Moved, PER_BODY, Scalar, along_z, back, splat};
 use nalgebra::Vector3;
 
 impl<T: Scalar> Body<T> {
@@ -10,7 +10,7 @@ impl<T: Scalar> Body<T> {
         let out = self.rotation.column(2) * s;
         let carried = before.alpha.cross(&out) + before.omega.cross(&before.omega.cross(&out));
         let own = self.omega.cross(&along_z(ds + ds)) + along_z(dds);
-        let acceleration = self.acceleration + self.rotation.tr_mul(&carried) + own;
+        let acceleration = self.acceleration + back(&self.rotation, &carried) + own;
         Self { origin: self.origin + out, acceleration, ..self }
     }
 

@@ -17,8 +17,11 @@ impl Kinematics {
         let MotionState { q, dq, ddq } = state;
         let mut room = [Body::default(); MOST_JOINTS];
         let bodies = &mut room[..self.n_joints()];
-        let moved = self.bodies(|joint| [q[joint], dq[joint], ddq[joint]]);
-        bodies.iter_mut().zip(moved).for_each(|(body, (moved, _))| *body = moved);
+        let base = self.base();
+        for joint in 0..bodies.len() {
+            let before = joint.checked_sub(1).map_or(&base, |before| &bodies[before]);
+            bodies[joint] = self.body(joint, before, |joint| [q[joint], dq[joint], ddq[joint]]).0;
+        }
         let mut wrench = Wrench::default();
         for (joint, body) in bodies.iter().enumerate().rev() {
             wrench = wrench.plus(&body.wrench(&Inertia::of(&inertial[PER_BODY * joint..])));
