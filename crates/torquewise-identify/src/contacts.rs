@@ -1,12 +1,14 @@
 //! Contacts: external torque beyond that of free motion (E16).
 
+mod held;
 mod spread;
 
 use crate::score::{JointScore, score};
+use held::{held, held_at_rest};
 use serde::Serialize;
 use spread::{Follower, Spread};
-use torquewise_model::Model;
 use torquewise_model::momentum_observer::MomentumObserver;
+use torquewise_model::{Model, Torque};
 use torquewise_motion::stats::quantile;
 use torquewise_motion::{Motion, ReadError, Recording};
 use torquewise_stepwise::error::IdentifyError;
@@ -21,7 +23,7 @@ use torquewise_stepwise::error::IdentifyError;
 pub struct Thresholds {
     /// In the free motion as a whole \[N·m\], n.
     pub torque: Vec<f64>,
-    /// At rest \[N·m\], n.
+    /// At rest in the middle of the range of the fit, where dry friction may hold its part \[N·m\], n.
     pub at_rest: Vec<f64>,
     /// False alarms of the whole arm in an hour that they are set for.
     pub false_alarms_per_hour: f64,
@@ -74,12 +76,24 @@ pub struct Observed<'a> {
     pub torque: &'a [f64],
     /// What the spread of each joint follows, n.
     followed: &'a [[f64; spread::FOLLOWED]],
+    /// What dry friction may hold of it where a joint rests \[N·m\], n.
+    held: &'a [f64],
+}
+
+impl Observed<'_> {
+    /// What friction does not hold of the torque of a joint, and what its spread follows.
+    fn beyond_friction(&self, joint: usize) -> spread::Row {
+        let (torque, held) = (self.torque[joint], self.held[joint]);
+        (torque.signum() * (torque.abs() - held).max(0.0), self.followed[joint])
+    }
 }
 
 /// Peaks that are closer than this \[s\] are one.
 const APART: f64 = 0.2;
 /// Part of the rows of a free log below the level that peaks are counted from.
 const LEVEL: f64 = 0.95;
+/// The mean excess of peaks is taken to be larger than what was seen by so many of its standard errors.
+const CERTAINTY: f64 = 3.0;
 /// Peaks beyond a threshold are more than expected by at most so many standard deviations of a count.
 const BY_CHANCE: f64 = 2.5;
 /// Contacts in a log that is not said to be free, at most, but for half of its peaks.
@@ -111,11 +125,14 @@ pub fn external_torques(
     let gain = std::f64::consts::TAU * bandwidth;
     let mut observer = MomentumObserver::new(model, gain);
     let mut follower = Follower::new(model, gain);
+    let (torque, slow) = (Torque::new(model), model.rest_speeds());
+    let mut path = torque.path();
     let mut last: Option<(usize, f64)> = None;
     let mut begin = 0.0;
     let settling = vec![f64::NAN; model.n_joints()];
     recording.read(&mut |trajectory, block| {
         let tau = block.require_tau()?;
+        let held = held(&torque, &path.follow(trajectory, block), &slow)?;
         for (row, &t) in block.t().iter().enumerate() {
             let dt = match last {
                 Some((own, before)) if own == trajectory => t - before,
@@ -130,10 +147,12 @@ pub fn external_torques(
             let [q, dq, ddq, tau] = [block.q(), block.dq(), block.ddq(), tau]
                 .map(|x| x.row(row).iter().copied().collect::<Vec<f64>>());
             let external = observer.step(dt, [&q, &dq, &tau])?;
-            let followed = follower.step(dt, [&dq, &ddq, &tau]);
+            let held: Vec<f64> = held.row(row).iter().copied().collect();
+            follower.step(dt, [&dq, &ddq, &tau], &held);
+            let Follower { followed, held, .. } = &follower;
             let is_settled = t - begin > SETTLING / gain;
             let torque = if is_settled { external } else { &settling };
-            see(Observed { trajectory, block, row, t, torque, followed })?;
+            see(Observed { trajectory, block, row, t, torque, followed, held })?;
         }
         Ok(())
     })?;
@@ -169,7 +188,7 @@ impl Thresholds {
         let mut peaks = vec![Peaks::default(); n];
         external_torques(model, free, bandwidth, &mut |row| {
             for (joint, own) in peaks.iter_mut().enumerate() {
-                let part = spreads[joint].square(&(row.torque[joint], row.followed[joint]));
+                let part = spreads[joint].square(&row.beyond_friction(joint));
                 own.take((row.trajectory, row.t), part - levels[joint]);
             }
             Ok(())
@@ -196,6 +215,8 @@ impl Thresholds {
             spreads.iter().zip(&multiples).map(|(spread, k)| k * of(spread)).collect()
         };
         let (torque, at_rest) = (times(&|spread| spread.whole), times(&Spread::at_rest));
+        let held = held_at_rest(model)?;
+        let at_rest = at_rest.iter().zip(&held).map(|(beyond, held)| beyond + held).collect();
         let trained = model.joints.iter().zip(&model.training.torque_std).zip(&torque);
         let blind = trained.filter(|((_, std), most)| **most > BLIND * **std);
         let blind = blind.map(|((name, _), _)| name.clone()).collect();
@@ -204,8 +225,8 @@ impl Thresholds {
 
     /// Of each joint \[N·m\], n, in the motion of a row.
     pub fn at(&self, row: Observed<'_>) -> Vec<f64> {
-        let own = self.spreads.iter().zip(&self.multiples).zip(row.followed);
-        own.map(|((spread, multiple), at)| multiple * spread.at(at)).collect()
+        let own = self.spreads.iter().zip(&self.multiples).zip(row.followed.iter().zip(row.held));
+        own.map(|((spread, multiple), (at, held))| multiple * spread.at(at) + held).collect()
     }
 }
 
@@ -228,8 +249,8 @@ fn sample(
             return Ok(());
         }
         if rows.is_multiple_of(stride) {
-            let own = row.torque.iter().copied().zip(row.followed.iter().copied());
-            of_joints.iter_mut().zip(own).for_each(|(sample, own)| sample.push(own));
+            let own = of_joints.iter_mut().enumerate();
+            own.for_each(|(joint, sample)| sample.push(row.beyond_friction(joint)));
         }
         rows += 1;
         if of_joints[0].len() > MOST_ROWS {
@@ -300,8 +321,8 @@ impl Peaks {
             let means = parts.map(|part| quantile(&mut self.excess, part) / -f64::ln(1.0 - part));
             f64::max(means[0], means[1])
         };
-        // Its own standard error, that few peaks may not promise too little.
-        let told = mean * (1.0 + 1.0 / count.sqrt()) * (count / expected).ln().max(0.0);
+        // Few peaks may not promise too little.
+        let told = mean * (1.0 + CERTAINTY / count.sqrt()) * (count / expected).ln().max(0.0);
         if !is_free {
             return told;
         }

@@ -42,10 +42,11 @@ const LEAST_ERRORS: f64 = 6.0;
 const LEAST_SHARE: f64 = 0.2;
 /// Part of the squares of gravity that no other column may explain.
 const LEAST_FREE: f64 = 1e-3;
+/// A load is worth this part at least of what the model misses of other motion, which logs that contradict
+/// each other make larger.
+const LEAST_MISSED: f64 = 0.5;
 /// Of two logs, gravity must make this part of the squares in one that it makes in the other.
 const LEAST_SIZE: f64 = 0.01;
-/// Dry friction is taken as fully there at some of these parts of the peak speed.
-const SLOW: f64 = 0.02;
 
 /// Columns beside each other: gravity, inertia, one, speed and its sign.
 const COLUMNS: usize = 5;
@@ -54,7 +55,8 @@ const COLUMNS: usize = 5;
 ///
 /// In each log and for each joint, what the model leaves of the torque is regressed on the
 /// gravity of the model, r = a G + b + …, beside its inertia, a constant, the speed and its sign,
-/// which take what a warmer gear changes. A payload adds to gravity in proportion, so that a is
+/// which take what a warmer gear changes. Rows at which the joint rests say nothing: a brake may hold it,
+/// or its friction. A payload adds to gravity in proportion, so that a is
 /// positive with it and negative without. Standard errors are those of sums over some 10
 /// stretches of time (clusters), since neighbouring residuals are alike. One pass, fixed memory
 /// per log.
@@ -71,19 +73,14 @@ pub fn disagreements(
     log_of: &dyn Fn(usize) -> String,
 ) -> Result<Vec<Disagreement>, IdentifyError> {
     model.check_joints(recording.joints())?;
-    let mut logs = Logs { torque: Torque::new(model), slow: slow(model), each: Vec::new() };
+    let (torque, slow) = (Torque::new(model), model.rest_speeds());
+    let mut logs = Logs { torque, slow, each: Vec::new() };
     let mut path = logs.torque.path();
     recording.read(&mut |trajectory, block| {
         let Some(place) = logs.place(log_of(trajectory)) else { return Ok(()) };
         logs.add(place, &path.follow(trajectory, block))
     })?;
     Ok(logs.compared(model))
-}
-
-/// Speeds above which dry friction is there \[rad/s\], n.
-pub(crate) fn slow(model: &Model) -> Vec<f64> {
-    let peak = |joint| model.training.dq_peak.get(joint).copied().unwrap_or(1.0);
-    (0..model.n_joints()).map(|joint| (SLOW * peak(joint)).max(f64::MIN_POSITIVE)).collect()
 }
 
 /// What was summed of each log.
@@ -111,6 +108,9 @@ impl Logs {
         for (joint, batches) in self.each[place].1.iter_mut().enumerate() {
             for row in 0..block.n_rows() {
                 let dq = block.dq()[(row, joint)];
+                if dq.abs() < self.slow[joint] {
+                    continue;
+                }
                 let sign = (dq / self.slow[joint]).tanh();
                 let (gravity, inertia) = (parts.gravity[(row, joint)], parts.inertia[(row, joint)]);
                 let residual = tau[(row, joint)] - tau_hat[(row, joint)];
@@ -123,6 +123,7 @@ impl Logs {
     fn compared(&self, model: &Model) -> Vec<Disagreement> {
         let mut found: Vec<Disagreement> = Vec::new();
         let training = &model.training;
+        let unseen = training.unseen_rms();
         let parts = training.residual_rms.iter().zip(&training.torque_std);
         // What is missed of a torque that follows the model but little says nothing of its gravity.
         let follows: Vec<bool> = parts.map(|(rms, std)| *rms < HALF * std).collect();
@@ -131,10 +132,10 @@ impl Logs {
                 continue;
             }
             let slopes = self.each.iter().enumerate();
-            let slopes: Vec<(usize, Slope)> = slopes
-                .filter_map(|(log, (_, own))| Some((log, slope(&own[joint], self.slow[joint])?)))
-                .collect();
-            let Some([(one, a), (other, b)]) = most_apart(&slopes) else { continue };
+            let slopes: Vec<(usize, Slope)> =
+                slopes.filter_map(|(log, (_, own))| Some((log, slope(&own[joint])?))).collect();
+            let missed = unseen.get(joint).copied().unwrap_or_default();
+            let Some([(one, a), (other, b)]) = most_apart(&slopes, missed) else { continue };
             let logs = [one, other].map(|log| self.each[log].0.clone());
             let at_odds = JointAtOdds {
                 joint: name.clone(),
@@ -152,7 +153,9 @@ impl Logs {
 
 /// The two slopes that differ by most errors, if they differ enough, and no third that is known as well
 /// lies between them, told from neither: what changes little by little is no load that was taken up.
-fn most_apart(slopes: &[(usize, Slope)]) -> Option<[(usize, Slope); 2]> {
+///
+/// - `missed`: what the model misses of other motion \[N·m\]
+fn most_apart(slopes: &[(usize, Slope)], missed: f64) -> Option<[(usize, Slope); 2]> {
     let pairs = slopes
         .iter()
         .enumerate()
@@ -165,7 +168,9 @@ fn most_apart(slopes: &[(usize, Slope)]) -> Option<[(usize, Slope); 2]> {
                 own.error <= a.error.max(b.error)
                     && [a, b].iter().all(|end| own.errors_from(end) <= LEAST_ERRORS)
             };
-            DIFFERENCE.contains(&(a.value - b.value).abs())
+            let apart = (a.value - b.value).abs();
+            DIFFERENCE.contains(&apart)
+                && apart * a.size.min(b.size).sqrt() > LEAST_MISSED * missed
                 && a.size.min(b.size) > LEAST_SIZE * a.size.max(b.size)
                 && a.share.max(b.share) > LEAST_SHARE
                 && errors(pair) > LEAST_ERRORS
@@ -192,12 +197,10 @@ impl Slope {
     }
 }
 
-/// `None` if gravity hardly changes, or too little was recorded; or the joint is at rest, RMS slower than
-/// `slow`: a brake may hold it, or its friction.
-fn slope(of: &Stretches, slow: f64) -> Option<Slope> {
+/// `None` if gravity hardly changes, or too little was recorded.
+fn slope(of: &Stretches) -> Option<Slope> {
     let total = of.total();
-    let is_at_rest = total.gram[(3, 3)] <= total.rows * slow * slow;
-    if is_at_rest || of.all().count() < LEAST_BATCHES || total.rows < 4.0 * COLUMNS as f64 {
+    if of.all().count() < LEAST_BATCHES || total.rows < 4.0 * COLUMNS as f64 {
         return None;
     }
     let solved = of.solved()?;
@@ -249,8 +252,7 @@ mod tests {
             let mut batches = Stretches::new(COLUMNS, MOST_BATCHES, 1);
             (0..rows).for_each(|row| batches.add(&x(row), residual(row), 1.0));
 
-            assert!(slope(&batches, 1.0).is_none());
-            let slope = slope(&batches, 0.0).unwrap();
+            let slope = slope(&batches).unwrap();
 
             let columns = Mat::from_fn(rows.unsigned_abs() as usize, 5, |row, i| {
                 x(i32::try_from(row).unwrap())[i]
@@ -270,24 +272,18 @@ mod tests {
         let with = |value, error| Slope { value, error, share: 0.9, size: 1.0 };
 
         let both = [(0, with(0.0, 0.02)), (1, with(0.2, 0.02))];
-        assert!(most_apart(&both).is_some());
-        assert!(most_apart(&[both[0], both[1], (2, with(0.19, 0.02))]).is_some());
-        assert!(most_apart(&[both[0], both[1], (2, with(0.1, 0.02))]).is_none());
+        assert!(most_apart(&both, 0.0).is_some());
+        assert!(most_apart(&[both[0], both[1], (2, with(0.19, 0.02))], 0.0).is_some());
+        assert!(most_apart(&[both[0], both[1], (2, with(0.1, 0.02))], 0.0).is_none());
         // A log that says little is no witness.
-        assert!(most_apart(&[both[0], both[1], (2, with(0.1, 0.1))]).is_some());
+        assert!(most_apart(&[both[0], both[1], (2, with(0.1, 0.1))], 0.0).is_some());
     }
 
     #[test]
-    fn logs_with_hardly_any_gravity_and_joints_at_rest_say_nothing() {
+    fn logs_with_hardly_any_gravity_say_nothing() {
         let with = |value, size| Slope { value, error: 1e-3, share: 0.9, size };
 
-        assert!(most_apart(&[(0, with(0.0, 1.0)), (1, with(0.5, 0.02))]).is_some());
-        assert!(most_apart(&[(0, with(0.0, 1.0)), (1, with(0.5, 0.005))]).is_none());
-        let mut batches = Stretches::new(COLUMNS, MOST_BATCHES, 1);
-        for row in 0..1_000 {
-            batches.add(&[2.0, 0.0, 1.0, 0.0, 0.0], 0.1 * f64::from(row).sin(), 1.0);
-        }
-
-        assert!(slope(&batches, 0.0).is_none());
+        assert!(most_apart(&[(0, with(0.0, 1.0)), (1, with(0.5, 0.02))], 0.0).is_some());
+        assert!(most_apart(&[(0, with(0.0, 1.0)), (1, with(0.5, 0.005))], 0.0).is_none());
     }
 }

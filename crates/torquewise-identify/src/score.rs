@@ -17,6 +17,8 @@ pub struct JointScore {
     pub nrmse_percent: f64,
     /// 1 − RMSE²/var(τ).
     pub r2: f64,
+    /// RMS of what dry friction that holds a joint at rest cannot make up for \[N·m\].
+    pub unheld_rmse: f64,
 }
 
 /// Scores of all joints.
@@ -51,15 +53,18 @@ pub fn score_along(
     model.check_joints(recording.joints())?;
     let torque = Torque::new(model);
     let n = model.n_joints();
-    // First torque, sums of differences to it and their squares, squared errors.
-    let mut sums = vec![[0.0_f64; 4]; n];
+    // First torque, sums of differences to it and their squares, squared errors, and those that friction
+    // at rest does not hold.
+    let mut sums = vec![[0.0_f64; 5]; n];
+    let slow = model.rest_speeds();
     let mut rows = 0_usize;
     let mut path = torque.path();
     recording.read(&mut |trajectory, block| {
         see(trajectory, block);
-        let tau_hat = torque.over(&path.follow(trajectory, block))?;
+        let motion = path.follow(trajectory, block);
+        let (tau_hat, [least, most]) = (torque.over(&motion)?, torque.held(&motion, &slow)?);
         let tau = block.require_tau()?;
-        for (joint, [first, sum, squares, errors]) in sums.iter_mut().enumerate() {
+        for (joint, [first, sum, squares, errors, unheld]) in sums.iter_mut().enumerate() {
             for row in 0..block.n_rows() {
                 if rows == 0 && row == 0 {
                     *first = tau[(row, joint)];
@@ -67,14 +72,16 @@ pub fn score_along(
                 let centred = tau[(row, joint)] - *first;
                 *sum += centred;
                 *squares += centred * centred;
-                *errors += (tau[(row, joint)] - tau_hat[(row, joint)]).powi(2);
+                let error = tau[(row, joint)] - tau_hat[(row, joint)];
+                *errors += error * error;
+                *unheld += (error - error.clamp(least[(row, joint)], most[(row, joint)])).powi(2);
             }
         }
         rows += block.n_rows();
         Ok(())
     })?;
     let m = rows.max(1) as f64;
-    let joint = |(name, [_, sum, squares, errors]): (&String, &[f64; 4])| {
+    let joint = |(name, [_, sum, squares, errors, unheld]): (&String, &[f64; 5])| {
         let variance = (squares / m - (sum / m).powi(2)).max(0.0);
         let rmse = (errors / m).sqrt();
         JointScore {
@@ -83,6 +90,7 @@ pub fn score_along(
             std: variance.sqrt(),
             nrmse_percent: 100.0 * rmse / variance.sqrt(),
             r2: 1.0 - rmse * rmse / variance,
+            unheld_rmse: (unheld / m).sqrt(),
         }
     };
     Ok(Scores { joints: recording.joints().iter().zip(&sums).map(joint).collect(), rows })

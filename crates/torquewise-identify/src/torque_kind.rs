@@ -143,8 +143,11 @@ fn kind_at(at: &Linearisation, sample: &Motion) -> Result<Option<Warning>, Ident
 
 /// Whether gravity does nothing to the torques of logs to which nothing was fitted yet, by a chain that
 /// is searched on few rows: [`Warning::Weightless`], or `None` where it does, where no chain is found,
-/// where the watcher breaks, or where a joint may slide, on which gravity is a constant.
+/// where the watcher breaks, where no joint moves, or where one may slide, on which gravity is a constant.
 pub fn weightless(survey: &Survey, seed: u64, watch: Watch<'_>) -> Option<Warning> {
+    if survey.constant_joints().len() == survey.sample.n_joints() {
+        return None;
+    }
     let look = first_look(&survey.sample, seed, watch).ok()?;
     if !look.kinds.all_turn() || !look.may_slide.is_empty() {
         return None;

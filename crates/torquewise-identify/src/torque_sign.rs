@@ -271,11 +271,16 @@ pub(crate) fn swapped(
         let mut pairs: Vec<(f64, [usize; 2])> = pairs.into_par_iter().map(left).collect();
         pairs.retain(|(own, _)| *own <= than);
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-        pairs.into_iter().map(|(_, pair)| pair)
+        pairs.into_iter()
     };
-    let likeliest: Vec<[usize; 2]> = better(pairs, FEWER, 1.0).take(LIKELIEST).collect();
+    let likeliest = better(pairs, FEWER, 1.0).map(|(_, pair)| pair).take(LIKELIEST).collect();
     // Of all joints: what the two leave is two parts of n.
-    Ok(better(likeliest, FEW, QUARTER.powf(2.0 / n as f64)).next())
+    let best = better(likeliest, FEW, QUARTER.powf(2.0 / n as f64)).next();
+    // Where one of the two is turned round, an arm is found that explains the other in its place better.
+    let is_swapped = |(own, pair): &(f64, [usize; 2])| {
+        pair.iter().all(|joint| *own < left(&rows.clone().turned(*joint), FEW))
+    };
+    Ok(best.filter(is_swapped).map(|(_, pair)| pair))
 }
 
 /// A chain with the torque of some joints turned round.

@@ -43,7 +43,9 @@ pub fn judge(found: &Reconstruction) -> Verdict {
 pub fn judge_by(model: &Model, errors: &[f64], held: Option<&[f64]>) -> Verdict {
     let named = model.joints.iter().zip(errors.iter().copied());
     let named: Vec<_> = named.filter(|(_, error)| error.is_finite()).collect();
-    let unchanging = named.is_empty().then(|| "no torque of the test changes".to_owned());
+    let unchanging = named
+        .is_empty()
+        .then(|| "no joint of the test moves, or no torque of the test changes".to_owned());
     let held = held.map(mean).filter(|held| *held < HELD);
     let held = held.map(|held| format!("its 95 % intervals hold {held:.0} % of the test torque"));
     let doubts = unchanging.into_iter().chain(held).collect();

@@ -293,13 +293,13 @@ impl fmt::Display for Warning {
             Self::Disagreement(logs) => write!(f, "{logs}"),
             Self::Drift { joint, part, std_error, seconds } => write!(
                 f,
-                "friction of {joint} {} by {:.0} ± {:.0} % along the log of {:.0} min, as gears \
-                 that warm do: move the arm for as long before you record, or expect so much more \
-                 error when it is cold",
+                "friction of {joint} {} by {:.0} ± {:.0} % along the log of {:.0} min{}: move the arm \
+                 for as long before you record, or expect so much more error when it is cold",
                 if *part < 0.0 { "falls" } else { "rises" },
                 100.0 * part.abs(),
                 100.0 * std_error,
                 seconds / 60.0,
+                if *part < 0.0 { ", as gears that warm do" } else { "" },
             ),
             Self::Shape { joint, place, shares: [left, rows] } => write!(
                 f,

@@ -97,6 +97,11 @@ impl FrictionLaw {
         }
     }
 
+    /// Whether it is friction that holds a shaft at rest.
+    pub(crate) fn is_dry(self) -> bool {
+        matches!(self, Self::Coulomb { .. } | Self::Stribeck { .. } | Self::Dahl { .. })
+    }
+
     /// f(v) at a speed \[rad/s\].
     ///
     /// Source: method.md (17). Checked against: the curve itself, `tests/friction.rs`.

@@ -272,6 +272,15 @@ impl Model {
         self.joints.len()
     }
 
+    /// Speeds below which joints are taken to rest \[rad/s\], n: dry friction then holds them with whatever
+    /// is asked of it.
+    pub fn rest_speeds(&self) -> Vec<f64> {
+        /// Part of the peak speed that the model was fitted to.
+        const SLOW: f64 = 0.02;
+        let peak = |joint| self.training.dq_peak.get(joint).copied().unwrap_or(1.0);
+        (0..self.n_joints()).map(|joint| (SLOW * peak(joint)).max(f64::MIN_POSITIVE)).collect()
+    }
+
     /// Which of its joints turn and which slide.
     pub fn kinds(&self) -> JointKinds {
         self.chain.as_ref().map_or(&self.training.kinds, |chain| &chain.kinds).clone()

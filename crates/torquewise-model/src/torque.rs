@@ -1,5 +1,7 @@
 //! Torque of a model: at one state, over a motion, whole or in parts.
 
+mod laws;
+
 use crate::error::{ModelError, expect};
 use crate::friction::FrictionTerm;
 use crate::links::Links;
@@ -304,40 +306,6 @@ impl Torque {
         self.sum(Some(wanted), MotionState { q, dq, ddq }, memory)
     }
 
-    /// What each law of friction comes to at the rows of a motion, per unit of its coefficient, on
-    /// its shaft, m×k in the order of [`Model::friction`].
-    ///
-    /// # Errors
-    /// [`ModelError::JointCount`] if the motion is of another arm.
-    pub fn laws(&self, motion: &Motion) -> Result<Mat<f64>, ModelError> {
-        self.check_joints(motion)?;
-        let motion = self.path().follow(0, motion);
-        let signals = [motion.q(), motion.dq()];
-        let mut laws = Mat::zeros(motion.n_rows(), self.friction.len());
-        for row in 0..motion.n_rows() {
-            let [q, dq] = signals.map(|x| x.row(row).iter().copied().collect::<Vec<f64>>());
-            let memory = |joint, travel| motion.memory()?.state(row, joint, travel);
-            let gravity = if self.is_load_dependent { self.gravity(&q)? } else { Vec::new() };
-            self.visit_laws((&gravity, &dq), &memory, |k, value| laws[(row, k)] = value);
-        }
-        Ok(laws)
-    }
-
-    /// Hands over each law: its place, and what it comes to per unit of its coefficient.
-    ///
-    /// - `gravity`: G(q) \[N·m\], n
-    fn visit_laws(
-        &self,
-        (gravity, dq): (&[f64], &[f64]),
-        memory: Remembered<'_>,
-        mut put: impl FnMut(usize, f64),
-    ) {
-        for (k, Weighted { term, .. }) in self.friction.iter().enumerate() {
-            let state = term.element().and_then(|(joint, travel)| memory(joint, travel));
-            put(k, state.unwrap_or_else(|| term.value(dq)) * term.pressed(gravity));
-        }
-    }
-
     fn visit_terms(
         &self,
         MotionState { q, dq, ddq }: MotionState<'_, f64>,
@@ -365,10 +333,10 @@ impl Torque {
         if let (true, Some(links)) = (self.is_load_dependent, &self.links) {
             links.add_torque(Some(Kind::Gravity), MotionState { q, dq, ddq }, &mut gravity);
         }
-        self.visit_laws((&gravity, dq), memory, |k, value| {
+        self.visit_laws((&gravity, dq), memory, |k, [value, load]| {
             let Weighted { term, coefficient, .. } = &self.friction[k];
             for (joint, &shaft) in term.shaft.iter().enumerate().filter(|(_, s)| **s != 0.0) {
-                add(joint, Kind::Friction, shaft * coefficient * value);
+                add(joint, Kind::Friction, shaft * coefficient * (value * load));
             }
         });
         Ok(())

@@ -53,7 +53,8 @@ pub enum IdentifyError {
     NoLibrary,
     #[error("the torque columns, as they are, show no load: {found:.2e} ± {error:.2e} kg")]
     #[diagnostic(help(
-        "give a log of the arm with the load, held in many poses, far out and near"
+        "give a log of the arm with the load, held in many poses, far out and near, its centre where it is \
+         known, and a model of which a URDF says where the axes lie"
     ))]
     NoLoad { found: f64, error: f64 },
     #[error("the counterbalanced joint {name} is not in the log, which has {joints}")]

@@ -78,6 +78,13 @@ pub fn find_patterns(survey: &Survey, plan: &PatternPlan) -> Result<Patterns, Id
     let switches = (plan.scaling == Scaling::Scaled).then(|| switches(&centres));
     let present = Pattern::ALL.to_vec();
     let mut patterns = Patterns { activation, centres, names, switches, inertia, present };
+    if plan.scaling == Scaling::Scaled && survey.constant_joints().len() == survey.joints.len() {
+        // What is left of an arm that stands still is the noise of its encoders.
+        patterns.names.fill(Pattern::Standstill);
+        patterns.present = vec![Pattern::Standstill];
+        patterns.switches = Some([f64::INFINITY; 2]);
+        return Ok(patterns);
+    }
     let labels = patterns.label(&survey.sample);
     let is_genuine = |&pattern: &Pattern| patterns.is_genuine(survey, &labels, pattern, plan.slow);
     patterns.present = Pattern::ALL.into_iter().filter(is_genuine).collect();

@@ -223,6 +223,7 @@ fn scored(
         digests.add(trajectory, block);
     })?;
     let is_raw = !recording.is_filtered();
+    let unheld: Vec<f64> = scores.joints.iter().map(|joint| joint.unheld_rmse).collect();
     let joint = |JointScore { name, rmse, nrmse_percent, r2, .. }| JointEvaluation {
         name,
         rmse,
@@ -251,22 +252,18 @@ fn scored(
         None if is_raw => coverage(recording, every)?,
         None => None,
     };
-    let errors: Vec<f64> = joints.iter().map(|joint| 0.01 * joint.nrmse_percent).collect();
-    let still = joints.iter().filter(|joint| !joint.nrmse_percent.is_finite());
-    let still = still
-        .map(|joint| format!("the torque of {} never changes: look at its RMSE only", joint.name));
-    // The same motion under another torque is another log. One of several may leave all that is left.
-    let left = model.training.residual_rms.iter().zip(&model.training.torque_std);
-    let most = MOST_LEFT * (model.training.rows as f64 / scores.rows as f64).sqrt().max(1.0);
-    let is_left = |(joint, (rms, std)): (&JointEvaluation, (&f64, &f64))| {
-        joint.rmse <= most * rms + ROUNDING * std
-    };
-    let is_known = digests.least().iter().any(|own| model.training.digests.contains(own));
-    let is_trained = is_known && joints.iter().zip(left).all(is_left);
+    let rests = range.at_rest(model);
+    let still = joints.iter().zip(&rests);
+    let still = still.filter(|(joint, rests)| !joint.nrmse_percent.is_finite() && !**rests);
+    let still = still.map(|(JointEvaluation { name, .. }, _)| {
+        format!("the torque of {name} never changes: look at its RMSE only")
+    });
+    let is_trained = is_trained(model, &joints, (scores.rows, &digests));
     let by_fit = model.training.verdict.clone().filter(|_| is_trained);
     let mut notes = range.warnings(model);
     notes.extend(is_trained.then(|| TRAINED.to_owned()));
-    notes.extend(cut_motion(&joints));
+    notes.extend(remarks(&joints, (&rests, &unheld)));
+    let errors = errors(model, &joints, (&rests, &unheld));
     Ok(Evaluation {
         warnings: still.collect(),
         verdict: by_fit.unwrap_or_else(|| judge_by(model, &errors, covered.as_deref())),
@@ -278,15 +275,78 @@ fn scored(
     })
 }
 
+/// Whether a model was fitted to these rows: the same motion under another torque is another log. One of
+/// several may leave all that is left.
+fn is_trained(
+    model: &Model,
+    joints: &[JointEvaluation],
+    (rows, digests): (usize, &Digests),
+) -> bool {
+    let training = &model.training;
+    let most = MOST_LEFT * (training.rows as f64 / rows as f64).sqrt().max(1.0);
+    let left = training.residual_rms.iter().zip(&training.torque_std);
+    let is_known = digests.least().iter().any(|own| training.digests.contains(own));
+    is_known
+        && joints.iter().zip(left).all(|(own, (rms, std))| own.rmse <= most * rms + ROUNDING * std)
+}
+
 /// Percentage of the spread of the torque by which a filter that cuts the motion errs more than raw torque.
 const CUT_PERCENT: f64 = 0.5;
 
+/// What is missed at rest beyond friction, of the spread that was fitted, is nothing below this.
+const LEAST_AT_REST: f64 = 0.1;
+/// Friction at rest explains most of an error where it leaves less than this part of it.
+const MOSTLY: f64 = 0.7;
+
+/// Errors over the spread of the torque, n, without what dry friction may hold at rest; of a joint that
+/// always rests over the spread that the model was fitted to, and none where friction may hold it all.
+fn errors(
+    model: &Model,
+    joints: &[JointEvaluation],
+    (rests, unheld): (&[bool], &[f64]),
+) -> Vec<f64> {
+    let of = |(k, joint): (usize, &JointEvaluation)| {
+        let of = |error: f64| if joint.rmse > 0.0 { error * unheld[k] / joint.rmse } else { error };
+        match model.training.torque_std.get(k).filter(|std| rests[k] && **std > 0.0) {
+            Some(std) if unheld[k] < LEAST_AT_REST * std => f64::NAN,
+            Some(std) => of(joint.rmse / std),
+            None => of(0.01 * joint.nrmse_percent),
+        }
+    };
+    joints.iter().enumerate().map(of).collect()
+}
+
+/// What is said of joints that rest, and of those that move.
+fn remarks(joints: &[JointEvaluation], (rests, unheld): (&[bool], &[f64])) -> Vec<String> {
+    let (mut moving, mut resting) = (Vec::new(), Vec::new());
+    for (joint, (rests, unheld)) in joints.iter().zip(rests.iter().zip(unheld)) {
+        let is_held = *rests || *unheld < MOSTLY * joint.rmse;
+        if is_held { &mut resting } else { &mut moving }.push(joint);
+    }
+    cut_motion(moving.into_iter())
+        .into_iter()
+        .chain(held_by_friction(resting.into_iter()))
+        .collect()
+}
+
+/// What is said of joints that rest.
+fn held_by_friction<'a>(joints: impl Iterator<Item = &'a JointEvaluation>) -> Option<String> {
+    let names: Vec<String> = joints.map(|joint| joint.name.clone()).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "at rest dry friction may hold {} with any torque up to that at which it breaks away: what it \
+             may hold does not count in the verdict",
+            list(&names)
+        )
+    })
+}
+
 /// What the filter adds to the error, where it lets too little of the motion through.
-fn cut_motion(joints: &[JointEvaluation]) -> Option<String> {
+fn cut_motion<'a>(joints: impl Iterator<Item = &'a JointEvaluation>) -> Option<String> {
     let is_cut = |own: &&JointEvaluation| {
         own.raw_nrmse_percent.is_some_and(|raw| own.nrmse_percent > raw + CUT_PERCENT)
     };
-    let cut: Vec<String> = joints.iter().filter(is_cut).map(|own| own.name.clone()).collect();
+    let cut: Vec<String> = joints.filter(is_cut).map(|own| own.name.clone()).collect();
     (!cut.is_empty()).then(|| {
         format!(
             "of {} less is missed of the raw torque than of the filtered: the filter of the fit cuts this \

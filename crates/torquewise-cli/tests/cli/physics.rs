@@ -1,6 +1,6 @@
 //! Models that no arm can be: said first by `fit`, shown by `show --check`, refused by `export`.
 
-use crate::spoilt::Table;
+use crate::spoilt::{Table, noise};
 use crate::terminal::{Terminal, numbers};
 use serde_json::{Value, json};
 
@@ -122,5 +122,36 @@ fn bounds_hold_the_torque_of_another_motion() {
         let share = within as f64 / tau.len() as f64;
         assert!((0.90..=0.98).contains(&share), "joint {joint}: {share}");
         assert!((said[joint - 1] - 100.0 * share).abs() < 1e-9, "joint {joint}: {share} {said:?}");
+    }
+}
+
+#[test]
+fn what_dry_friction_may_hold_at_rest_widens_bounds_and_does_not_count() {
+    let terminal = Terminal::new();
+    terminal.write("log.csv", &Table::recorded().text());
+    terminal.run("fit log.csv -o arm.json");
+    let pose = terminal.json("predict arm.json --q 0.3,-0.8");
+    let gravity = numbers(&pose["tau"]);
+    // Of 0.4 N·m that both joints break away at.
+    for (held, is_judged) in [(0.3, false), (4.0, true)] {
+        let mut still = Table::recorded();
+        still.rows.truncate(800);
+        for (place, value) in [(1, 0.3), (2, -0.8), (3, 0.0), (4, 0.0)] {
+            still.rows.iter_mut().for_each(|row| row[place] = value);
+        }
+        for joint in [0, 1] {
+            let tau = |row: usize, _: f64, _: &[f64]| gravity[joint] + held + 0.05 * noise(row);
+            still = still.with(&format!("tau{}", joint + 1), tau);
+        }
+        terminal.write("still.csv", &still.text());
+
+        let said = terminal.json("evaluate arm.json still.csv");
+
+        let covered = numbers(&said["interval_coverage_percent"]);
+        assert_eq!(covered.iter().all(|held| *held > 95.0), !is_judged, "{said}");
+        let because = said["because"].to_string();
+        assert_eq!(because.contains("no joint of the test moves"), !is_judged, "{said}");
+        let is_told = |word: &str| said["notes"].to_string().contains(word);
+        assert!(is_told("at rest dry friction may hold joint1 and joint2"), "{said}");
     }
 }

@@ -1,7 +1,6 @@
 //! Spread of the momentum observer in motion free of contact (E16).
 
 use crate::clustered::Stretches;
-use crate::disagreement::slow;
 use torquewise_model::Model;
 use torquewise_motion::stats::quantile;
 
@@ -33,7 +32,9 @@ pub(super) struct Follower {
     signs: Vec<f64>,
     /// Torque of the sample before \[N·m\], n.
     tau: Vec<f64>,
-    followed: Vec<[f64; FOLLOWED]>,
+    pub(super) followed: Vec<[f64; FOLLOWED]>,
+    /// What dry friction may hold at rest \[N·m\], n.
+    pub(super) held: Vec<f64>,
 }
 
 impl Follower {
@@ -41,10 +42,11 @@ impl Follower {
         let n = model.n_joints();
         Self {
             gain,
-            slow: slow(model),
+            slow: model.rest_speeds(),
             signs: vec![0.0; n],
             tau: vec![f64::NAN; n],
             followed: vec![[0.0; FOLLOWED]; n],
+            held: vec![0.0; n],
         }
     }
 
@@ -52,9 +54,11 @@ impl Follower {
         self.signs.fill(0.0);
         self.tau.fill(f64::NAN);
         self.followed.fill([0.0; FOLLOWED]);
+        self.held.fill(0.0);
     }
 
-    pub(super) fn step(&mut self, dt: f64, [dq, ddq, tau]: [&[f64]; 3]) -> &[[f64; FOLLOWED]] {
+    /// - `held`: what dry friction of each joint may hold of its torque at the moment \[N·m\], n
+    pub(super) fn step(&mut self, dt: f64, [dq, ddq, tau]: [&[f64]; 3], held: &[f64]) {
         let stays = (-self.gain * dt).exp();
         let squares: f64 = ddq.iter().map(|x| x * x).sum();
         for (joint, own) in self.followed.iter_mut().enumerate() {
@@ -70,8 +74,8 @@ impl Follower {
             let jump = if jump.is_nan() { 0.0 } else { jump * jump / 12.0 };
             let jumps = stays * stays * own[4] + jump;
             *own = [1.0, lag(own[1], dq[joint] * dq[joint]), lag(own[2], squares), reversed, jumps];
+            self.held[joint] = lag(self.held[joint], held[joint]);
         }
-        &self.followed
     }
 }
 
@@ -188,11 +192,14 @@ mod tests {
         let (gain, dt, jump) = (30.0, 0.005, 4.0);
         let mut follower = Follower::new(&model, gain);
         let still = [0.0];
-        follower.step(0.0, [&still, &still, &[1.0]]);
+        follower.step(0.0, [&still, &still, &[1.0]], &still);
         assert!(follower.followed[0][SOLVED].abs() <= 0.0);
 
         let after: Vec<f64> = (0..20)
-            .map(|_| follower.step(dt, [&still, &still, &[1.0 + jump]])[0][SOLVED])
+            .map(|_| {
+                follower.step(dt, [&still, &still, &[1.0 + jump]], &still);
+                follower.followed[0][SOLVED]
+            })
             .collect();
 
         // The mean of two samples misses the true one by jump · (u − ½), u uniform in 0 to 1.
@@ -205,7 +212,7 @@ mod tests {
             assert!((own / expected - 1.0).abs() < 1e-6, "{k}: {own}, expected {expected}");
         }
         follower.reset();
-        follower.step(dt, [&still, &still, &[-9.0]]);
+        follower.step(dt, [&still, &still, &[-9.0]], &still);
         assert!(follower.followed[0][SOLVED].abs() <= 0.0);
     }
 }

@@ -42,8 +42,10 @@ const TOLD: f64 = 0.1;
 /// Torques whose gains differ by more than this factor are not those of one arm: a model learned from
 /// such columns is bent.
 const APART: f64 = 1.05;
-/// A mass below so many of its standard errors is no load.
+/// A mass below so many of its standard errors is no load, unless it takes this part of what is left of
+/// some joint: mass and place of a load that turns about a point are told together better than apart.
 const LEAST_T: f64 = 3.0;
+const TAKEN: f64 = 0.5;
 /// How much more than by all rows a known mass is held.
 const HELD: f64 = 1e6;
 /// Steps at most, until the cost falls by no more than this part; a step is halved so often at most.
@@ -150,8 +152,11 @@ impl DriveGains {
     ) -> Result<Self, IdentifyError> {
         let chain = chain_of(model)?;
         let passes = Pass::over(model, chain, recording)?;
-        let apparent = Payload::of_passes(&passes, (model, chain), recording, place)?.mass;
-        if apparent.value < LEAST_T * apparent.std_error {
+        let load = Payload::of_passes(&passes, (model, chain), recording, place)?;
+        let apparent = load.mass;
+        let mut left = load.residual_with.iter().zip(&load.residual_without);
+        let is_felt = left.any(|(with, without)| *with < (1.0 - TAKEN) * without);
+        if apparent.value < LEAST_T * apparent.std_error && !is_felt {
             return Err(IdentifyError::NoLoad { found: apparent.value, error: apparent.std_error });
         }
         let pass = passes.get(place.link).ok_or(ModelError::NoChain)?;

@@ -97,6 +97,22 @@ fn logs_of_one_arm_agree_whatever_their_motion_and_friction() {
 }
 
 #[test]
+fn what_friction_holds_at_rest_is_no_payload() {
+    let held = |seed, part: f64| {
+        let arm = arm(3.0);
+        with_torque(log(3.0, 60.0, MotionKind::Moves, seed), |[q, dq, _], tau| {
+            let gravity = arm.gravity_torque(q);
+            let joints = tau.iter_mut().zip(dq).zip(gravity);
+            joints
+                .filter(|((_, dq), _)| dq.abs() < 0.01)
+                .for_each(|((tau, _), own)| *tau += part * own);
+        })
+    };
+
+    assert_eq!(found(&[held(1, 0.1), held(2, -0.1)]), []);
+}
+
+#[test]
 fn one_log_agrees_with_itself_though_it_has_gaps_and_one_without_torque_is_refused() {
     let moves = |hand, seed| log(hand, 40.0, MotionKind::Moves, seed);
     let logs = [moves(3.0, 1), moves(4.0, 2)];

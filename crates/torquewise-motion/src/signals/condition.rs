@@ -110,11 +110,12 @@ fn lags_and_gains(
     for (joint, measured) in filtered.of(Signal::Dq).iter().enumerate() {
         let derived = dq.col_as_slice(joint).get(kept.clone()).unwrap_or_default();
         let measured = measured.get(kept.clone()).unwrap_or_default();
-        lags.push(lag(&thin(derived), &thin(measured), rate, LONGEST_LAG));
+        let late = || lag(&thin(derived), &thin(measured), rate, LONGEST_LAG);
         let (derived, measured) = (means(derived), means(measured));
         let square: f64 = derived.iter().map(|x| x * x).sum();
         let product: f64 = derived.iter().zip(&measured).map(|(d, m)| d * m).sum();
         let moves = square > STILL * STILL * derived.len() as f64;
+        lags.push(moves.then(late).flatten());
         gains.push(moves.then(|| product / square).filter(|gain| gain.is_finite()));
     }
     (lags, gains)

@@ -22,9 +22,20 @@ const LONGEST: usize = 3;
 pub(crate) fn spike_scale(x: &[f64]) -> f64 {
     let third = |w: &[f64]| (w[3] - 3.0 * (w[2] - w[1]) - w[0]).abs();
     let mut differences: Vec<f64> = x.windows(4).map(third).collect();
-    let step = quantisation(x).map_or(0.0, |quantisation| quantisation.step);
+    let step = quantisation(x).map_or_else(|| between_two(x), |quantisation| quantisation.step);
     // Weights 1, 3, 3 and 1 add up to a variance of 20.
     (1.4826 * median(&mut differences) / 20.0_f64.sqrt()).max(step)
+}
+
+/// The step of a signal at rest that goes to and fro between two values, each of a hundredth of the rows
+/// at least; else 0.
+fn between_two(x: &[f64]) -> f64 {
+    let (low, high) = x
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+    let of = |value: f64| x.iter().filter(|x| x.total_cmp(&value).is_eq()).count();
+    let [lows, highs] = [low, high].map(of);
+    if lows + highs == x.len() && lows.min(highs) > x.len() / 100 { high - low } else { 0.0 }
 }
 
 /// Replaces spikes in place and returns their rows.

@@ -8,7 +8,8 @@ use torquewise_stepwise::NoiseFloor;
 use torquewise_stepwise::error::IdentifyError;
 
 /// What a measured torque is expected within: the parameters are uncertain, noise of the log
-/// reaches the prediction, and what the model leaves of the torque is not predicted.
+/// reaches the prediction, what the model leaves of the torque is not predicted, and dry friction holds a
+/// joint at rest with anything up to that at which it breaks away.
 pub struct Interval<'a> {
     model: &'a Model,
     chain: &'a RigidChain,
@@ -17,6 +18,8 @@ pub struct Interval<'a> {
     noise: NoiseFloor,
     /// RMS of what else was left of the torque of each joint \[N·m\], n.
     left: &'a [f64],
+    /// Speeds below which joints rest \[rad/s\], n.
+    slow: Vec<f64>,
     /// Deviations of a normal number on either side.
     deviations: f64,
 }
@@ -43,6 +46,7 @@ impl<'a> Interval<'a> {
             torque: Torque::new(model),
             noise: NoiseFloor::of(recording)?,
             left,
+            slow: model.rest_speeds(),
             deviations: normal_quantile(0.5 + percent / 200.0),
         })
     }
@@ -70,7 +74,8 @@ impl<'a> Interval<'a> {
                 half[(row, joint)] = self.deviations * error.hypot(*left).hypot(known);
             }
         }
-        Ok([total - &half, total + &half])
+        let [least, most] = self.torque.held(block, &self.slow)?;
+        Ok([total + least - &half, total + most + &half])
     }
 
     /// Part of measured torques that lies within the bounds of each joint \[%\], n.

@@ -17,13 +17,17 @@ pub struct MotionRange {
     q: Vec<[f64; 2]>,
     dq: Vec<f64>,
     ddq: Vec<f64>,
+    /// Sum of the squares of q̇, n, of so many rows.
+    squares: Vec<f64>,
+    rows: usize,
 }
 
 impl MotionRange {
     /// No motion yet, of n joints.
     pub fn new(n_joints: usize) -> Self {
         let q = vec![[f64::INFINITY, f64::NEG_INFINITY]; n_joints];
-        Self { q, dq: vec![0.0; n_joints], ddq: vec![0.0; n_joints] }
+        let [dq, ddq, squares] = [(); 3].map(|()| vec![0.0; n_joints]);
+        Self { q, dq, ddq, squares, rows: 0 }
     }
 
     /// Widens the range by a block.
@@ -33,11 +37,21 @@ impl MotionRange {
                 (*low, *high) = (low.min(q), high.max(q));
             }
         }
+        self.rows += block.n_rows();
+        for (sum, dq) in self.squares.iter_mut().zip(block.dq().col_iter()) {
+            *sum += dq.squared_norm_l2();
+        }
         for (peaks, rates) in [(&mut self.dq, block.dq()), (&mut self.ddq, block.ddq())] {
             for (joint, peak) in peaks.iter_mut().enumerate() {
                 *peak = rates.col(joint).iter().fold(*peak, |peak, rate| peak.max(rate.abs()));
             }
         }
+    }
+
+    /// Which joints rest, but for what is next to nothing of the speeds that a model was fitted on.
+    pub(crate) fn at_rest(&self, model: &Model) -> Vec<bool> {
+        let pairs = self.squares.iter().zip(model.rest_speeds());
+        pairs.map(|(sum, slow)| *sum < self.rows as f64 * slow * slow).collect()
     }
 
     /// Which rows of a block leave the range a model was fitted on, with any joint.
