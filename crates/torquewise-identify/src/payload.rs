@@ -213,7 +213,8 @@ impl Payload {
             ));
             return hints;
         }
-        if let Some(link) = &self.elsewhere {
+        let is_some = self.mass.value > 2.0 * self.mass.std_error;
+        if let Some(link) = self.elsewhere.as_ref().filter(|_| is_some) {
             hints.push(format!(
                 "a load on {link} explains the torque better: say which link carries it"
             ));
@@ -227,7 +228,6 @@ impl Payload {
         }
         let is_told = self.mass.std_error < TOLD.0 * self.mass.value;
         if !is_told {
-            let is_some = self.mass.value > 2.0 * self.mass.std_error;
             let how = if is_some { "told roughly only" } else { "not told from zero" };
             let hold = "hold the load in many poses, with the arm stretched and folded";
             hints.push(format!("the mass is {how}: {hold}, or give its centre"));

@@ -43,6 +43,9 @@ const SAME: f64 = 1.2;
 const TELLS: f64 = 3.0;
 const PARTS: usize = 8;
 const LEAST_PARTS: usize = 6;
+/// Where links load a joint by less than so many times its noise, friction that no law holds says more of
+/// its gain than they.
+const FELT: f64 = 2.0;
 /// Gains that are further apart are no gains.
 const MOST_APART: f64 = 20.0;
 /// What is left of held-out torque, in units of the least residual that weights are made of, below
@@ -178,6 +181,8 @@ struct Gains {
     /// By all rows, n, and but for each part of the time.
     per: Vec<f64>,
     without: Vec<Vec<f64>>,
+    /// Whether links load each joint by enough to tell its gain, n.
+    is_felt: Vec<bool>,
     /// The parameters of the links, p×1.
     loads: Mat<f64>,
     all: JointRows,
@@ -205,17 +210,30 @@ impl Gains {
         let load = |joint: usize| (links.transpose() * &all.sums[joint].gram * &links)[(0, 0)];
         let joints = 0..all.sums.len();
         let most = joints.max_by(|a, b| load(*a).total_cmp(&load(*b))).unwrap_or(0);
+        let is_felt = |joint| load(joint) > FELT.powi(2) * all.sums[joint].rows;
+        let is_felt = (0..all.sums.len()).map(is_felt).collect();
         let (per, loads) = all.gains(&at.linear, most)?;
         let others = |part: usize| parts[..part].iter().chain(&parts[part + 1..]);
         let without = |part: usize| Some(JointRows::of(others(part))?.gains(&at.linear, most)?.0);
         let without: Vec<Vec<f64>> = (0..parts.len()).filter_map(without).collect();
-        (without.len() >= LEAST_PARTS).then_some(Self { per, without, loads, all })
+        (without.len() >= LEAST_PARTS).then_some(Self { per, without, is_felt, loads, all })
     }
 
-    /// What a unit of each torque is worth beside the others, geometric mean 1, and its error, n.
+    /// What a unit of each torque is worth beside the others, geometric mean 1, and its error, n: without
+    /// end where links do not tell.
     fn each(&self) -> Vec<[f64; 2]> {
-        let gain = |per: &[f64], joint: usize| geometric_mean(per) / per[joint];
+        let felt = |per: &[f64]| -> Vec<f64> {
+            per.iter()
+                .zip(&self.is_felt)
+                .filter(|(_, is_felt)| **is_felt)
+                .map(|(own, _)| *own)
+                .collect()
+        };
+        let gain = |per: &[f64], joint: usize| geometric_mean(&felt(per)) / per[joint];
         let of = |joint: usize| {
+            if !self.is_felt[joint] {
+                return [1.0, f64::INFINITY];
+            }
             let own = gain(&self.per, joint);
             [own, own * self.error(&|per| gain(per, joint).ln())]
         };

@@ -161,6 +161,9 @@ fn are(names: &[String]) -> String {
     format!("{} {}", list(names), if names.len() == 1 { "is" } else { "are" })
 }
 
+/// A gain is told where its error is below this part of it.
+const TOLD: f64 = 0.2;
+
 impl fmt::Display for Warning {
     #[expect(clippy::too_many_lines, reason = "a table of sentences")]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -261,17 +264,32 @@ impl fmt::Display for Warning {
                 100.0 * share
             ),
             Self::Gains { joints, gains } => {
-                let each = joints.iter().zip(gains);
-                let each: Vec<String> = each
-                    .map(|(own, [gain, error])| format!("{own} {gain:.3} ± {error:.3}"))
-                    .collect();
-                write!(
-                    f,
-                    "the torques are not in one unit, as currents of different motors are not: the \
-                     links that joints share ask for gains of {}; give these as the scale of tau in \
-                     a profile, and find their common factor by a payload of known mass",
-                    list(&each)
-                )
+                let (told, untold): (Vec<_>, Vec<_>) =
+                    (joints.iter().zip(gains)).partition(|(_, [gain, error])| *error < TOLD * gain);
+                let told =
+                    told.iter().map(|(own, [gain, error])| format!("{own} {gain:.3} ± {error:.3}"));
+                let told: Vec<String> = told.collect();
+                let untold: Vec<String> = untold.iter().map(|(own, _)| (*own).clone()).collect();
+                f.write_str(
+                    "the torques are not in one unit, as currents of different motors are not",
+                )?;
+                if !told.is_empty() {
+                    write!(
+                        f,
+                        ": the links that joints share ask for gains of {}; give these as the scale of tau \
+                         in a profile, and find their common factor by a payload of known mass",
+                        list(&told)
+                    )?;
+                }
+                if !untold.is_empty() {
+                    let untold = list(&untold);
+                    write!(
+                        f,
+                        "; the gain of {untold} is not told, as links load it too little or axes \
+                               are not known: look it up, or give a URDF"
+                    )?;
+                }
+                Ok(())
             }
             Self::Weightless => write!(
                 f,

@@ -38,6 +38,8 @@ pub struct JointGeometry {
     pub resolved: bool,
 }
 
+/// What is more certain \[m, °\] was given, and rounding is all its error.
+const GIVEN: f64 = 1e-9;
 /// A distance \[m\] that is less certain is not resolved.
 const RESOLVED: f64 = 0.1;
 
@@ -79,15 +81,19 @@ pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
             .into_iter()
             .flatten()
             .all(|found| found.std_error < RESOLVED);
+        let angle_to_previous_deg = relative(angle)?;
+        let all = [angle_to_previous_deg, distance_to_previous_m, along_previous_m];
+        let mut all = all.into_iter().flatten().peekable();
+        let is_given = all.peek().is_some() && all.all(|found| found.std_error < GIVEN);
         Ok(JointGeometry {
             joint: model.joints[joint].clone(),
             kind: chain.kinds.of(joint).name,
             axis: axis.axis().into(),
             point: axis.origin.into(),
-            angle_to_previous_deg: relative(angle)?,
+            angle_to_previous_deg,
             distance_to_previous_m,
             along_previous_m,
-            resolved: is_found && !is_named && is_followed && is_near,
+            resolved: is_given || is_found && !is_named && is_followed && is_near,
         })
     };
     lines.iter().enumerate().map(of).collect()
@@ -110,7 +116,7 @@ pub fn geometry(model: &Model, found: &[JointGeometry], selection: &Selection) -
     for (joint, found) in found.iter().enumerate().filter(|(k, _)| selection.has_joint(*k)) {
         let relative = |measured: Option<Estimated>| match measured {
             None => DASH.to_owned(),
-            Some(Estimated { value, std_error }) if std_error < 1e-12 => {
+            Some(Estimated { value, std_error }) if std_error < GIVEN => {
                 format!("{}", (1e6 * value).round() / 1e6)
             }
             Some(Estimated { value, std_error }) => with_error(value, std_error),

@@ -41,21 +41,23 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
-    /// The same with [`rollouts()`], and a note of joints that are further from the log after each of
-    /// the times than an arm that keeps its velocity.
+    /// The same with [`rollouts()`], and a note of joints that are further from the log after some of the
+    /// times than an arm that keeps its velocity.
     #[must_use]
     pub fn with_rollouts(mut self, rollouts: Vec<Drift>) -> Self {
-        let is_worse = |joint: usize| {
-            let mut all = rollouts.iter();
-            all.all(|own| own.ran_away > 0 || own.rms_drift_rad[joint] >= own.hold_rms_rad[joint])
+        let worse = |own: &Drift| -> Option<String> {
+            let is_worse =
+                |k: &usize| own.ran_away > 0 || own.rms_drift_rad[*k] >= own.hold_rms_rad[*k];
+            let worse = (0..self.joints.len()).filter(is_worse);
+            let worse: Vec<&str> = worse.map(|k| self.joints[k].name.as_str()).collect();
+            (!worse.is_empty())
+                .then(|| format!("of {} after {} s", worse.join(", "), own.horizon_s))
         };
-        let worse = self.joints.iter().enumerate().filter(|(joint, _)| is_worse(*joint));
-        let worse: Vec<&str> = worse.map(|(_, joint)| joint.name.as_str()).collect();
-        if !rollouts.is_empty() && !worse.is_empty() {
+        let worse: Vec<String> = rollouts.iter().filter_map(worse).collect();
+        if !worse.is_empty() {
             self.notes.push(format!(
-                "simulated, the drift of {} is larger than that of an arm that keeps its velocity: the \
-                 torque may do for feed-forward, a simulator needs better, as a chain refined by \
-                 rollouts may be",
+                "simulated, the drift {} is larger than that of an arm that keeps its velocity: the torque \
+                 may do for feed-forward, a simulator needs better, as a chain refined by rollouts may be",
                 worse.join(", ")
             ));
         }
@@ -238,12 +240,14 @@ fn scored(
         let interval = interval(model, recording)?;
         interval.map(|interval| interval.coverage(measured, every)).transpose()
     };
+    let mut raw_rmse = Vec::new();
     let covered = match raw {
         Some((motion, noise)) => {
             let raw = score(model, &motion)?.joints.into_iter().zip(noise);
-            for (joint, (JointScore { nrmse_percent, std, .. }, noise)) in
+            for (joint, (JointScore { nrmse_percent, std, rmse, .. }, noise)) in
                 joints.iter_mut().zip(raw)
             {
+                raw_rmse.push(rmse);
                 joint.raw_nrmse_percent = Some(nrmse_percent);
                 joint.noise_floor_percent = Some(100.0 * noise / std);
             }
@@ -262,8 +266,9 @@ fn scored(
     let by_fit = model.training.verdict.clone().filter(|_| is_trained);
     let mut notes = range.warnings(model);
     notes.extend(is_trained.then(|| TRAINED.to_owned()));
-    notes.extend(remarks(&joints, (&rests, &unheld)));
-    let errors = errors(model, &joints, (&rests, &unheld));
+    let held = Held { model, joints: &joints, rests: &rests, unheld: &unheld, raw: &raw_rmse };
+    notes.extend(held.remarks());
+    let errors = held.errors();
     Ok(Evaluation {
         warnings: still.collect(),
         verdict: by_fit.unwrap_or_else(|| judge_by(model, &errors, covered.as_deref())),
@@ -292,68 +297,72 @@ fn is_trained(
 
 /// Percentage of the spread of the torque by which a filter that cuts the motion errs more than raw torque.
 const CUT_PERCENT: f64 = 0.5;
-
 /// What is missed at rest beyond friction, of the spread that was fitted, is nothing below this.
 const LEAST_AT_REST: f64 = 0.1;
 /// Friction at rest explains most of an error where it leaves less than this part of it.
 const MOSTLY: f64 = 0.7;
 
-/// Errors over the spread of the torque, n, without what dry friction may hold at rest; of a joint that
-/// always rests over the spread that the model was fitted to, and none where friction may hold it all.
-fn errors(
-    model: &Model,
-    joints: &[JointEvaluation],
-    (rests, unheld): (&[bool], &[f64]),
-) -> Vec<f64> {
-    let of = |(k, joint): (usize, &JointEvaluation)| {
-        let of = |error: f64| if joint.rmse > 0.0 { error * unheld[k] / joint.rmse } else { error };
-        match model.training.torque_std.get(k).filter(|std| rests[k] && **std > 0.0) {
-            Some(std) if unheld[k] < LEAST_AT_REST * std => f64::NAN,
-            Some(std) => of(joint.rmse / std),
-            None => of(0.01 * joint.nrmse_percent),
-        }
-    };
-    joints.iter().enumerate().map(of).collect()
+/// Joints of a log, as far as they rest, where dry friction may hold them with anything.
+struct Held<'a> {
+    model: &'a Model,
+    joints: &'a [JointEvaluation],
+    /// Whether they always rest, n.
+    rests: &'a [bool],
+    /// RMS of what friction at rest cannot make up for \[N·m\], n.
+    unheld: &'a [f64],
+    /// RMSE of the torque as it was measured \[N·m\], n, where that is at hand.
+    raw: &'a [f64],
 }
 
-/// What is said of joints that rest, and of those that move.
-fn remarks(joints: &[JointEvaluation], (rests, unheld): (&[bool], &[f64])) -> Vec<String> {
-    let (mut moving, mut resting) = (Vec::new(), Vec::new());
-    for (joint, (rests, unheld)) in joints.iter().zip(rests.iter().zip(unheld)) {
-        let is_held = *rests || *unheld < MOSTLY * joint.rmse;
-        if is_held { &mut resting } else { &mut moving }.push(joint);
+impl Held<'_> {
+    /// Errors over the spread of the torque, n, without what friction may hold; of a joint that always
+    /// rests over the spread that the model was fitted to, and none where friction may hold it all.
+    fn errors(&self) -> Vec<f64> {
+        let of = |(k, joint): (usize, &JointEvaluation)| {
+            let part = if joint.rmse > 0.0 { self.unheld[k] / joint.rmse } else { 1.0 };
+            let std = self.model.training.torque_std.get(k);
+            match std.filter(|std| self.rests[k] && **std > 0.0) {
+                Some(std) if self.unheld[k] < LEAST_AT_REST * std => f64::NAN,
+                Some(std) => self.unheld[k] / std,
+                None => 0.01 * joint.nrmse_percent * part,
+            }
+        };
+        self.joints.iter().enumerate().map(of).collect()
     }
-    cut_motion(moving.into_iter())
-        .into_iter()
-        .chain(held_by_friction(resting.into_iter()))
-        .collect()
-}
 
-/// What is said of joints that rest.
-fn held_by_friction<'a>(joints: impl Iterator<Item = &'a JointEvaluation>) -> Option<String> {
-    let names: Vec<String> = joints.map(|joint| joint.name.clone()).collect();
-    (!names.is_empty()).then(|| {
-        format!(
-            "at rest dry friction may hold {} with any torque up to that at which it breaks away: what it \
-             may hold does not count in the verdict",
-            list(&names)
-        )
-    })
-}
-
-/// What the filter adds to the error, where it lets too little of the motion through.
-fn cut_motion<'a>(joints: impl Iterator<Item = &'a JointEvaluation>) -> Option<String> {
-    let is_cut = |own: &&JointEvaluation| {
-        own.raw_nrmse_percent.is_some_and(|raw| own.nrmse_percent > raw + CUT_PERCENT)
-    };
-    let cut: Vec<String> = joints.filter(is_cut).map(|own| own.name.clone()).collect();
-    (!cut.is_empty()).then(|| {
-        format!(
-            "of {} less is missed of the raw torque than of the filtered: the filter of the fit cuts this \
-             motion, which is faster than that of the fit; go by raw torque",
-            list(&cut)
-        )
-    })
+    /// What is said of joints that rest, and of those that move: what the filter adds to an error, where
+    /// it lets too little of the motion through.
+    fn remarks(&self) -> impl Iterator<Item = String> {
+        let (mut cut, mut held) = (Vec::new(), Vec::new());
+        for (k, JointEvaluation { name, rmse, nrmse_percent, raw_nrmse_percent, .. }) in
+            self.joints.iter().enumerate()
+        {
+            // Noise in the torque makes its RMSE larger.
+            let is_less = self.raw.get(k).is_some_and(|raw| raw < rmse);
+            if self.rests[k] || self.unheld[k] < MOSTLY * rmse {
+                held.push(name.clone());
+            } else if is_less
+                && raw_nrmse_percent.is_some_and(|raw| *nrmse_percent > raw + CUT_PERCENT)
+            {
+                cut.push(name.clone());
+            }
+        }
+        let cut = (!cut.is_empty()).then(|| {
+            format!(
+                "of {} less is missed of the raw torque than of the filtered, as where the filter of the fit \
+                 cuts a faster motion: go by raw torque",
+                list(&cut)
+            )
+        });
+        let held = (!held.is_empty()).then(|| {
+            format!(
+                "at rest dry friction may hold {} with any torque up to that at which it breaks away: what \
+                 it may hold does not count in the verdict",
+                list(&held)
+            )
+        });
+        cut.into_iter().chain(held)
+    }
 }
 
 /// A verdict as in the summary of a fit.
