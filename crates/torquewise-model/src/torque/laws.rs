@@ -8,7 +8,7 @@ use torquewise_motion::Motion;
 
 impl Torque {
     /// What each law of friction comes to at the rows of a motion, per unit of its coefficient, on
-    /// its shaft, m×k in the order of [`Model::friction`].
+    /// its shaft, m×k in the order of [`crate::Model::friction`].
     ///
     /// # Errors
     /// [`ModelError::JointCount`] if the motion is of another arm.
@@ -21,7 +21,7 @@ impl Torque {
     /// What friction may take from and add to the torque that is predicted \[N·m\], m×n each: where a shaft
     /// rests, dry friction holds it with whatever is asked of it, up to that at which it breaks away.
     ///
-    /// - `slow`: speeds below which joints rest \[rad/s\], n, as of [`Model::rest_speeds`]
+    /// - `slow`: speeds below which joints rest \[rad/s\], n, as of [`crate::Model::rest_speeds`]
     ///
     /// # Errors
     /// As [`Self::laws`].
