@@ -125,14 +125,14 @@ pub fn external_torques(
     let gain = std::f64::consts::TAU * bandwidth;
     let mut observer = MomentumObserver::new(model, gain);
     let mut follower = Follower::new(model, gain);
-    let (torque, slow) = (Torque::new(model), model.rest_speeds());
+    let torque = Torque::new(model);
     let mut path = torque.path();
     let mut last: Option<(usize, f64)> = None;
     let mut begin = 0.0;
     let settling = vec![f64::NAN; model.n_joints()];
     recording.read(&mut |trajectory, block| {
         let tau = block.require_tau()?;
-        let held = held(&torque, &path.follow(trajectory, block), &slow)?;
+        let held = held(&torque, &path.follow(trajectory, block))?;
         for (row, &t) in block.t().iter().enumerate() {
             let dt = match last {
                 Some((own, before)) if own == trajectory => t - before,

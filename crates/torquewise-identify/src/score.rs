@@ -56,13 +56,12 @@ pub fn score_along(
     // First torque, sums of differences to it and their squares, squared errors, and those that friction
     // at rest does not hold.
     let mut sums = vec![[0.0_f64; 5]; n];
-    let slow = model.rest_speeds();
     let mut rows = 0_usize;
     let mut path = torque.path();
     recording.read(&mut |trajectory, block| {
         see(trajectory, block);
         let motion = path.follow(trajectory, block);
-        let (tau_hat, [least, most]) = (torque.over(&motion)?, torque.held(&motion, &slow)?);
+        let (tau_hat, [least, most]) = (torque.over(&motion)?, torque.held(&motion)?);
         let tau = block.require_tau()?;
         for (joint, [first, sum, squares, errors, unheld]) in sums.iter_mut().enumerate() {
             for row in 0..block.n_rows() {

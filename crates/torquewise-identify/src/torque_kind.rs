@@ -148,7 +148,7 @@ fn kind_at(at: &Linearisation, sample: &Motion) -> Result<Option<Warning>, Ident
 /// is searched on few rows: [`Warning::Weightless`], or `None` where it does, where no chain is found,
 /// where the watcher breaks, where no joint moves, or where one may slide, on which gravity is a constant.
 pub fn weightless(survey: &Survey, seed: u64, watch: Watch<'_>) -> Option<Warning> {
-    if survey.constant_joints().len() == survey.sample.n_joints() {
+    if survey.stands_still() {
         return None;
     }
     let look = first_look(&survey.sample, seed, watch).ok()?;
@@ -181,8 +181,8 @@ struct Gains {
     /// By all rows, n, and but for each part of the time.
     per: Vec<f64>,
     without: Vec<Vec<f64>>,
-    /// Whether links load each joint by enough to tell its gain, n.
-    is_felt: Vec<bool>,
+    /// Joints that links load by enough to tell their gain.
+    felt: Vec<usize>,
     /// The parameters of the links, p×1.
     loads: Mat<f64>,
     all: JointRows,
@@ -210,28 +210,22 @@ impl Gains {
         let load = |joint: usize| (links.transpose() * &all.sums[joint].gram * &links)[(0, 0)];
         let joints = 0..all.sums.len();
         let most = joints.max_by(|a, b| load(*a).total_cmp(&load(*b))).unwrap_or(0);
-        let is_felt = |joint| load(joint) > FELT.powi(2) * all.sums[joint].rows;
-        let is_felt = (0..all.sums.len()).map(is_felt).collect();
+        let is_felt = |&joint: &usize| load(joint) > FELT.powi(2) * all.sums[joint].rows;
+        let felt = (0..all.sums.len()).filter(is_felt).collect();
         let (per, loads) = all.gains(&at.linear, most)?;
         let others = |part: usize| parts[..part].iter().chain(&parts[part + 1..]);
         let without = |part: usize| Some(JointRows::of(others(part))?.gains(&at.linear, most)?.0);
         let without: Vec<Vec<f64>> = (0..parts.len()).filter_map(without).collect();
-        (without.len() >= LEAST_PARTS).then_some(Self { per, without, is_felt, loads, all })
+        (without.len() >= LEAST_PARTS).then_some(Self { per, without, felt, loads, all })
     }
 
     /// What a unit of each torque is worth beside the others, geometric mean 1, and its error, n: without
     /// end where links do not tell.
     fn each(&self) -> Vec<[f64; 2]> {
-        let felt = |per: &[f64]| -> Vec<f64> {
-            per.iter()
-                .zip(&self.is_felt)
-                .filter(|(_, is_felt)| **is_felt)
-                .map(|(own, _)| *own)
-                .collect()
-        };
+        let felt = |per: &[f64]| self.felt.iter().map(|&joint| per[joint]).collect::<Vec<f64>>();
         let gain = |per: &[f64], joint: usize| geometric_mean(&felt(per)) / per[joint];
         let of = |joint: usize| {
-            if !self.is_felt[joint] {
+            if !self.felt.contains(&joint) {
                 return [1.0, f64::INFINITY];
             }
             let own = gain(&self.per, joint);

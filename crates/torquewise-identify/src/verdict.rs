@@ -104,7 +104,7 @@ fn graded(mut because: Vec<String>, doubts: Vec<String>, judged: &[Judged<'_>]) 
 /// held out, and all where a refit left more.
 fn errors(found: &Reconstruction) -> [Judged<'_>; 2] {
     let (training, still) = (&found.model.training, found.survey.constant_joints());
-    let all_rest = still.len() == found.model.n_joints();
+    let all_rest = found.survey.stands_still();
     let named = |errors: Vec<f64>| {
         let named = found.model.joints.iter().zip(errors).zip(&training.torque_std).enumerate();
         let counts = |joint, std: f64| std > 0.0 && (all_rest || !still.contains(&joint));

@@ -281,15 +281,15 @@ impl fmt::Display for Warning {
                         list(&told)
                     )?;
                 }
-                if !untold.is_empty() {
-                    let untold = list(&untold);
-                    write!(
-                        f,
-                        "; the gain of {untold} is not told, as links load it too little or axes \
-                               are not known: look it up, or give a URDF"
-                    )?;
+                if untold.is_empty() {
+                    return Ok(());
                 }
-                Ok(())
+                write!(
+                    f,
+                    "; the gain of {} is not told, as links load it too little or axes are not known: look \
+                     it up, or give a URDF",
+                    list(&untold)
+                )
             }
             Self::Weightless => write!(
                 f,

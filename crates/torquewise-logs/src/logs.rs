@@ -110,8 +110,9 @@ impl Logs {
                 Some(seen)
             };
             let seen: Vec<Accelerations> = logs.sources.iter().filter_map(seen).collect();
-            for (joint, gain) in logs.velocity_gains.iter_mut().enumerate() {
-                *gain = seen.iter().find_map(|seen| *seen.velocity_gains().get(joint)?);
+            for gains in seen.iter().map(Accelerations::velocity_gains) {
+                let own = logs.velocity_gains.iter_mut().zip(gains);
+                own.for_each(|(own, gain)| *own = own.or(gain));
             }
             logs.odd_ddq = Accelerations::odd(seen.iter().map(Accelerations::agreement));
             if logs.odd_ddq.is_some() {

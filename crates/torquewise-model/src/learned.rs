@@ -83,8 +83,8 @@ pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
             .all(|found| found.std_error < RESOLVED);
         let angle_to_previous_deg = relative(angle)?;
         let all = [angle_to_previous_deg, distance_to_previous_m, along_previous_m];
-        let mut all = all.into_iter().flatten().peekable();
-        let is_given = all.peek().is_some() && all.all(|found| found.std_error < GIVEN);
+        let mut all = all.into_iter().flatten();
+        let is_given = joint > 0 && all.all(|found| found.std_error < GIVEN);
         Ok(JointGeometry {
             joint: model.joints[joint].clone(),
             kind: chain.kinds.of(joint).name,

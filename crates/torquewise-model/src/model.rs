@@ -211,6 +211,12 @@ impl Training {
         };
         Some(self.held_out_rms.iter().enumerate().map(part).collect())
     }
+
+    /// The same for a table \[%\], NaN where the torque never changes; empty where nothing was held out.
+    pub fn held_out_percent(&self) -> Vec<f64> {
+        let errors = self.held_out_errors().unwrap_or_default().into_iter().zip(&self.torque_std);
+        errors.map(|(error, std)| if *std > 0.0 { 100.0 * error } else { f64::NAN }).collect()
+    }
 }
 
 impl Form {

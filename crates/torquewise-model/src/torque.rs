@@ -57,6 +57,8 @@ pub struct Torque {
     pub(crate) friction: Vec<Weighted<FrictionTerm>>,
     /// Travels of the elements by which friction remembers the path \[rad\].
     travels: Vec<f64>,
+    /// Speeds below which joints rest \[rad/s\], n.
+    rest_speeds: Vec<f64>,
     /// Whether friction depends on the load of a gear.
     is_load_dependent: bool,
     /// The links, where a chain was learned; the terms are then those of its drives.
@@ -82,7 +84,8 @@ impl Torque {
         let friction = model.friction.clone();
         let (n_joints, travels) = (model.n_joints(), model.travels());
         let is_load_dependent = friction.iter().any(|weighted| weighted.term.load);
-        Self { n_joints, factors, joints, friction, travels, is_load_dependent, links }
+        let rest_speeds = model.rest_speeds();
+        Self { n_joints, factors, joints, friction, travels, rest_speeds, is_load_dependent, links }
     }
 
     /// Elements by which friction remembers the path, before the first sample. Feed them every

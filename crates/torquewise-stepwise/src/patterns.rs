@@ -78,7 +78,7 @@ pub fn find_patterns(survey: &Survey, plan: &PatternPlan) -> Result<Patterns, Id
     let switches = (plan.scaling == Scaling::Scaled).then(|| switches(&centres));
     let present = Pattern::ALL.to_vec();
     let mut patterns = Patterns { activation, centres, names, switches, inertia, present };
-    if plan.scaling == Scaling::Scaled && survey.constant_joints().len() == survey.joints.len() {
+    if plan.scaling == Scaling::Scaled && survey.stands_still() {
         // What is left of an arm that stands still is the noise of its encoders.
         patterns.names.fill(Pattern::Standstill);
         patterns.present = vec![Pattern::Standstill];

@@ -117,6 +117,11 @@ impl Survey {
     pub fn constant_joints(&self) -> Vec<usize> {
         (0..self.joints.len()).filter(|&joint| self.range(joint) <= AT_REST).collect()
     }
+
+    /// Whether no joint moves.
+    pub fn stands_still(&self) -> bool {
+        self.constant_joints().len() == self.joints.len()
+    }
 }
 
 /// Looks through a recording once, as if it were one log.

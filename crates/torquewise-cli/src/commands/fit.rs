@@ -259,9 +259,7 @@ fn joints(fit: &FitResult) -> String {
     let percent: Vec<f64> = percent.map(|(rms, std)| 100.0 * rms / std).collect();
     let mut errors = vec![&training.residual_rms, &percent];
     // The same figure as in the verdict.
-    let held_out = training.held_out_errors().unwrap_or_default();
-    let of_std = |(error, std): (f64, &f64)| if *std > 0.0 { 100.0 * error } else { f64::NAN };
-    let held_out: Vec<f64> = held_out.into_iter().zip(&training.torque_std).map(of_std).collect();
+    let held_out = training.held_out_percent();
     if !held_out.is_empty() {
         headings.push("held out [% of std]");
         errors.push(&held_out);

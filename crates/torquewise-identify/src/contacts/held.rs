@@ -7,8 +7,8 @@ use torquewise_motion::{Motion, Signals};
 use torquewise_stepwise::error::IdentifyError;
 
 /// What dry friction may hold at the rows of a motion \[N·m\], either way, m×n.
-pub(super) fn held(torque: &Torque, motion: &Motion, slow: &[f64]) -> Result<Mat<f64>, ModelError> {
-    let [least, most] = torque.held(motion, slow)?;
+pub(super) fn held(torque: &Torque, motion: &Motion) -> Result<Mat<f64>, ModelError> {
+    let [least, most] = torque.held(motion)?;
     Ok(Mat::from_fn(motion.n_rows(), motion.n_joints(), |row, joint| {
         most[(row, joint)].max(-least[(row, joint)])
     }))
@@ -28,6 +28,6 @@ pub(super) fn held_at_rest(model: &Model) -> Result<Vec<f64>, IdentifyError> {
         ddq: still,
         tau: None,
     })?;
-    let held = held(&Torque::new(model), &motion, &model.rest_speeds())?;
+    let held = held(&Torque::new(model), &motion)?;
     Ok(held.row(0).iter().copied().collect())
 }

@@ -21,15 +21,14 @@ impl Torque {
     /// What friction may take from and add to the torque that is predicted \[N·m\], m×n each: where a shaft
     /// rests, dry friction holds it with whatever is asked of it, up to that at which it breaks away.
     ///
-    /// - `slow`: speeds below which joints rest \[rad/s\], n, as of [`crate::Model::rest_speeds`]
-    ///
     /// # Errors
     /// As [`Self::laws`].
-    pub fn held(&self, motion: &Motion, slow: &[f64]) -> Result<[Mat<f64>; 2], ModelError> {
+    pub fn held(&self, motion: &Motion) -> Result<[Mat<f64>; 2], ModelError> {
         let mut ends = [(); 2].map(|()| Mat::zeros(motion.n_rows(), self.n_joints));
         self.visit_laws_of(motion, |row, k, dq, [value, load]| {
             let Weighted { term, coefficient, .. } = &self.friction[k];
-            let limit: f64 = term.shaft.iter().zip(slow).map(|(s, v)| s.abs() * v).sum();
+            let limit: f64 =
+                term.shaft.iter().zip(&self.rest_speeds).map(|(s, v)| s.abs() * v).sum();
             if !term.law.is_dry() || term.speed(dq).abs() >= limit {
                 return;
             }

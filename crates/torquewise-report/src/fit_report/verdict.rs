@@ -121,13 +121,13 @@ fn words(findings: &Findings<'_>) -> String {
 
 /// Errors of each joint: on the test log, on held-out blocks of time, on the fitted log.
 fn error_table(findings: &Findings<'_>) -> Item {
-    let held_out = findings.found.model.training.held_out_errors().unwrap_or_default();
+    let held_out = findings.found.model.training.held_out_percent();
     let (judged, fitted) = (findings.judged(), findings.diagnosis);
     let percent = |x: f64| Label::from(significant(x, DIGITS));
     let row = |joint: usize| -> Vec<Label> {
         let score = &judged.scores.joints[joint];
         let test = findings.test.map(|_| percent(score.nrmse_percent));
-        let unseen = held_out.get(joint).map(|error| percent(100.0 * error));
+        let unseen = held_out.get(joint).map(|error| percent(*error));
         let own = percent(fitted.scores.joints[joint].nrmse_percent);
         // Five decimals, since it is close to one.
         let r2 = if score.r2.is_finite() { format!("{:.5}", score.r2) } else { "–".into() };

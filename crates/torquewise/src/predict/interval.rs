@@ -18,8 +18,6 @@ pub struct Interval<'a> {
     noise: NoiseFloor,
     /// RMS of what else was left of the torque of each joint \[N·m\], n.
     left: &'a [f64],
-    /// Speeds below which joints rest \[rad/s\], n.
-    slow: Vec<f64>,
     /// Deviations of a normal number on either side.
     deviations: f64,
 }
@@ -46,7 +44,6 @@ impl<'a> Interval<'a> {
             torque: Torque::new(model),
             noise: NoiseFloor::of(recording)?,
             left,
-            slow: model.rest_speeds(),
             deviations: normal_quantile(0.5 + percent / 200.0),
         })
     }
@@ -74,7 +71,7 @@ impl<'a> Interval<'a> {
                 half[(row, joint)] = self.deviations * error.hypot(*left).hypot(known);
             }
         }
-        let [least, most] = self.torque.held(block, &self.slow)?;
+        let [least, most] = self.torque.held(block)?;
         Ok([total + least - &half, total + most + &half])
     }
 
