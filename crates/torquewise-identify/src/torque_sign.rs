@@ -5,6 +5,7 @@ use crate::drive_terms::{DriveTerm, chain_rows, columns};
 use crate::estimate::Linearisation;
 use crate::learn::searching;
 use crate::reconstruction::Watch;
+use crate::unseen::geometric_mean;
 use faer::Mat;
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
@@ -21,7 +22,8 @@ const LEAST_ROWS: usize = 100;
 /// Other signs must leave this part of what the torques leave as they are, product of the mean squares
 /// of all joints.
 const QUARTER: f64 = 0.25;
-/// A torque turned round must be explained but for this part, RMS; all of them in the mean.
+/// A torque turned round or changed over must be explained but for this part, RMS; all of them in the
+/// mean where all are turned.
 const HALF: f64 = 0.5;
 /// Friction alone tells a sign where it leaves this part, as where a torque is little but friction: of
 /// the wrist of a UR10e 0.014 at most. Of 37 real logs as they should be none came below 0.1, but one of
@@ -261,9 +263,10 @@ pub(crate) fn swapped(
     let drive = DriveTerm::usual(&FrictionLibrary::new(peaks));
     let rows = chain_rows(&motion, columns(&drive, &motion, None))?.measured();
     let watch = searching(watch);
-    let left = |rows: &ChainRows, (starts, count): (usize, usize)| {
+    let parts = |rows: &ChainRows, (starts, count): (usize, usize)| {
         glance(&rows.thinned(count), &Search { seed, starts, ..Search::default() }, &watch)
     };
+    let left = |rows: &ChainRows, look: (usize, usize)| geometric_mean(&parts(rows, look));
     // Those that leave less than a part of what is left as it is, the best first.
     let better = |pairs: Vec<[usize; 2]>, look: (usize, usize), part: f64| {
         let than = if pairs.is_empty() { 0.0 } else { part * left(&rows, look) };
@@ -278,7 +281,10 @@ pub(crate) fn swapped(
     let best = better(likeliest, FEW, QUARTER.powf(2.0 / n as f64)).next();
     // Where one of the two is turned round, an arm is found that explains the other in its place better.
     let is_swapped = |(own, pair): &(f64, [usize; 2])| {
-        pair.iter().all(|joint| *own < left(&rows.clone().turned(*joint), FEW))
+        let parts = parts(&rows.clone().swapped(*pair), FEW);
+        let is_explained = |joint: &usize| parts[*joint] < HALF;
+        pair.iter()
+            .all(|joint| is_explained(joint) && *own < left(&rows.clone().turned(*joint), FEW))
     };
     Ok(best.filter(is_swapped).map(|(_, pair)| pair))
 }

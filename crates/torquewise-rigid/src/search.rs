@@ -229,16 +229,19 @@ pub fn search(rows: &ChainRows, search: &Search, watch: SearchWatch<'_>) -> Resu
 }
 
 /// What the best of the starts leaves of few rows, before any is refined: a first look at a
-/// coupling, or at torques in another order. Geometric mean over the joints of residual RMS over standard
-/// deviation of the torque; infinite where no start can be fitted, or the work is stopped.
-pub fn glance(rows: &ChainRows, search: &Search, watch: SearchWatch<'_>) -> f64 {
+/// coupling, or at torques in another order. Residual RMS over standard deviation of the torque of each
+/// joint, n; infinite where no start can be fitted, or the work is stopped.
+pub fn glance(rows: &ChainRows, search: &Search, watch: SearchWatch<'_>) -> Vec<f64> {
     let weights = first_weights(rows);
     let left = (0..search.starts).into_par_iter().filter_map(|place| {
-        let fitted = right_angles(rows, &weights, (search, place), watch)?;
-        Some(score(&Chain::new(&fitted, rows, &weights), rows, LEAST_RESIDUAL))
+        let chain =
+            Chain::new(&right_angles(rows, &weights, (search, place), watch)?, rows, &weights);
+        Some((score(&chain, rows, LEAST_RESIDUAL), chain.residual_rms))
     });
-    let least = left.reduce_with(f64::min).unwrap_or(f64::INFINITY);
-    FIRST_NOISE * (least / rows.n_joints() as f64).exp()
+    let best = left.min_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((_, rms)) = best else { return vec![f64::INFINITY; rows.n_joints()] };
+    let part = |(rms, weight): (f64, &f64)| FIRST_NOISE * (rms * weight).max(LEAST_RESIDUAL);
+    rms.into_iter().zip(&weights).map(part).collect()
 }
 
 /// Sum over joints of ln(residual RMS / noise first guessed), each ratio at least `least`: compares

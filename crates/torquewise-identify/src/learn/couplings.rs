@@ -3,6 +3,7 @@
 use super::kinds::Searched;
 use super::{ChainLearner, FINAL_ROWS, TRIAL_ROWS, left, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
+use crate::unseen::geometric_mean;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_rigid::coupling::{Coupled, Coupling};
@@ -94,13 +95,10 @@ impl ChainLearner<'_> {
         let look = Search { starts: most, ..spec.search.clone() };
         let candidates = self.pairs(&spec.search.kinds, known);
         let watch = searching(self.watch);
-        let left: Vec<f64> = candidates
-            .par_iter()
-            .map(|&own| {
-                glance(&rows, &Search { coupling: known.with(own), ..look.clone() }, &watch)
-            })
-            .collect();
-        let without = glance(&rows, &look, &watch);
+        let left = |search: &Search| geometric_mean(&glance(&rows, search, &watch));
+        let with = |&own| left(&Search { coupling: known.with(own), ..look.clone() });
+        let without = left(&look);
+        let left: Vec<f64> = candidates.par_iter().map(with).collect();
         let best = candidates.into_iter().zip(left).min_by(|a, b| a.1.total_cmp(&b.1));
         Ok(best.filter(|(_, left)| *left <= PROMISING * without).map(|(own, _)| {
             (label(own), Search { coupling: known.with(own), ..spec.search.clone() })

@@ -8,6 +8,7 @@ use super::{
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::clipped::ends;
 use crate::excitation::LEAST_RANGE;
+use crate::unseen::geometric_mean;
 use rayon::prelude::*;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Choice;
@@ -199,9 +200,10 @@ impl ChainLearner<'_> {
             let spec = at(kinds.clone());
             let rows = self.rows(&spec, count)?;
             let search = Search { starts, ..spec.search };
-            let left = glance(&rows, &search, &watch);
-            let free = || glance(&rows, &Search { ridge: NO_RIDGE, ..search.clone() }, &watch);
-            Ok(if left > LEFT_BY_RIDGE { left } else { left.min(free()) })
+            let left = |search: &Search| geometric_mean(&glance(&rows, search, &watch));
+            let own = left(&search);
+            let free = || left(&Search { ridge: NO_RIDGE, ..search.clone() });
+            Ok(if own > LEFT_BY_RIDGE { own } else { own.min(free()) })
         };
         let q = self.motion.q();
         let travel = |joint: usize| {

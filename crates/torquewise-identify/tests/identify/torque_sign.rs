@@ -198,6 +198,19 @@ fn said(arm: &Arm, plan: &Plan, spoil: impl Fn(&[f64], &mut [f64])) -> Vec<Warni
     findings(&spoilt(arm, spoil), plan).into_iter().filter(is_of_torque).collect()
 }
 
+#[test]
+fn a_torque_that_is_but_noise_is_in_no_other_place() {
+    let log = motion(&Arm::builtin("generic-6").unwrap(), MotionKind::Sines, 20.0, 20.0, 1);
+    let spread: Vec<f64> = (0..6).map(|joint| deviation(log.tau().unwrap(), joint)).collect();
+    let mut normal = normals(1);
+    let noise = with_torque(log, |_, tau| {
+        tau.iter_mut().zip(&spread).for_each(|(tau, own)| *tau += 0.3 * own * normal());
+        tau[0] = 0.085 + 0.003 * normal();
+    });
+
+    assert_eq!(findings(&noise, &Plan::default()), []);
+}
+
 /// Whether torques are said to lack gravity before anything is fitted to them.
 fn is_weightless(arm: &Arm, spoil: impl Fn(&[f64], &mut [f64])) -> bool {
     weightless(&survey(&spoilt(arm, spoil)).unwrap(), 0, UNWATCHED).is_some()
