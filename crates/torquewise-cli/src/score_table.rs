@@ -1,7 +1,7 @@
 //! Errors of a model, joint by joint.
 
 use crate::table::Table;
-use torquewise::evaluate::Evaluation;
+use torquewise::Evaluation;
 use torquewise::model::rollout::Drift;
 use torquewise::model::units::heading;
 use torquewise::model::{JointKinds, number};

@@ -7,11 +7,11 @@
 //! that links have seven parameters and no mass. A slide notices no moments: they go into the link
 //! before, and it keeps mass and first moment.
 
-use crate::error::Result;
+use crate::Result;
 use nalgebra::{Matrix3, Vector3};
 use torquewise_model::{JointKind, RigidChain};
+use torquewise_rigid::Placement;
 use torquewise_rigid::base_parameters::unnoticed;
-use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::inertia::{Inertial, seen_from};
 
 /// Sines and cosines this near −1, 0 or 1 are these: π/2 is not a right angle to the last bit.

@@ -1,10 +1,10 @@
 //! A program as one file of C99: no allocation, no library but `math.h`.
 
-use crate::error::{ExportError, Result};
 use crate::graph::Function;
-use crate::program::{Precision, Program, Role};
+use crate::program::Role;
 use crate::template::filled;
 use crate::text::{Body, Language, number, signal_of, values};
+use crate::{ExportError, Precision, Program, Result};
 use minijinja::context;
 use std::fmt::Write;
 

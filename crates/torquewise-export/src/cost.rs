@@ -1,8 +1,7 @@
 //! Cost of a call: counted operations, and about how long they take.
 
-use crate::error::Result;
 use crate::graph::{Function, Graph, Id, Node};
-use crate::program::{Program, Quantity};
+use crate::{Program, Quantity, Result};
 use std::fmt;
 use torquewise_model::Model;
 

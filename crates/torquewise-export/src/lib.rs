@@ -49,7 +49,7 @@ pub mod urdf;
 
 pub use c::to_c;
 pub use cost::{Cost, torque_costs};
-pub use error::ExportError;
+pub use error::{ExportError, Result};
 pub use fmu::{fmu_archive, fmu_sources};
 pub use latex::to_latex;
 pub use program::{Precision, Program, Quantity};

@@ -2,10 +2,10 @@
 
 use faer::{Mat, Side};
 use torquewise_model::{Drive, Model, ModelError, RigidChain};
+use torquewise_rigid::PER_BODY;
 use torquewise_rigid::base_parameters::base_parameters;
 use torquewise_rigid::feasible::{Prior, Quadratic, minimise};
 use torquewise_rigid::inertia::{Inertial, is_feasible};
-use torquewise_rigid::recursion::PER_BODY;
 
 /// Weight of a link of the file against the log, as if it were known to ten times its size: what the
 /// log tells stays within a small part of its errors, so that the torque stays.

@@ -4,9 +4,10 @@ use crate::derivative::{Along, rates, slopes};
 use crate::graph::{Function, Graph, Id, Input};
 use crate::polynomial::{Monomial, Order, angles, motions, polynomial};
 use std::collections::BTreeMap;
-use torquewise_model::friction::{Direction, FrictionLaw};
-use torquewise_model::term::{Sum, Term};
-use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Weighted};
+use torquewise_model::term::Sum;
+use torquewise_model::{
+    Direction, EnergyTerm, FrictionLaw, FrictionTerm, Kind, Place, Term, Weighted,
+};
 
 /// What a model computes but for friction, as nodes.
 #[derive(Clone, Debug)]

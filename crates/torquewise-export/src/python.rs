@@ -1,10 +1,10 @@
 //! A program as one file of Python that needs the standard library alone.
 
-use crate::error::Result;
 use crate::graph::Function;
-use crate::program::{Precision, Program, Role};
+use crate::program::Role;
 use crate::template::filled;
 use crate::text::{Body, Language, number, values};
+use crate::{Precision, Program, Result};
 use std::fmt::Write;
 
 pub(crate) struct Python;

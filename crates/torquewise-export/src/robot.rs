@@ -1,16 +1,16 @@
 //! What a robot file holds of a model: links, joints, rotors, friction; what is left out.
 
-use crate::error::{ExportError, Result};
+use crate::{ExportError, Result};
 use minijinja::{Value, context};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
-use torquewise_model::friction::FrictionLaw;
 use torquewise_model::learned::{JointGeometry, joint_geometry};
 use torquewise_model::shaft_friction::{Estimated, FrictionParameters, ShaftFriction};
-use torquewise_model::{Drive, Model, RigidChain, Torque, number};
-use torquewise_rigid::geometry::{Placement, between};
+use torquewise_model::{Drive, FrictionLaw, Model, RigidChain, Torque, number};
+use torquewise_rigid::Placement;
+use torquewise_rigid::geometry::between;
 use torquewise_sim::Body;
 use torquewise_sim::urdf::edit::Dynamics;
 

@@ -1,10 +1,10 @@
 //! A program as one file of Rust without `std`: sine and cosine by a trait.
 
-use crate::error::Result;
 use crate::graph::Function;
-use crate::program::{Precision, Program, Role};
+use crate::program::Role;
 use crate::template::filled;
 use crate::text::{Angle, Body, Language, number, values};
+use crate::{Precision, Program, Result};
 use minijinja::context;
 
 struct Rust(Precision);

@@ -1,6 +1,6 @@
 //! Templates filled with values.
 
-use crate::error::Result;
+use crate::Result;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{AutoEscape, Environment, UndefinedBehavior, Value, escape_formatter};
 

@@ -1,8 +1,8 @@
 //! Functions as statements, in the signs that C, Rust and Python share, for the templates.
 
-use crate::cost::Cost;
 use crate::graph::{Function, Graph, Id, Input, Node};
-use crate::program::{Precision, Program, Role};
+use crate::program::Role;
+use crate::{Cost, Precision, Program};
 use minijinja::{Value, context};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 

@@ -1,14 +1,14 @@
 //! A model as URDF or MJCF, alone or put into the URDF of the arm, and its joints for PhysX.
 
-use crate::error::{ExportError, Result};
 use crate::near::near;
 use crate::robot::{Losses, Robot};
 use crate::template::filled;
+use crate::{ExportError, Result};
 use nalgebra::Vector3;
 use serde_json::{Map, Value, json};
 use torquewise_model::Model;
-use torquewise_rigid::Geometry;
-use torquewise_rigid::geometry::{PER_BASE, PER_JOINT};
+use torquewise_rigid::geometry::PER_JOINT;
+use torquewise_rigid::{Geometry, PER_BASE};
 use torquewise_sim::UrdfChain;
 use torquewise_sim::urdf::edit::edited;
 

@@ -1,7 +1,6 @@
 //! Test vectors as CSV: states, and what the functions of a model return there.
 
-use crate::error::Result;
-use crate::program::Quantity;
+use crate::{Quantity, Result};
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
 use rand::{RngExt, SeedableRng};

@@ -2,18 +2,18 @@
 //! best (E12) (E19).
 
 use crate::estimate::Linearisation;
-use crate::plan::{Method, Plan};
 use crate::reconstruct::surveyed;
 use crate::reconstruction::{Progress, Watch};
 use crate::rounds::{Request, Searched};
-use crate::summary::summarise;
 use crate::unseen::{BLOCKS, Errors, Unseen, even_blocks};
+use crate::{Method, Plan, summarise};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use torquewise_model::model::{Candidate, Choice};
+use torquewise_model::Choice;
+use torquewise_model::model::Candidate;
 use torquewise_motion::RawRecording;
 use torquewise_motion::signals::bandwidth::Band;
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::IdentifyError;
 use torquewise_stepwise::held_out::{mean, standard_error};
 
 /// Of cut-offs whose errors differ by no more than this part, the lowest is taken: it lets the

@@ -6,7 +6,7 @@ use crate::unseen::geometric_mean;
 use rayon::prelude::*;
 use torquewise_rigid::search::SearchWatch;
 use torquewise_rigid::{Chain, ChainRows, Search, refine};
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::IdentifyError;
 use torquewise_stepwise::held_out::{BLOCKS, CvScore, split};
 
 pub(crate) use torquewise_stepwise::held_out::record_worth;

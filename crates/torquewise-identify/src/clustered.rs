@@ -2,7 +2,7 @@
 
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, MatRef, Side};
-use torquewise_regression::normal_equations::NormalEquations;
+use torquewise_regression::NormalEquations;
 
 /// Held at unit columns, so that one that repeats another has some coefficient.
 const RIDGE: f64 = 1e-10;

@@ -3,7 +3,8 @@
 mod held;
 mod spread;
 
-use crate::score::{JointScore, score};
+use crate::score;
+use crate::score::JointScore;
 use held::{held, held_at_rest};
 use serde::Serialize;
 use spread::{Follower, Spread};
@@ -11,7 +12,7 @@ use torquewise_model::momentum_observer::MomentumObserver;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::stats::quantile;
 use torquewise_motion::{Motion, ReadError, Recording};
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::IdentifyError;
 
 /// External torque of a joint beyond which it is taken for a contact: a multiple of the spread that
 /// free motion of the kind has.

@@ -1,19 +1,17 @@
 //! Diagnosis of a model: its residuals, and which terms carry the torque.
 
-use crate::score::{Scores, score};
 use crate::states::state_of;
 use crate::turning::Turning;
+use crate::{Scores, score};
 use faer::Mat;
 use std::collections::VecDeque;
 use torquewise_model::print::weighted_friction;
 use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::{FrictionTerm, Model, Term, Torque, Weighted};
 use torquewise_motion::motion::Memory;
-use torquewise_motion::path::Path;
 use torquewise_motion::stats::whole;
-use torquewise_motion::{Motion, Pattern, Recording};
-use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::patterns::Patterns;
+use torquewise_motion::{Motion, Path, Pattern, Recording};
+use torquewise_stepwise::{IdentifyError, Patterns};
 
 /// An even sample of a log, measured and predicted.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@ use std::fmt;
 use std::ops::RangeInclusive;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::{Motion, Recording};
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::IdentifyError;
 
 /// Two logs in which gravity loads joints differently, as under another payload.
 #[derive(Clone, Debug, PartialEq)]

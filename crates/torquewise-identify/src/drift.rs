@@ -1,11 +1,11 @@
 //! Joints whose friction changes along a log, as gears warm.
 
+use crate::Warning;
 use crate::clustered::{Solved, Stretches};
-use crate::warning::Warning;
 use std::ops::Range;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::Motion;
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::IdentifyError;
 
 /// Logs shorter than this \[s\] warm no gear; after a pause gears have cooled, or a clock is another's.
 const LONG: f64 = 300.0;

@@ -3,11 +3,12 @@
 use crate::states::{States, along};
 use faer::Mat;
 use serde::{Deserialize, Serialize};
-use torquewise_model::friction::{Direction, FrictionLaw};
-use torquewise_model::{EnergyTerm, FrictionTerm, JointKind, Place, Term, Trig};
+use torquewise_model::{
+    Direction, EnergyTerm, FrictionLaw, FrictionTerm, JointKind, Place, Term, Trig,
+};
 use torquewise_motion::Motion;
 use torquewise_rigid::{Chain, ChainRows, Functions, Kinematics};
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
 
 /// A joint slower than so many half widths of the reversal of its friction is at rest: its friction

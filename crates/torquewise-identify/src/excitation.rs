@@ -1,16 +1,16 @@
 //! What the motion of a log cannot determine, in words a person can act on.
 
+use crate::Warning;
 use crate::drift::logs;
 use crate::learn::kinds::is_kind_untold;
 use crate::rough::unexplained_part;
-use crate::warning::Warning;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use std::ops::Range;
 use torquewise_model::{Model, Training};
 use torquewise_motion::stats::quantile;
 use torquewise_motion::{LARGEST, Motion};
-use torquewise_stepwise::survey::{Survey, thinned};
+use torquewise_stepwise::{Survey, thinned};
 
 /// Below these a joint is hardly excited: rad, rad/s, rad/s².
 pub(crate) const LEAST_RANGE: f64 = 0.35;

@@ -5,27 +5,23 @@ use crate::drift::drifts;
 use crate::drive_terms::DriveTerm;
 use crate::estimate::{Linearisation, Sizes, Solved};
 use crate::prune::prune;
-use crate::reconstruction::{Progress, Reconstruction, Watch};
-use crate::torque_kind::{hardly_weighs, torque_kind, weightless};
+use crate::reconstruction::{Progress, Watch};
+use crate::torque_kind::{hardly_weighs, torque_kind};
 use crate::unseen::{HeldOut, HeldTo, Unseen, both_ways, geometric_mean};
-use crate::warning::Warning;
+use crate::{Reconstruction, Warning, weightless};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
-use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_model::{
-    Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Torque, Training, Weighted,
+    Choice, Drive, EnergyTerm, Form, FrictionTerm, GeometryFound, Model, RigidChain, Torque,
+    Training, Weighted,
 };
-use torquewise_regression::normal_equations::ascending;
-use torquewise_rigid::recursion::PER_BODY;
-use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::fit::StepReport;
-use torquewise_stepwise::noise::NoiseFloor;
-use torquewise_stepwise::patterns::Patterns;
-use torquewise_stepwise::survey::{Survey, thinned};
+use torquewise_regression::ascending;
+use torquewise_rigid::PER_BODY;
+use torquewise_stepwise::{IdentifyError, NoiseFloor, Patterns, StepReport, Survey, thinned};
 
 /// Rows on which the error of blocks that were held out is found, at most.
 const HELD_OUT_ROWS: usize = 4_000;

@@ -2,23 +2,22 @@
 
 use crate::chain_spec::{ChainSpec, error, record_worth, trial};
 use crate::drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, chain_rows, columns};
-use crate::plan::{ChainOptions, FrictionKind};
 use crate::reconstruction::{Progress, Watch};
 use crate::unseen::geometric_mean;
+use crate::{ChainOptions, FrictionKind};
 pub(crate) use gravity::against_axes;
 use kinds::upright;
 use offers::Offer;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
-use torquewise_model::model::{Choice, GeometryFound};
+use torquewise_model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
-use torquewise_regression::normal_equations::ascending;
+use torquewise_regression::ascending;
 use torquewise_rigid::search::{FINAL_ROWS, SearchStage, all_parameters};
 use torquewise_rigid::{Chain, ChainError, ChainRows, JointKinds, Search, refine, search};
-use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
 use torquewise_stepwise::held_out::CvScore;
-use torquewise_stepwise::survey::thinned;
+use torquewise_stepwise::{IdentifyError, thinned};
 
 mod coordinates;
 mod couplings;

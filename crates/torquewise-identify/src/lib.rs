@@ -46,7 +46,7 @@ pub mod verdict;
 pub use diagnose::{Diagnosis, diagnose};
 pub use disagreement::{Disagreement, disagreements};
 pub use learn::kinds::first_look;
-pub use plan::{Method, Plan};
+pub use plan::{ChainOptions, FrictionKind, LibraryOptions, Method, Plan, Refine, Regression};
 pub use reconstruct::{Solution, reconstruct, solve};
 pub use reconstruction::Reconstruction;
 pub use samples::samples;

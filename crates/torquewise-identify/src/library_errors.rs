@@ -6,8 +6,7 @@ use crate::unseen::{HeldOut, Unseen, both_ways};
 use faer::Mat;
 use torquewise_model::{Form, FrictionTerm, Model, Term, Weighted};
 use torquewise_motion::Motion;
-use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::survey::thinned;
+use torquewise_stepwise::{IdentifyError, thinned};
 
 /// Rows that the terms are fitted to, at most.
 const ROWS: usize = 2_000;

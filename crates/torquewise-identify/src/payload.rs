@@ -4,7 +4,7 @@ mod gains;
 mod pass;
 mod rows;
 
-use crate::disagreement::Disagreement;
+use crate::Disagreement;
 use crate::fitted::loaded_equations;
 use faer::Mat;
 use nalgebra::Vector3;
@@ -13,10 +13,9 @@ use torquewise_model::shaft_friction::Estimated;
 use torquewise_model::{Form, LinkFrame, Model, ModelError, RigidChain, number};
 use torquewise_motion::Recording;
 use torquewise_rigid::feasible::{Quadratic, curvature};
-use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::inertia::seen_from;
-use torquewise_rigid::recursion::PER_BODY;
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_rigid::{PER_BODY, Placement};
+use torquewise_stepwise::IdentifyError;
 
 pub use gains::DriveGains;
 use pass::Pass;

@@ -3,7 +3,7 @@
 use torquewise_model::RobotNames;
 use torquewise_rigid::geometry::GRAVITY;
 use torquewise_rigid::{Geometry, JointKinds};
-use torquewise_stepwise::patterns::PatternPlan;
+use torquewise_stepwise::PatternPlan;
 
 pub use torquewise_stepwise::friction::FrictionKind;
 pub use torquewise_stepwise::plan::{LibraryKind, LibraryOptions, MOST_CANDIDATES, Regression};

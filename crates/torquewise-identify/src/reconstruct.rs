@@ -3,19 +3,16 @@
 use crate::estimate::refined_by_rollouts;
 use crate::fitted::Fitted;
 use crate::learn::against_axes;
-use crate::plan::{ChainOptions, Method, Plan, Refine};
-use crate::reconstruction::{Progress, Reconstruction, Watch};
+use crate::reconstruction::{Progress, Watch};
 use crate::rounds::{Request, Searched};
-use crate::score::score;
-use crate::summary::{Pass, Summary, summarise};
+use crate::summary::Pass;
 use crate::torque_sign::SignTest;
-use crate::warning::Warning;
+use crate::{
+    ChainOptions, Method, Plan, Reconstruction, Refine, Summary, Warning, score, summarise,
+};
 use std::ops::ControlFlow;
 use torquewise_motion::Recording;
-use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::patterns::find_patterns;
-use torquewise_stepwise::reconstruct as stepwise;
-use torquewise_stepwise::survey::Survey;
+use torquewise_stepwise::{IdentifyError, Survey, find_patterns, reconstruct as stepwise};
 
 /// What solving came to.
 #[derive(Debug)]

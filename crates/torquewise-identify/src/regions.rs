@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use torquewise_motion::Motion;
 use torquewise_regression::kmeans::kmeans;
 use torquewise_rigid::recursion::MOST_JOINTS;
-use torquewise_stepwise::survey::thinned;
+use torquewise_stepwise::thinned;
 
 /// Rows that regions are found on, at most.
 const ROWS: usize = 4_000;

@@ -1,12 +1,12 @@
 //! Where a model misses the torque of a joint: at rest, about reversals, at speed, or in one pose.
 //! Each asks for another cure.
 
+use crate::Warning;
 use crate::clipped::ends;
-use crate::warning::Warning;
 use std::fmt;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::Motion;
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::IdentifyError;
 
 /// Rows in which most of what is left of a torque lies.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use crate::unseen::spread;
 use faer::linalg::solvers::Solve;
 use faer::{Col, ColRef, Mat, Side};
 use torquewise_motion::Motion;
-use torquewise_stepwise::survey::thinned;
+use torquewise_stepwise::thinned;
 
 /// Rows that are fitted.
 const ROWS: usize = 2_000;

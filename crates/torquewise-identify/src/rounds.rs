@@ -7,16 +7,15 @@ use crate::drive_terms::AT_REST;
 use crate::estimate::{Linearisation, Passes, Sizes, refine, weights};
 use crate::fitted::Fitted;
 use crate::learn::{LAST_ROWS, Learned, learn};
-use crate::plan::ChainOptions;
 use crate::reconstruction::{Progress, Watch};
 use crate::regions::Regions;
-use crate::warning::Warning;
+use crate::{ChainOptions, Warning};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
-use torquewise_model::model::{Choice, GeometryFound};
-use torquewise_regression::normal_sums::{FOLDS, NormalSums};
-use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::survey::{Survey, thinned};
+use torquewise_model::{Choice, GeometryFound};
+use torquewise_regression::NormalSums;
+use torquewise_regression::normal_sums::FOLDS;
+use torquewise_stepwise::{IdentifyError, Survey, thinned};
 
 /// Passes over all rows at most.
 const MOST_PASSES: usize = 5;

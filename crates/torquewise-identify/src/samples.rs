@@ -12,7 +12,7 @@ use torquewise_model::checks::laws_of_shafts;
 use torquewise_model::{Form, Model, RigidChain, Torque};
 use torquewise_motion::{Motion, Signals};
 use torquewise_regression::SparseError;
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::IdentifyError;
 
 /// Sweeps of the chain of draws between two models that are kept: they forget where they began.
 const SWEEPS: usize = 10;

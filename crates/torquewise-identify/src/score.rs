@@ -2,7 +2,7 @@
 
 use torquewise_model::{Model, Torque};
 use torquewise_motion::{Motion, Recording};
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::IdentifyError;
 
 /// How well a model predicts the torque of one joint.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,13 +1,12 @@
 //! Under which settings logs are summed, and which columns are.
 
-use crate::plan::Plan;
+use crate::Plan;
 use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::TrainingFilter;
 use torquewise_motion::{Pattern, Recording};
-use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::library::{Basis, SummedLibrary};
-use torquewise_stepwise::patterns::PatternPlan;
+use torquewise_stepwise::{IdentifyError, PatternPlan};
 
 /// What logs are summed under. Summaries made under different settings do not add up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -2,20 +2,19 @@
 
 use crate::estimate::add_up;
 use crate::framed::{damaged, framed, unframed};
-use crate::plan::{Method, Plan};
 use crate::reconstruction::{Progress, Watch};
 use crate::rounds::Request;
 use crate::settings::SumSettings;
+use crate::{Method, Plan};
 use serde::{Deserialize, Serialize};
-use torquewise_model::model::Choice;
+use torquewise_model::Choice;
 use torquewise_motion::Recording;
-use torquewise_regression::normal_sums::{FOLDS, NormalSums};
-use torquewise_regression::row_sums::RowSums;
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_regression::normal_sums::FOLDS;
+use torquewise_regression::{NormalSums, RowSums};
 use torquewise_stepwise::library::{Basis, LibrarySums, PatternAccumulator, SummedLibrary};
 use torquewise_stepwise::noise::NoiseSum;
-use torquewise_stepwise::patterns::find_patterns;
 use torquewise_stepwise::survey::SurveySum;
+use torquewise_stepwise::{IdentifyError, find_patterns};
 
 /// First bytes of the file of a summary.
 const MAGIC: [u8; 8] = *b"twmoment";

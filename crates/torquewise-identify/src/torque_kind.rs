@@ -1,21 +1,18 @@
 //! What the torque columns are: without gravity, or with a gain for each joint (E27).
 
 use crate::estimate::Linearisation;
-use crate::learn::kinds::first_look;
 use crate::reconstruction::Watch;
 use crate::torque_sign::at_a_glance;
 use crate::unseen::{CHOICE_ROWS, HeldOut, Unseen, both_ways, geometric_mean, spread};
-use crate::warning::Warning;
+use crate::{Warning, first_look};
 use faer::{Mat, MatRef};
 use std::ops::Range;
 use torquewise_model::{Kind, Model, Term, Torque};
 use torquewise_motion::Motion;
-use torquewise_regression::normal_equations::NormalEquations;
+use torquewise_regression::NormalEquations;
 use torquewise_rigid::feasible::Factored;
-use torquewise_rigid::geometry::PER_BASE;
-use torquewise_rigid::recursion::PER_BODY;
-use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::survey::{Survey, thinned};
+use torquewise_rigid::{PER_BASE, PER_BODY};
+use torquewise_stepwise::{IdentifyError, Survey, thinned};
 
 /// Rows that are tried on.
 const ROWS: usize = 2_000;

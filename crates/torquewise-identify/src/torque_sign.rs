@@ -10,11 +10,12 @@ use faer::Mat;
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
 use torquewise_motion::Motion;
-use torquewise_rigid::search::{Search, glance, search};
-use torquewise_rigid::{Chain, ChainError, ChainRows, Geometry, Kinematics, refine};
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_rigid::search::glance;
+use torquewise_rigid::{
+    Chain, ChainError, ChainRows, Geometry, Kinematics, Search, refine, search,
+};
 use torquewise_stepwise::friction::FrictionLibrary;
-use torquewise_stepwise::survey::thinned;
+use torquewise_stepwise::{IdentifyError, thinned};
 
 /// Rows that are tried on; on fewer than these, some signs fit by chance.
 const ROWS: usize = 400;

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use torquewise_motion::Motion;
 use torquewise_regression::products::picked;
 use torquewise_rigid::rows::spread_above_rounding;
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::IdentifyError;
 
 mod physical;
 

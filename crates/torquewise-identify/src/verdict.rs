@@ -1,10 +1,9 @@
 //! The verdict: may the model be used, and why.
 
-use crate::reconstruction::Reconstruction;
 use crate::unseen::geometric_mean;
-use crate::warning::{Warning, list, never_move};
-use torquewise_model::model::GeometryFound;
-use torquewise_model::{Model, Training};
+use crate::warning::{list, never_move};
+use crate::{Reconstruction, Warning};
+use torquewise_model::{GeometryFound, Model, Training};
 use torquewise_stepwise::held_out::mean;
 
 pub use torquewise_model::verdict::{Grade, Verdict};

@@ -1,13 +1,13 @@
 //! Warnings: what the user should know, in words.
 
-use crate::disagreement::Disagreement;
+use crate::Disagreement;
 use crate::residual_shape::ResidualPlace;
 use crate::unseen::geometric_mean;
 use std::fmt;
 use torquewise_motion::Pattern;
+use torquewise_stepwise::Survey;
 use torquewise_stepwise::fit::LibraryFit;
 use torquewise_stepwise::orders::OrderCurve;
-use torquewise_stepwise::survey::Survey;
 
 /// Something that does not stop the work but may spoil its result. Joints and terms are named.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,7 @@
 //! Rows with a value that no motion leads to: a flipped bit, a sensor that dropped out.
 
-use torquewise_motion::LARGEST;
-use torquewise_motion::signals::Signal;
 use torquewise_motion::stats::median;
+use torquewise_motion::{LARGEST, Signal};
 
 /// Rows in a row that may be absurd; more are taken for what happened.
 pub(crate) const LONGEST: usize = 3;

@@ -7,7 +7,7 @@ mod mcap_messages;
 mod survey;
 mod rows;
 
-use crate::error::Result;
+use crate::Result;
 
 pub(crate) use rows::BagRows;
 pub(crate) use survey::Survey;

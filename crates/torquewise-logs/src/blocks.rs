@@ -1,13 +1,14 @@
 //! Blocks of signals: split at gaps, q̇ and q̈ completed if wanted, in fixed memory.
 
 use crate::absurd::{NEAR, absurd, impossible};
-use crate::error::{LogError, Result};
 use crate::gaps::UsualStep;
 use crate::signal_rows::{Origin, SignalRows};
+use crate::{LogError, Result};
 use faer::Mat;
 use std::f64::consts::TAU;
-use torquewise_motion::signals::{Raw, Signal};
-use torquewise_motion::{BLOCK_ROWS, HALF_WINDOW, Motion, MotionError, Signals, derivative};
+use torquewise_motion::{
+    BLOCK_ROWS, HALF_WINDOW, Motion, MotionError, Raw, Signal, Signals, derivative,
+};
 
 /// A position that goes on by less \[rad\] before, as and after it jumps by a whole turn was wrapped.
 const MOST_STEP: f64 = 1.0;

@@ -1,13 +1,13 @@
 //! The mapping of columns that a profile says.
 
-use crate::error::{LogError, Result, listed, shown};
-use crate::joints;
+use crate::error::{listed, shown};
 use crate::mapping::{Mapping, Slot, Time};
 use crate::profile::unit::{factor, time_factor};
-use crate::profile::{Columns, PerJoint, Profile, SignalColumns};
+use crate::profile::{Columns, PerJoint, SignalColumns};
 use crate::rows::Rows;
+use crate::{LogError, Profile, Result, joints};
 use std::path::Path;
-use torquewise_motion::signals::Signal;
+use torquewise_motion::Signal;
 
 /// The mapping that a profile describes for a file.
 ///

@@ -1,20 +1,17 @@
 //! Conditioned logs: resampled, filtered and differentiated, in fixed memory.
 
 use crate::clock::ClockRepair;
-use crate::error::{LogError, Result};
-use crate::logs::Logs;
 use crate::pieces::Pieces;
 use crate::trajectory::{Done, Trajectory};
+use crate::{LogError, Logs, Result};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use torquewise_motion::signals::bandwidth::{Band, Bandwidths};
-use torquewise_motion::signals::{
-    ConditionReport, Conditioning, Cutoff, CutoffFrom, Raw, condition,
-};
+use torquewise_motion::signals::{ConditionReport, Cutoff, CutoffFrom, condition};
 use torquewise_motion::{
-    BLOCK_ROWS, Motion, MotionError, RawRecording, ReadResult, Recording, Repairs, Signals, Visit,
-    VisitPair,
+    BLOCK_ROWS, Conditioning, Motion, MotionError, Raw, RawRecording, ReadResult, Recording,
+    Repairs, Signals, Visit, VisitPair,
 };
 
 /// Logs whose signals are conditioned as they are read: [`torquewise_motion::signals`] tells how.

@@ -1,9 +1,10 @@
 //! Rows of a CSV file, one line at a time.
 
-use crate::error::{LogError, Result, RowPlace, shown};
+use crate::error::shown;
 use crate::joints::{self, CSV_COMMENT};
 use crate::lines::{Lines, MAX_LINE, split};
 use crate::rows::Rows;
+use crate::{LogError, Result, RowPlace};
 use std::io::BufRead;
 use std::ops::Range;
 use std::path::{Path, PathBuf};

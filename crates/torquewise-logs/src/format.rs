@@ -1,6 +1,7 @@
 //! The format of a log file, by its extension.
 
-use crate::error::{LogError, Result, shown};
+use crate::error::shown;
+use crate::{LogError, Result};
 use std::path::Path;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

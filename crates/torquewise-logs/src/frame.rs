@@ -1,7 +1,7 @@
 //! Tables in memory that another program holds, read where they lie.
 
-use crate::error::{LogError, Result, RowPlace};
 use crate::rows::Rows;
+use crate::{LogError, Result, RowPlace};
 use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

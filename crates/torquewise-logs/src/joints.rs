@@ -1,6 +1,7 @@
 //! Joint names → text → joint names: how a log file keeps them.
 
-use crate::error::{LogError, Result, shown};
+use crate::error::shown;
+use crate::{LogError, Result};
 use std::path::Path;
 use torquewise_motion::unfit_joint_name;
 

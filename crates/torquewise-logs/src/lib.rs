@@ -70,7 +70,7 @@ pub mod table;
 
 pub use accelerations::LEAST_GAIN;
 pub use conditioned::ConditionedLogs;
-pub use error::{LogError, RowPlace};
+pub use error::{LogError, Result, RowPlace};
 pub use format::{is_bag, is_log};
 pub use frame::Frame;
 pub use log_input::{HeldBytes, LogInput};

@@ -1,7 +1,7 @@
 //! A file of a log: on a disk, or bytes that another program holds.
 
 #[cfg(feature = "formats")]
-use crate::error::{LogError, Result};
+use crate::{LogError, Result};
 #[cfg(feature = "formats")]
 use parquet::file::reader::{ChunkReader, Length};
 use std::fmt::Debug;

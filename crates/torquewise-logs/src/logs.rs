@@ -2,18 +2,12 @@
 
 use crate::accelerations::Accelerations;
 use crate::blocks::Blocks;
-use crate::error::{LogError, Result};
-use crate::format::is_bag;
-use crate::frame::Frame;
-use crate::joints;
-use crate::log_input::LogInput;
-use crate::signal_rows::ReadReport;
-use crate::source::{Options, Source};
+use crate::source::Source;
+use crate::{Frame, LogError, LogInput, Options, ReadReport, Result, is_bag, joints};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use torquewise_motion::signals::{Raw, Signal};
-use torquewise_motion::{Motion, ReadResult, Recording, Repairs, Visit};
+use torquewise_motion::{Motion, Raw, ReadResult, Recording, Repairs, Signal, Visit};
 
 /// Log files of one arm.
 ///

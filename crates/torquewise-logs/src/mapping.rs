@@ -1,6 +1,6 @@
 //! Which columns give which signal in SI units, multiplied by what and added.
 
-use torquewise_motion::signals::Signal;
+use torquewise_motion::Signal;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Mapping {

@@ -2,9 +2,9 @@
 //!
 //! Source: Apache Parquet format, parquet.thrift, 2.11; Apache Thrift, compact protocol encoding.
 
-use crate::error::{LogError, Result};
 use crate::format::Format;
 use crate::log_input::Opened;
+use crate::{LogError, Result};
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 

@@ -1,11 +1,12 @@
 //! Rows of a Parquet file, some of each row group at a time.
 
-use crate::error::{LogError, Result, RowPlace, guarded};
+use crate::error::guarded;
 use crate::format::Format;
 use crate::joints::{self, PARQUET_KEY};
-use crate::log_input::{LogInput, Opened};
+use crate::log_input::Opened;
 use crate::parquet_checks::{self, MOST_PAGE_BYTES};
 use crate::rows::Rows;
+use crate::{LogError, LogInput, Result, RowPlace};
 use parquet::basic::{ConvertedType, LogicalType, Type};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;

@@ -1,8 +1,8 @@
 //! A table as a Parquet file, one row group at a time.
 
-use crate::error::LogError;
 use crate::joints::PARQUET_KEY;
-use crate::sink::{Column, Sink, Values, write_error};
+use crate::sink::{Sink, write_error};
+use crate::{Column, LogError, Values};
 use parquet::basic::{Compression, LogicalType, Repetition, Type};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::{ParquetError, Result};

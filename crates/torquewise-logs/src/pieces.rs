@@ -1,10 +1,9 @@
 //! Pieces of all trajectories, from which their conditioning is chosen.
 
 use crate::clock::{ClockLane, ClockRepair};
-use crate::error::{LogError, Result};
-use crate::logs::Logs;
-use torquewise_motion::signals::{Raw, Signal};
+use crate::{LogError, Logs, Result};
 use torquewise_motion::stats::quantile;
+use torquewise_motion::{Raw, Signal};
 
 /// Rows that a trajectory is planned by, and of a piece.
 pub(crate) const FIRST_ROWS: usize = 1 << 15;

@@ -1,11 +1,12 @@
 //! The mapping of a plain log: t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in SI units; joints may be
 //! counted from 0.
 
-use crate::error::{LogError, Result, shown};
+use crate::error::shown;
 use crate::mapping::{Mapping, Slot};
+use crate::{LogError, Result};
 use std::collections::BTreeMap;
 use std::path::Path;
-use torquewise_motion::signals::Signal;
+use torquewise_motion::Signal;
 
 pub(crate) const MAX_COLUMNS: usize = 1_000;
 

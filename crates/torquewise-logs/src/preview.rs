@@ -1,9 +1,8 @@
 //! The first rows of a log as they stand in it, for whoever has to say what its columns mean.
 
-use crate::error::Result;
-use crate::log_input::LogInput;
 use crate::rows::Rows;
 use crate::source::named_rows;
+use crate::{LogInput, Result};
 use serde::Serialize;
 
 const MOST_COLUMNS: usize = 200;

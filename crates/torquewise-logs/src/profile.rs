@@ -8,7 +8,7 @@ mod text;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use torquewise_motion::signals::Signal;
+use torquewise_motion::Signal;
 
 /// How to read logs that have other columns than `t`, `q1`…`qn`, …, or other units than SI.
 ///

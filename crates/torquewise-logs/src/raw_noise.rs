@@ -3,8 +3,8 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_motion::signals::{ConditionReport, Conditioner, Raw, Signal, SignalPlan};
-use torquewise_motion::{Motion, MotionError};
+use torquewise_motion::signals::{ConditionReport, Conditioner, SignalPlan};
+use torquewise_motion::{Motion, MotionError, Raw, Signal};
 
 /// The key before the first row.
 const FIRST_KEY: u64 = 0xcbf2_9ce4_8422_2325;

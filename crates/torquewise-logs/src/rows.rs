@@ -1,6 +1,6 @@
 //! From log file to rows: what every format is decoded to, named columns of numbers.
 
-use crate::error::{Result, RowPlace};
+use crate::{Result, RowPlace};
 
 /// The rows of one log file, in order, as they stand in it.
 pub(crate) trait Rows {

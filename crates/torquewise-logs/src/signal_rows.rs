@@ -1,8 +1,8 @@
 //! Rows of signals: t, q, dq, ddq and tau in SI units, repaired if wanted.
 
-use crate::error::{LogError, Result, RowPlace};
 use crate::mapping::{Mapping, Time};
 use crate::rows::Rows;
+use crate::{LogError, Result, RowPlace};
 use torquewise_motion::Repairs;
 
 /// Clocks that begin later than this \[s\] count from a date; such times are counted from the first

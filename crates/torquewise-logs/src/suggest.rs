@@ -4,14 +4,12 @@ mod guess;
 mod measure;
 mod text;
 
-use crate::error::{LogError, Result};
 use crate::format::Format;
-use crate::log_input::LogInput;
-use crate::profile::Profile;
 use crate::source::named_rows;
+use crate::{LogError, LogInput, Profile, Result};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use torquewise_motion::signals::Signal;
+use torquewise_motion::Signal;
 
 /// A profile for a log that has other columns than `t`, `q1`…`qn`, …
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -1,14 +1,12 @@
 //! Columns of values, and motion, as CSV or Parquet, written whole or not at all.
 
-use crate::error::{LogError, Result};
 use crate::format::Format;
-use crate::joints;
 #[cfg(feature = "formats")]
 use crate::parquet_sink::ParquetSink;
-use crate::sink::{Column, CsvSink, Sink, Values};
+use crate::sink::{CsvSink, Sink};
+use crate::{Column, LogError, Result, Values, joints};
 use std::path::{Path, PathBuf};
-use torquewise_motion::Motion;
-use torquewise_motion::signals::Signal;
+use torquewise_motion::{Motion, Signal};
 
 /// A table that is written block by block, in fixed memory.
 ///

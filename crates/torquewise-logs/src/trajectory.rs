@@ -3,8 +3,8 @@
 use crate::clock::{ClockLane, ClockRepair};
 use crate::pieces::FIRST_ROWS;
 use crate::raw_noise::NoiseLane;
-use torquewise_motion::signals::{ConditionReport, Conditioner, Conditioning, Raw, SignalPlan};
-use torquewise_motion::{Motion, MotionError, Repairs};
+use torquewise_motion::signals::{ConditionReport, Conditioner, SignalPlan};
+use torquewise_motion::{Conditioning, Motion, MotionError, Raw, Repairs};
 
 /// Parts of motion that are done, and noise of the same rows where it is asked for.
 #[derive(Debug, Default)]

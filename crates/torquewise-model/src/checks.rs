@@ -1,10 +1,6 @@
 //! Physical checks: M(q) positive definite, Ṁ − 2C skew, friction takes power.
 
-use crate::error::ModelError;
-use crate::friction::{FrictionLaw, FrictionTerm};
-use crate::model::{Model, Weighted};
-use crate::number;
-use crate::torque::Torque;
+use crate::{FrictionLaw, FrictionTerm, Model, ModelError, Torque, Weighted, number};
 use faer::{Mat, Side};
 use std::fmt;
 

@@ -1,10 +1,7 @@
 //! M(q) and V(q) of a rigid chain as the sums of harmonics that they are, and of powers of what slides
 //! (E4) (E26).
 
-use crate::energy::{EnergyTerm, Place};
-use crate::error::ModelError;
-use crate::rigid_chain::{Drive, JointKind, RigidChain};
-use crate::term::{Term, Trig};
+use crate::{Drive, EnergyTerm, JointKind, ModelError, Place, RigidChain, Term, Trig};
 use torquewise_rigid::recursion::{Lanes, N_LANES};
 use torquewise_rigid::{Functions, Kinematics, Moved};
 

@@ -1,9 +1,7 @@
 //! Model files: versioned JSON, written whole or not at all.
 
-use crate::error::{ModelError, expect};
-use crate::friction::{Direction, FrictionLaw, FrictionTerm};
-use crate::model::{Form, Model, Weighted};
-use crate::term::Term;
+use crate::error::expect;
+use crate::{Direction, Form, FrictionLaw, FrictionTerm, Model, ModelError, Term, Weighted};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::fmt::Display;

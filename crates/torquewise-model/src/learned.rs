@@ -1,17 +1,14 @@
 //! What was learned of an arm, as tables: where its axes lie, its links, its rotors and springs.
 
-use crate::error::ModelError;
-use crate::model::{GeometryFound, Model, Training};
 use crate::print::{DASH, with_error};
-use crate::rigid_chain::{Drive, RigidChain};
 use crate::selection::Selection;
 use crate::shaft_friction::Estimated;
 use crate::weighted::LEAST_T;
+use crate::{Drive, GeometryFound, Model, ModelError, RigidChain, Training};
 use faer::Mat;
 use serde::Serialize;
 use torquewise_rigid::base_parameters::base_parameters;
-use torquewise_rigid::geometry::Placement;
-use torquewise_rigid::recursion::PER_BODY;
+use torquewise_rigid::{PER_BODY, Placement};
 
 /// Where an axis lies at q = 0, and how in respect of the one before.
 #[derive(Clone, Debug, PartialEq, Serialize)]

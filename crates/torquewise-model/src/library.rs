@@ -1,8 +1,7 @@
 //! The candidates: the product library F₁·F₂ and the energy library.
 
-use crate::energy::{EnergyTerm, Place};
 use crate::expansion::Basis;
-use crate::term::{Kind, Term, Trig};
+use crate::{EnergyTerm, Kind, Place, Term, Trig};
 use torquewise_rigid::{Functions, JointKind};
 
 /// Degree in the velocities and in the accelerations of a group of motion functions F₂.

@@ -1,7 +1,6 @@
 //! The links of a rigid chain, ready to give their torque, whole or in parts.
 
-use crate::rigid_chain::RigidChain;
-use crate::term::Kind;
+use crate::{Kind, RigidChain};
 use torquewise_motion::Motion;
 use torquewise_rigid::recursion::MOST_JOINTS;
 use torquewise_rigid::{Kinematics, MotionState};

@@ -1,12 +1,9 @@
 //! The model: terms and weights, as plain data.
 
-use crate::energy::EnergyTerm;
-use crate::error::ModelError;
-use crate::friction::FrictionTerm;
-use crate::rigid_chain::{JointKinds, RigidChain};
-use crate::term::{Sum, Term};
+use crate::term::Sum;
 use crate::verdict::{Grade, Verdict};
 pub use crate::weighted::Weighted;
+use crate::{EnergyTerm, FrictionTerm, JointKinds, ModelError, RigidChain, Term};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use torquewise_motion::Repairs;

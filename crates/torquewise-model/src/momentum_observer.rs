@@ -1,9 +1,8 @@
 //! External torque from the generalised momentum, without q̈ (E16).
 
-use crate::error::{ModelError, expect};
-use crate::model::Model;
-use crate::torque::Torque;
-use torquewise_motion::path::Path;
+use crate::error::expect;
+use crate::{Model, ModelError, Torque};
+use torquewise_motion::Path;
 
 /// Follows the torque that others put on an arm, sample by sample, from q, q̇ and the motor torque.
 ///

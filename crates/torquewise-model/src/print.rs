@@ -1,12 +1,9 @@
 //! Equations to read, as plain text and LaTeX, with the digits that mean something.
 
-use crate::energy::{EnergyTerm, Place};
-use crate::friction::{self, FrictionTerm};
-use crate::model::{Form, Model, Weighted};
+use crate::friction;
 use crate::selection::{Selection, shortest};
 use crate::shaft_friction::{Estimated, ShaftFriction};
-use crate::term::{Kind, Term};
-use crate::units;
+use crate::{EnergyTerm, Form, FrictionTerm, Kind, Model, Place, Term, Weighted, units};
 use std::collections::BTreeMap;
 
 /// Digits shown where no uncertainty is known, or where it is below the precision of the data.

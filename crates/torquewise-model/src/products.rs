@@ -1,6 +1,7 @@
 //! Sums of terms as products ready to evaluate, each sine and cosine once.
 
-use crate::term::{Factor, Kind, Sum, Term};
+use crate::term::{Factor, Sum};
+use crate::{Kind, Term};
 use torquewise_regression::atom::Numbering;
 
 /// One term with its functions looked up by place.

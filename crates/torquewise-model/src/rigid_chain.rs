@@ -1,14 +1,10 @@
 //! A rigid chain as parameters: geometry, inertial parameters, drives, and their covariance.
 
-use crate::energy::{EnergyTerm, Place};
-use crate::error::ModelError;
-use crate::friction::FrictionTerm;
-use crate::term::Term;
 use crate::weighted::Weighted;
+use crate::{EnergyTerm, FrictionTerm, ModelError, Place, Term};
 use faer::{Mat, RowRef, Side};
 use serde::{Deserialize, Serialize};
-use torquewise_rigid::recursion::PER_BODY;
-use torquewise_rigid::{Geometry, Kinematics, MotionState, Moved, inertia};
+use torquewise_rigid::{Geometry, Kinematics, MotionState, Moved, PER_BODY, inertia};
 
 pub use torquewise_rigid::coupling::{Coupled, Coupling};
 pub use torquewise_rigid::joint::{JointKind, JointKinds};

@@ -4,18 +4,14 @@ mod window;
 
 pub use window::{SeeStep, Window, windows};
 
-use crate::error::ModelError;
-use crate::friction::{FrictionLaw, FrictionTerm};
-use crate::model::{Model, Weighted};
-use crate::torque::Torque;
+use crate::{FrictionLaw, FrictionTerm, Model, ModelError, Torque, Weighted};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::Serialize;
-use torquewise_motion::path::Path;
-use torquewise_motion::{ReadError, Recording};
+use torquewise_motion::{Path, ReadError, Recording};
 
 /// Rounds in which friction and speed at the end of a step are made to agree, at most, and the change
 /// \[rad/s\] below which they do.

@@ -1,9 +1,8 @@
 //! Which terms of an equation are printed, and in which form.
 
-use crate::energy::Place;
 use crate::harmonic::summed_angles;
-use crate::term::{Kind, Term};
 use crate::weighted::{LEAST_T, Weighted};
+use crate::{Kind, Place, Term};
 use std::collections::BTreeMap;
 use std::ops::Range;
 

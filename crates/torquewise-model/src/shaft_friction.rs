@@ -1,8 +1,7 @@
 //! Friction in engineering values: Coulomb, static, Stribeck speed, viscous, stiffness.
 
-use crate::friction::{FrictionLaw, FrictionTerm};
-use crate::model::Model;
 use crate::weighted::LEAST_T;
+use crate::{FrictionLaw, FrictionTerm, Model};
 use serde::Serialize;
 
 /// A number with its standard error, both in one unit; the error is 0 where it is not known.

@@ -2,16 +2,13 @@
 
 mod laws;
 
-use crate::error::{ModelError, expect};
-use crate::friction::FrictionTerm;
+use crate::error::expect;
 use crate::links::Links;
-use crate::model::{Form, Model, Weighted};
 use crate::products::{Product, numbered};
-use crate::rigid_chain::Drive;
-use crate::term::{Factor, Kind};
+use crate::term::Factor;
+use crate::{Drive, Form, FrictionTerm, Kind, Model, ModelError, Weighted};
 use faer::{Mat, prelude::Solve};
-use torquewise_motion::Motion;
-use torquewise_motion::path::Path;
+use torquewise_motion::{Motion, Path};
 use torquewise_rigid::{MotionState, Moved};
 
 /// The parts of the torque (1) and (17).

@@ -1,6 +1,6 @@
 //! Derivatives of q(t) by local polynomial least squares, on any time stamps.
 
-use crate::error::{MotionError, Result};
+use crate::{MotionError, Result};
 use faer::{Mat, MatRef};
 
 /// Rows on each side of a row that the polynomial around it is fitted to by [`derivative`].

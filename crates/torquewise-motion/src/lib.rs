@@ -34,9 +34,11 @@ pub mod whole_file;
 pub mod signals;
 
 pub use differentiate::{HALF_WINDOW, derivative};
-pub use error::MotionError;
+pub use error::{MotionError, Result};
 pub use joint_names::unfit_joint_name;
 pub use motion::{LARGEST, Motion, Signals};
+pub use path::Path;
 pub use pattern::Pattern;
 pub use recording::{BLOCK_ROWS, RawRecording, ReadError, ReadResult, Recording, Visit, VisitPair};
 pub use repairs::Repairs;
+pub use signals::{Conditioning, Raw, Signal};

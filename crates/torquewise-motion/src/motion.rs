@@ -1,6 +1,6 @@
 //! Motion: q, q̇, q̈ and τ of n joints at m instants, shapes checked once.
 
-use crate::error::{MotionError, Result};
+use crate::{MotionError, Result};
 use faer::{Mat, MatRef};
 
 /// More than any joint reaches, of q, q̇, q̈ and τ \[rad, rad/s, –, N·m; m and m/s of a slide\]: eight

@@ -1,6 +1,7 @@
 //! States of Dahl elements along a path of positions (E13).
 
-use crate::motion::{Memory, Motion, place};
+use crate::Motion;
+use crate::motion::{Memory, place};
 use faer::Mat;
 use std::borrow::Cow;
 

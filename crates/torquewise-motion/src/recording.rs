@@ -1,6 +1,6 @@
 //! Recordings: one or several trajectories, read in order as blocks, in fixed memory.
 
-use crate::motion::Motion;
+use crate::Motion;
 use crate::signals::bandwidth::Band;
 
 /// Rows of a block at most. Every reader cuts each trajectory at multiples of it, so that sums over

@@ -1,7 +1,7 @@
 //! The methods that are compared: what each offers, and which terms stay.
 
-use torquewise_identify::plan::{LibraryOptions, Regression};
-use torquewise_regression::select::Selector;
+use torquewise_identify::{LibraryOptions, Regression};
+use torquewise_regression::Selector;
 use torquewise_regression::select::lasso::Lasso;
 use torquewise_report::html::Colour;
 

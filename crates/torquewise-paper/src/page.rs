@@ -1,7 +1,6 @@
 //! The results as one HTML page.
 
-use crate::error::PaperError;
-use crate::results::{Claim, ClaimVerdict, Results, Study};
+use crate::{Claim, ClaimVerdict, PaperError, Results, Study};
 use torquewise_report::html::{Heading, Item, Label, Page, Section, Table};
 
 /// The page as one HTML text that needs no other file and no network.

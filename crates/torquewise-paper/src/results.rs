@@ -1,7 +1,6 @@
 //! What an experiment found, as plain data: tables and claims to save, charts to look at.
 
-use crate::error::PaperError;
-use crate::scenario::Settings;
+use crate::{PaperError, Settings};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Display;

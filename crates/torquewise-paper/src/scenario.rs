@@ -1,6 +1,6 @@
 //! How much is done, and the logs that are learned from and judged by.
 
-use crate::error::PaperError;
+use crate::PaperError;
 use serde::Serialize;
 use torquewise_motion::Motion;
 use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, Simulation, add_noise, simulate};

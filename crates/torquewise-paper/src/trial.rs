@@ -2,8 +2,8 @@
 
 use crate::error::{Result, within};
 use crate::method::ACTIVE;
-use crate::results::{Cell, Spread};
 use crate::scenario::{Scenario, outside};
+use crate::{Cell, Spread};
 use cpu_time::ThreadTime;
 use faer::Mat;
 use std::ops::ControlFlow;

@@ -1,7 +1,8 @@
 //! A library in coordinates, as sparse sums over numbered atoms.
 
+use crate::Result;
 use crate::atom::{Atom, Monomial, Numbering, Wave};
-use crate::error::{Result, expect};
+use crate::error::expect;
 
 /// One candidate: a sum of atoms, empty where the column is zero in an equation.
 pub type AtomSum = Vec<Atom>;

@@ -1,6 +1,7 @@
 //! Exact sums: fixed point of 192 bits, the same bits in whatever order numbers are added.
 
-use crate::error::{Result, SparseError, expect};
+use crate::error::expect;
+use crate::{Result, SparseError};
 use serde::{Deserialize, Serialize};
 
 /// Sums of floating-point numbers without rounding.

@@ -1,7 +1,7 @@
 //! k-means: points shared out among centres, the best of several starts; how many centres there
 //! should be.
 
-use crate::error::{Result, SparseError};
+use crate::{Result, SparseError};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::cmp::Ordering;

@@ -21,7 +21,7 @@ pub mod select;
 pub mod kmeans;
 
 pub use design::{AtomSum, Design};
-pub use error::SparseError;
+pub use error::{Result, SparseError};
 pub use normal_equations::{KeptColumns, NormalEquations, ascending};
 pub use normal_sums::{Alike, BlockSums, NormalSums};
 pub use row_sums::{PreparedDesign, RowAdder, RowSums};

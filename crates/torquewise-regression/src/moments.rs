@@ -2,10 +2,9 @@
 //! the rows (E3).
 
 use crate::atom::{Monomial, Numbering, Wave};
-use crate::design::Design;
-use crate::normal_equations::{NormalEquations, ascending};
 use crate::products::add_product;
-use crate::samples::{Samples, monomial_values, wave_cost, wave_values};
+use crate::samples::{monomial_values, wave_cost, wave_values};
+use crate::{Design, NormalEquations, Samples, ascending};
 use faer::Mat;
 use rayon::prelude::*;
 use std::collections::BTreeMap;

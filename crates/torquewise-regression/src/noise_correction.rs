@@ -1,6 +1,6 @@
 //! Normal equations without what noise in the rows adds to them (E7).
 
-use crate::error::{Result, SparseError};
+use crate::{Result, SparseError};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Mat, Par, Side};
 

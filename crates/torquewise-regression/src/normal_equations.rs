@@ -1,7 +1,8 @@
 //! Normal equations YᵀY and Yᵀy: all that least squares can know of rows, and what it makes of them.
 
 use crate::cholesky::{self, Solution};
-use crate::error::{Result, SparseError, expect};
+use crate::error::expect;
+use crate::{Result, SparseError};
 use faer::Mat;
 
 /// Relative residual energy that rounding alone leaves in normal equations.

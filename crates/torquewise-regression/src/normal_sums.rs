@@ -2,7 +2,7 @@
 //! its parameters and its residual, both over the noise (E11). Their sums are exact, so that blocks
 //! and logs add up to the same bits in any order.
 
-use crate::error::Result;
+use crate::Result;
 use crate::exact::ExactSums;
 use crate::products::{add_gram, add_gram_of_equations};
 use faer::{Mat, MatRef};

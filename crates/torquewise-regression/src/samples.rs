@@ -1,8 +1,8 @@
 //! Values of waves, monomials and columns, one block of rows at a time.
 
 use crate::atom::{Monomial, Phase, Wave};
-use crate::design::Design;
-use crate::error::{Result, expect};
+use crate::error::expect;
+use crate::{Design, Result};
 use faer::Mat;
 use pulp::Arch;
 use std::collections::BTreeMap;

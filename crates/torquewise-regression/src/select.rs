@@ -4,8 +4,7 @@ pub mod lasso;
 pub mod stlsq;
 pub mod criterion;
 
-use crate::error::Result;
-use crate::normal_equations::{KeptColumns, NormalEquations};
+use crate::{KeptColumns, NormalEquations, Result};
 
 /// A rule to choose columns.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,7 @@
 //! The report of a fit: what was found in a log, and how far to trust it.
 
-use crate::error::{ReportError, Result};
-use crate::fit_report::origin::Origin;
 use crate::html::{Page, Section};
+use crate::{Origin, ReportError, Result};
 use torquewise_export::Cost;
 use torquewise_identify::verdict::Verdict;
 use torquewise_identify::{Diagnosis, Reconstruction};

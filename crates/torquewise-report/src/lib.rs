@@ -14,7 +14,7 @@ pub mod orders;
 mod torques;
 pub mod fit_report;
 
-pub use error::ReportError;
+pub use error::{ReportError, Result};
 pub use fit_report::clock::pattern_bands;
 pub use fit_report::origin::{LogFile, Origin};
 pub use fit_report::{Findings, fit_report};

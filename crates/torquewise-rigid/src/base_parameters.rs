@@ -1,9 +1,7 @@
 //! Regrouping of the inertial parameters of a chain towards its base parameters.
 
-use crate::geometry::Geometry;
 use crate::inertia::{Inertial, seen_from};
-use crate::joint::JointKind;
-use crate::recursion::PER_BODY;
+use crate::{Geometry, JointKind, PER_BODY};
 
 /// Regroups inertial parameters without changing any torque: of a revolute link, mass, first moment
 /// along z and Iyy act like a body symmetric about the axis, and move to the parent link (those of the

@@ -1,8 +1,7 @@
 //! The best physically consistent parameters of normal equations (E14).
 
-use crate::error::{ChainError, Result};
 use crate::inertia::{Inertial, divergence, divergence_slopes};
-use crate::recursion::PER_BODY;
+use crate::{ChainError, PER_BODY, Result};
 use faer::{ColRef, Mat};
 
 mod factored;

@@ -2,9 +2,8 @@
 
 mod choices;
 
-use crate::coupling::Coupling;
-use crate::error::{Result, expect};
-use crate::joint::JointKinds;
+use crate::error::expect;
+use crate::{Coupling, JointKinds, Result};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI};

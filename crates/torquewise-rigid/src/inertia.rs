@@ -1,8 +1,7 @@
 //! Inertial parameters that a rigid body can have: pseudo-inertia, and the divergence from a nominal
 //! body (E14).
 
-use crate::geometry::Placement;
-use crate::recursion::PER_BODY;
+use crate::{PER_BODY, Placement};
 use nalgebra::{Cholesky, Matrix4, Vector3};
 
 /// The ten inertial parameters of a body, as in [`crate::recursion`].

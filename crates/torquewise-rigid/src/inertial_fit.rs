@@ -1,9 +1,8 @@
 //! Inertial parameters of a given geometry, by least squares, and the residual.
 
-use crate::error::{ChainError, Result};
-use crate::geometry::Geometry;
-use crate::recursion::{Moved, PER_BODY, each_four};
-use crate::rows::{ChainRows, put};
+use crate::recursion::each_four;
+use crate::rows::put;
+use crate::{ChainError, ChainRows, Geometry, Moved, PER_BODY, Result};
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{ColRef, Mat, MatRef, Side};
 use torquewise_regression::products::{add_gram_at, product};

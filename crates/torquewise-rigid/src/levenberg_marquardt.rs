@@ -1,12 +1,10 @@
 //! Levenberg–Marquardt on the geometry, with the inertial parameters projected out (E8).
 
-use crate::error::{ChainError, Result};
-use crate::geometry::Geometry;
 use crate::inertial_fit::{InertialFit, scale_rows};
-use crate::recursion::{Lanes, MOST_JOINTS, Moved, PER_BODY, each_four};
-use crate::rows::{ChainRows, put};
+use crate::recursion::{Lanes, MOST_JOINTS, each_four};
+use crate::rows::put;
 use crate::search::{SearchStage, SearchWatch, tell};
-use crate::usual_arm::UsualArm;
+use crate::{ChainError, ChainRows, Geometry, Moved, PER_BODY, Result, UsualArm};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use simba::simd::SimdValue;

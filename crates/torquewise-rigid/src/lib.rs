@@ -21,10 +21,10 @@ pub mod tangent;
 pub mod usual_arm;
 
 pub use coupling::Coupling;
-pub use error::ChainError;
-pub use geometry::Geometry;
+pub use error::{ChainError, Result};
+pub use geometry::{Geometry, PER_BASE, Placement};
 pub use joint::{Functions, JointKind, JointKinds};
-pub use recursion::{Kinematics, MotionState, Moved};
+pub use recursion::{Kinematics, MotionState, Moved, PER_BODY};
 pub use rows::ChainRows;
 pub use search::{Chain, Search, refine, search};
 pub use tangent::Tangent;

@@ -8,9 +8,7 @@ mod mass;
 mod slide;
 mod torque;
 
-use crate::coupling::Coupling;
-use crate::geometry::{Geometry, Placement};
-use crate::joint::{JointKind, JointKinds};
+use crate::{Coupling, Geometry, JointKind, JointKinds, Placement};
 use derivative::MotionDerivative;
 use nalgebra::{Matrix3, SimdRealField, Vector3};
 use simba::simd::WideF64x4;

@@ -1,9 +1,9 @@
 //! Rows of the regression that a chain is learned from: motion, torque, drive columns.
 
-use crate::error::{ChainError, Result, expect};
-use crate::geometry::Geometry;
+use crate::error::expect;
 use crate::inertial_fit::{JointColumns, columns_at};
-use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, N_LANES};
+use crate::recursion::{Lanes, MOST_JOINTS, N_LANES};
+use crate::{ChainError, Geometry, Kinematics, Result};
 use faer::{Mat, MatRef};
 use std::sync::Arc;
 use torquewise_regression::products::picked;

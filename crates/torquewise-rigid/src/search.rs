@@ -1,14 +1,12 @@
 //! Search of the geometry: many starts with axes at right angles, the best of them refined.
 
-use crate::coupling::Coupling;
-use crate::error::{ChainError, Result, expect};
-use crate::geometry::{Geometry, PER_BASE, PER_JOINT, RIGHT_ANGLES};
+use crate::error::expect;
+use crate::geometry::{PER_JOINT, RIGHT_ANGLES};
 use crate::inertial_fit::InertialFit;
-use crate::joint::JointKinds;
 use crate::levenberg_marquardt::Target;
-use crate::recursion::PER_BODY;
-use crate::rows::ChainRows;
-use crate::usual_arm::UsualArm;
+use crate::{
+    ChainError, ChainRows, Coupling, Geometry, JointKinds, PER_BASE, PER_BODY, Result, UsualArm,
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;

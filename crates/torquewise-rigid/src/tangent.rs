@@ -1,10 +1,9 @@
 //! Residual of a chain, and its derivative by each parameter (E11).
 
-use crate::error::{Result, expect};
+use crate::error::expect;
 use crate::inertial_fit::weighted_columns;
 use crate::levenberg_marquardt::changes;
-use crate::rows::ChainRows;
-use crate::search::Chain;
+use crate::{Chain, ChainRows, Result};
 use faer::Mat;
 
 /// The torque of rows, linearised at a chain.

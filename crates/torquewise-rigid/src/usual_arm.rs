@@ -1,6 +1,7 @@
 //! The prior of the geometry: axes at right angles and near each other (E8).
 
-use crate::geometry::{Geometry, PER_BASE, nearest_right_angle};
+use crate::geometry::nearest_right_angle;
+use crate::{Geometry, PER_BASE};
 
 /// Gaussian prior of a geometry: mean, the nearest right angles with all axes through one point, and
 /// precision of each parameter.

@@ -1,14 +1,14 @@
 //! Arms: names, placements, axes and bodies of joints in a row, checked once.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
-use crate::error::{Result, SimError, check_between, check_joints};
-use crate::spatial::{Body, Pose, is_positive_semidefinite, placement, pose};
+use crate::error::{check_between, check_joints};
+use crate::spatial::{Pose, is_positive_semidefinite, placement, pose};
+use crate::{Body, Result, SimError};
 use nalgebra::{Unit, Vector3};
 use std::f64::consts::PI;
 use torquewise_motion::unfit_joint_name;
 use torquewise_rigid::geometry::GRAVITY;
-use torquewise_rigid::recursion::PER_BODY;
-use torquewise_rigid::{Geometry, JointKind, JointKinds, Kinematics};
+use torquewise_rigid::{Geometry, JointKind, JointKinds, Kinematics, PER_BODY};
 
 /// Gravity \[m/s²\] where none is given: along −z of the world.
 pub(crate) const STANDARD_GRAVITY: [f64; 3] = [0.0, 0.0, -GRAVITY];

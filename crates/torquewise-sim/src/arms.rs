@@ -1,7 +1,6 @@
 //! The reference arms that tests, examples and documents share.
 
-use crate::arm::Arm;
-use crate::error::{Result, SimError};
+use crate::{Arm, Result, SimError};
 
 /// A reference arm in one line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]

@@ -1,9 +1,9 @@
 //! Arms from a table of standard Denavit–Hartenberg rows with the mass of each link.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
-use crate::arm::{Arm, Joint, JointLimits, STANDARD_GRAVITY, check_body, check_finite};
-use crate::error::{Result, SimError};
-use crate::spatial::{Body, dh_row, shifted_turned};
+use crate::arm::{Joint, STANDARD_GRAVITY, check_body, check_finite};
+use crate::spatial::{dh_row, shifted_turned};
+use crate::{Arm, Body, JointLimits, Result, SimError};
 use serde::Deserialize;
 use std::f64::consts::PI;
 use torquewise_rigid::JointKind;

@@ -1,6 +1,7 @@
 //! The Stribeck curve (17) of each joint, forward and backward, and bristles.
 
-use crate::error::{Result, SimError, check_between};
+use crate::error::check_between;
+use crate::{Result, SimError};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 

@@ -36,7 +36,7 @@ pub mod control;
 
 pub use arm::{Arm, JointLimits};
 pub use arms::{ArmSummary, arms};
-pub use error::SimError;
+pub use error::{Result, SimError};
 pub use friction::{Friction, Stribeck};
 pub use noise::{Noise, add_noise};
 pub use plan::{MotionKind, MotionPlan};

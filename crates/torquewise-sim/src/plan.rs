@@ -1,6 +1,7 @@
 //! What a simulated log should hold.
 
-use crate::error::{Result, check_between};
+use crate::Result;
+use crate::error::check_between;
 use torquewise_motion::stats::whole;
 
 /// How the joints are moved.

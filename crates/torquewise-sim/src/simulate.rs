@@ -1,11 +1,10 @@
 //! A log free of noise whose truth is known.
 
-use crate::arm::Arm;
-use crate::error::{Result, check_joints};
-use crate::friction::{Bent, Friction};
-use crate::plan::MotionPlan;
+use crate::error::check_joints;
+use crate::friction::Bent;
 use crate::state::motion;
 use crate::trajectory::Trajectory;
+use crate::{Arm, Friction, MotionPlan, Result};
 use faer::Mat;
 use std::ops::Range;
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadResult, Recording, Visit};

@@ -2,8 +2,8 @@
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo: X_AB = X_AC * X_CB")]
 
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Unit, Vector3};
-use torquewise_rigid::geometry::Placement;
-use torquewise_rigid::recursion::{Inertia, PER_BODY};
+use torquewise_rigid::recursion::Inertia;
+use torquewise_rigid::{PER_BODY, Placement};
 
 /// Frame B seen from frame A: it turns B's components of a vector into A's, its translation is the
 /// origin of B \[m\], in A.

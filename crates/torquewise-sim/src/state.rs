@@ -1,6 +1,6 @@
 //! Positions, velocities and accelerations of n joints: at one instant, and row by row.
 
-use crate::error::Result;
+use crate::Result;
 use faer::{Mat, MatRef};
 use torquewise_motion::{Motion, Signals};
 

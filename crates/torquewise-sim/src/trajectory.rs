@@ -4,10 +4,8 @@ mod moves;
 mod sines;
 mod staged;
 
-use crate::arm::Arm;
-use crate::error::Result;
-use crate::plan::{MotionKind, MotionPlan};
 use crate::state::State;
+use crate::{Arm, MotionKind, MotionPlan, Result};
 use moves::Moves;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

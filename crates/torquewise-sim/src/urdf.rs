@@ -5,8 +5,8 @@ pub mod edit;
 mod robot;
 mod tree;
 
-use crate::arm::{Arm, Joint, JointLimits, STANDARD_GRAVITY, motion_range};
-use crate::error::Result;
+use crate::arm::{Joint, STANDARD_GRAVITY, motion_range};
+use crate::{Arm, JointLimits, Result};
 use robot::Robot;
 use tree::{Hinge, Tree};
 

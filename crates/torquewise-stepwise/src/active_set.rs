@@ -1,8 +1,7 @@
 //! Kept terms: their normal equations near a fit, and what noise does to these (E6) (E7).
 
-use crate::candidates::Candidates;
-use crate::noise::NoiseFloor;
 use crate::rows::fill_in;
+use crate::{Candidates, NoiseFloor};
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

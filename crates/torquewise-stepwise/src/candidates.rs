@@ -1,13 +1,12 @@
 //! The terms offered, as columns of a regression, and the step that offers each.
 
-use crate::error::IdentifyError;
-use crate::plan::{LibraryKind, MOST_CANDIDATES, Regression};
-use torquewise_model::friction::FrictionLaw;
+use crate::plan::MOST_CANDIDATES;
+use crate::{IdentifyError, LibraryKind, Regression};
 use torquewise_model::harmonic::waves_of;
 use torquewise_model::library::{
     Degree, energy_library, energy_library_size, product_library, product_library_size,
 };
-use torquewise_model::{EnergyTerm, FrictionTerm, JointKind, Kind, Place, Term, Trig};
+use torquewise_model::{EnergyTerm, FrictionLaw, FrictionTerm, JointKind, Kind, Place, Term, Trig};
 use torquewise_motion::Pattern;
 use torquewise_regression::atom::{Atom, Monomial, Wave};
 use torquewise_regression::{AtomSum, Design};

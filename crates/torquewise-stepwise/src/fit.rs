@@ -1,9 +1,8 @@
 //! What the steps found in the terms of a library, and how.
 
-use crate::candidates::{Candidates, Terms};
-use crate::noise::NoiseFloor;
-use crate::patterns::Patterns;
+use crate::candidates::Terms;
 use crate::refit::{FittedTerm, Refitted};
+use crate::{Candidates, NoiseFloor, Patterns};
 use serde::Serialize;
 use torquewise_model::{Form, FrictionTerm, Model, Weighted};
 use torquewise_motion::Pattern;

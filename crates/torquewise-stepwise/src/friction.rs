@@ -1,7 +1,6 @@
 //! The friction that is offered: laws of each joint (17), with their speeds.
 
-use torquewise_model::FrictionTerm;
-use torquewise_model::friction::{Direction, FrictionLaw};
+use torquewise_model::{Direction, FrictionLaw, FrictionTerm};
 use torquewise_motion::path::TRAVELS;
 
 /// Which friction is looked for (17).

@@ -1,6 +1,7 @@
 //! A choice by errors on held-out blocks of time: the simplest near the best.
 
-use torquewise_model::model::{Candidate, Choice};
+use torquewise_model::Choice;
+use torquewise_model::model::Candidate;
 
 /// Blocks a log is cut into, in time: samples are never shuffled, since neighbours are alike.
 pub const BLOCKS: usize = 5;

@@ -24,6 +24,7 @@ pub mod fit;
 pub mod reconstruct;
 pub mod orders;
 
+pub use candidates::Candidates;
 pub use digests::Digests;
 pub use error::IdentifyError;
 pub use fit::StepReport;
@@ -32,4 +33,4 @@ pub use noise::NoiseFloor;
 pub use patterns::{PatternPlan, Patterns, find_patterns};
 pub use plan::{LibraryKind, Regression};
 pub use progress::Progress;
-pub use survey::{Survey, survey};
+pub use survey::{Survey, survey, thinned};

@@ -1,19 +1,18 @@
 //! Which columns are summed, and their sums over the rows of each pattern.
 
-use crate::candidates::Candidates;
-use crate::error::IdentifyError;
-use crate::friction::FrictionKind;
 use crate::model_selection::choose_laws;
-use crate::noise::{NoiseFloor, NoiseSum};
-use crate::patterns::{LEAST_SHARE, PatternPlan, Patterns};
-use crate::plan::{LibraryKind, LibraryOptions, Regression};
-use crate::progress::{Progress, Watch};
+use crate::noise::NoiseSum;
+use crate::patterns::LEAST_SHARE;
+use crate::plan::LibraryOptions;
+use crate::progress::Watch;
 use crate::rows::{PatternSums, clear_of_reversals, samples_of};
-use crate::survey::survey;
+use crate::{
+    Candidates, FrictionKind, IdentifyError, LibraryKind, NoiseFloor, PatternPlan, Patterns,
+    Progress, Regression, survey,
+};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-use torquewise_model::model::Choice;
-use torquewise_model::{FrictionTerm, JointKinds};
+use torquewise_model::{Choice, FrictionTerm, JointKinds};
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
 use torquewise_regression::{PreparedDesign, RowAdder, RowSums, SparseError};
 

@@ -1,17 +1,14 @@
 //! Interaction order, friction and strictness, chosen on held-out blocks.
 
-use crate::candidates::Candidates;
-use crate::error::IdentifyError;
-use crate::friction::{FrictionKind, FrictionLibrary, REVERSAL, WIDTHS, WORTH, reversal_label};
+use crate::friction::{FrictionLibrary, REVERSAL, WIDTHS, WORTH, reversal_label};
 use crate::held_out::{BLOCKS, CvScore, mean, record_worth, split};
-use crate::plan::{LibraryKind, LibraryOptions, MOST_CANDIDATES, Regression};
+use crate::plan::{LibraryOptions, MOST_CANDIDATES};
 use crate::rows::{clear_of_reversals, samples_of};
 use crate::step::{self, Step, of_joint};
-use crate::survey::Survey;
+use crate::{Candidates, FrictionKind, IdentifyError, LibraryKind, Regression, Survey};
 use rayon::prelude::*;
 use torquewise_model::library::energy_library_size;
-use torquewise_model::model::Choice;
-use torquewise_model::{FrictionTerm, JointKind};
+use torquewise_model::{Choice, FrictionTerm, JointKind};
 use torquewise_regression::select::criterion::Criterion;
 use torquewise_regression::{NormalEquations, PreparedDesign, RowAdder, Selector, SparseError};
 

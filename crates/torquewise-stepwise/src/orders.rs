@@ -2,11 +2,8 @@
 //! paper).
 
 use crate::candidates::{SIGNALS, columns_of_energies, columns_of_terms};
-use crate::error::IdentifyError;
-use crate::patterns::{PatternPlan, find_patterns};
 use crate::rows::{PatternSums, samples_of};
-use crate::step;
-use crate::survey::survey;
+use crate::{IdentifyError, PatternPlan, find_patterns, step, survey};
 use faer::Mat;
 use rayon::prelude::*;
 use serde::Serialize;

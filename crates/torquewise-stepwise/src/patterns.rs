@@ -1,8 +1,7 @@
 //! Clusters of rows, named by the part of the torque they activate.
 
 use crate::activation::{Activation, Scaling};
-use crate::error::IdentifyError;
-use crate::survey::Survey;
+use crate::{IdentifyError, Survey};
 use serde::{Deserialize, Serialize};
 use torquewise_motion::{Motion, Pattern};
 use torquewise_regression::kmeans::{elbow, kmeans};

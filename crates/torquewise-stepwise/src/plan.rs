@@ -1,6 +1,6 @@
 //! Options of a library: candidates, regressions, friction and selection.
 
-use crate::friction::FrictionKind;
+use crate::FrictionKind;
 use serde::{Deserialize, Serialize};
 use torquewise_model::JointKinds;
 use torquewise_regression::Selector;

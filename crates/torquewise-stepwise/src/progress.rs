@@ -1,6 +1,6 @@
 //! How far work under way is, for whoever watches it and may stop it.
 
-use crate::error::IdentifyError;
+use crate::IdentifyError;
 use std::fmt;
 use std::ops::ControlFlow;
 

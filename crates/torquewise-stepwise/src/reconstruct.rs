@@ -1,22 +1,19 @@
 //! The method of the paper on one page.
 
 use crate::active_set::ActiveSet;
-use crate::candidates::Candidates;
-use crate::error::IdentifyError;
-use crate::fit::{LibraryFit, StepReport, dropped, model_terms};
+use crate::fit::{LibraryFit, dropped, model_terms};
 use crate::library::{LibrarySums, SummedLibrary};
 use crate::model_selection::{ModelSelection, select_model};
-use crate::noise::NoiseFloor;
-use crate::patterns::find_patterns;
-use crate::plan::{LibraryOptions, Regression};
-use crate::progress::{Progress, Watch};
+use crate::plan::LibraryOptions;
+use crate::progress::Watch;
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
 use crate::step::{self, Step, plan_steps};
-use crate::survey::Survey;
+use crate::{
+    Candidates, IdentifyError, NoiseFloor, Progress, Regression, StepReport, Survey, find_patterns,
+};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-use torquewise_model::model::Choice;
-use torquewise_model::{Model, Stage, Weighted};
+use torquewise_model::{Choice, Model, Stage, Weighted};
 use torquewise_motion::Pattern;
 use torquewise_regression::{NormalEquations, RowSums, Selector};
 

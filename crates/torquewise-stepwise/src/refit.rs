@@ -1,13 +1,10 @@
 //! Coefficients, standard errors and inclusion of the kept terms, all fitted together (E6) (E7).
 
 use crate::active_set::ActiveSet;
-use crate::candidates::Candidates;
-use crate::error::IdentifyError;
-use crate::noise::NoiseFloor;
 use crate::plan::LibraryOptions;
 use crate::rows::{clear_of_reversals, cut, samples_of};
 use crate::step::{of_joint, unexplained, weighted_problem};
-use crate::survey::Survey;
+use crate::{Candidates, IdentifyError, NoiseFloor, Survey};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

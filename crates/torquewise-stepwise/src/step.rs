@@ -1,8 +1,7 @@
 //! One step: which rows are asked for which candidates, and the regression of what the earlier steps
 //! leave unexplained.
 
-use crate::candidates::Candidates;
-use crate::plan::Regression;
+use crate::{Candidates, Regression};
 use torquewise_motion::Pattern;
 use torquewise_regression::{NormalEquations, Selector, SparseError, ascending};
 

@@ -1,15 +1,14 @@
 //! One look at the whole log, and an even sample of it, in fixed memory.
 
-use crate::digests::Digests;
-use crate::error::IdentifyError;
-use crate::noise::{NoiseFloor, NoiseSum};
+use crate::noise::NoiseSum;
 use crate::systematic_sample::SystematicSample;
+use crate::{Digests, IdentifyError, NoiseFloor};
 use faer::{Mat, MatRef};
 use serde::{Deserialize, Serialize};
 use torquewise_model::Training;
 use torquewise_motion::motion::Memory;
-use torquewise_motion::path::{Path, TRAVELS};
-use torquewise_motion::{Motion, Recording, Signals};
+use torquewise_motion::path::TRAVELS;
+use torquewise_motion::{Motion, Path, Recording, Signals};
 use torquewise_regression::SparseError;
 use torquewise_regression::exact::ExactSums;
 use torquewise_rigid::rows::{evenly, spread_above_rounding};

@@ -10,8 +10,7 @@ use torquewise::inspect::inspect;
 use torquewise::log::Rows;
 use torquewise::logs::{LogError, LogInput, Logs, Options, Profile, preview, suggest};
 use torquewise::model::from_json;
-use torquewise::observe::Observer;
-use torquewise::{Diagnostic, Error, Filter, Fit, FitOptions, Log};
+use torquewise::{Diagnostic, Error, Filter, Fit, FitOptions, Log, Observer};
 
 /// Rows of a column that are shown before anything is fitted.
 const PREVIEW_ROWS: usize = 2_000;

@@ -4,9 +4,8 @@ use serde_json::{Value, json};
 use torquewise::log::Prepared;
 use torquewise::model::selection::Selection;
 use torquewise::model::{print, to_json};
-use torquewise::observe::Observer;
 use torquewise::page::{LogFile, Origin, page};
-use torquewise::{Error, FitResult};
+use torquewise::{Error, FitResult, Observer};
 
 /// Verdict, errors, warnings, report, equations and the text of the model file.
 pub(crate) fn fitted(

@@ -1,14 +1,12 @@
 //! Stepwise reconstruction beside one-shot SINDy, on the same logs.
 
 use crate::error::Result;
-use crate::fit::{FitResult, fit_plan};
-use crate::observe::{NOBODY, Observer, Watched};
-use crate::options::FitOptions;
+use crate::fit::fit_plan;
+use crate::observe::{NOBODY, Watched};
+use crate::{FitOptions, FitResult, Observer};
 use serde::{Serialize, Serializer};
 use serde_json::json;
-use torquewise_identify::Method;
-use torquewise_identify::plan::LibraryOptions;
-use torquewise_identify::score::{Scores, score};
+use torquewise_identify::{LibraryOptions, Method, Scores, score};
 use torquewise_motion::Recording;
 use torquewise_stepwise::candidates::check_library;
 

@@ -4,8 +4,7 @@ use crate::summary::all_repairs;
 use serde_json::{Value, json};
 use torquewise_model::selection::Selection;
 use torquewise_model::shaft_friction::ShaftFriction;
-use torquewise_model::term::Kind;
-use torquewise_model::{Form, Model, ModelError, Weighted, learned, print};
+use torquewise_model::{Form, Kind, Model, ModelError, Weighted, learned, print};
 
 /// What is in a model, or in a part of it, for programs: axes, terms by joint, energies, friction,
 /// what was chosen and repaired.

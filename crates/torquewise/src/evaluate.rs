@@ -1,12 +1,14 @@
 //! How well a model predicts the torque of a log.
 
-use crate::error::{Error, Result};
-use crate::log::{Log, Prepared, Rows, Source};
-use crate::observe::{NOBODY, Observer, Watched};
+use crate::error::Result;
+use crate::log::{Prepared, Rows, Source};
+use crate::observe::{NOBODY, Watched};
 use crate::predict::{Interval, MotionRange};
+use crate::{Error, Log, Observer};
 use serde::{Serialize, Serializer};
 use serde_json::json;
-use torquewise_identify::score::{JointScore, score, score_along};
+use torquewise_identify::score;
+use torquewise_identify::score::{JointScore, score_along};
 use torquewise_identify::verdict::{Verdict, judge_by};
 use torquewise_identify::warning::list;
 use torquewise_model::Model;

@@ -1,6 +1,7 @@
 //! A model as files for other programs: code for controllers, robots for simulators.
 
-use crate::error::{Error, Result};
+use crate::Error;
+use crate::error::Result;
 use crate::physics::MassMatrix;
 use std::env;
 use std::env::consts::{ARCH, DLL_SUFFIX, OS};

@@ -1,13 +1,12 @@
 //! Torque that others put on an arm, and when it is a contact (E16).
 
 use crate::error::Result;
-use crate::log::{Log, Prepared, Rows};
-use crate::observe::Observer;
+use crate::log::{Prepared, Rows};
 use crate::predict::MotionRange;
+use crate::{Log, Observer};
 use torquewise_identify::contacts::external_torques;
 use torquewise_model::Model;
-use torquewise_motion::signals::Signal;
-use torquewise_motion::{ReadError, Repairs};
+use torquewise_motion::{ReadError, Repairs, Signal};
 
 pub use torquewise_identify::contacts::{Contact, ContactDetector, Thresholds};
 

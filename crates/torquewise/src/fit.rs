@@ -1,26 +1,23 @@
 //! The fit: the one call that chooses what is fitted, conditions, fits and judges.
 
-use crate::error::{Error, Result};
-use crate::evaluate::{Evaluation, evaluate};
-use crate::log::{Filter, Log, Prepared, Rows, Source};
-use crate::observe::{Event, NOBODY, Observer, Watched};
-use crate::options::{FitOptions, Library};
+use crate::error::Result;
+use crate::log::{Prepared, Rows, Source};
+use crate::observe::{NOBODY, Watched};
 use crate::physics::MassMatrix;
 use crate::summary::repairs_note;
+use crate::{Error, Evaluation, Event, Filter, FitOptions, Library, Log, Observer, evaluate};
 use std::ops::Deref;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 use torquewise_identify::bandwidth::{Tuned, tune};
-use torquewise_identify::plan::ChainOptions;
 use torquewise_identify::reconstruct::reconstruct_from;
 use torquewise_identify::verdict::{Grade, Verdict, judge};
 use torquewise_identify::{
-    IdentifyError, Method, Plan, Reconstruction, Warning, first_look, reconstruct,
+    ChainOptions, IdentifyError, Method, Plan, Reconstruction, Warning, first_look, reconstruct,
 };
-use torquewise_stepwise::Progress;
 use torquewise_stepwise::progress::Watch;
-use torquewise_stepwise::survey::survey;
+use torquewise_stepwise::{Progress, survey};
 
 /// A fit to be run: what it reads, and what is asked for.
 #[must_use]

@@ -1,9 +1,9 @@
 //! What a log holds and what it lacks, before anything is fitted to it.
 
+use crate::Observer;
 use crate::error::Result;
 use crate::fit::timed;
 use crate::log::Prepared;
-use crate::observe::Observer;
 use crate::options::MOST_BY_TERMS;
 use crate::summary::all_repairs;
 use serde::Serialize;

@@ -1,13 +1,13 @@
 //! Options of a fit as words and numbers, for programs in other languages.
 
-use crate::error::{Error, Result};
-use crate::options::{FitOptions, Library};
+use crate::error::Result;
+use crate::{Error, FitOptions, Library};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Map, Value, json};
 use std::ops::RangeInclusive;
-use torquewise_identify::plan::{FrictionKind, Refine, Regression};
+use torquewise_identify::{FrictionKind, Refine, Regression};
 use torquewise_model::JointKind;
-use torquewise_regression::select::Selector;
+use torquewise_regression::Selector;
 use torquewise_regression::select::criterion::Criterion;
 use torquewise_regression::select::lasso::Lasso;
 use torquewise_regression::select::stlsq::Stlsq;

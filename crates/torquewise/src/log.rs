@@ -1,18 +1,19 @@
 //! Logs of an arm, and how their signals are conditioned before anything is fitted to them.
 
-use crate::error::{Error, Result};
-use crate::observe::{Observer, Watched};
+use crate::error::Result;
+use crate::observe::Watched;
+use crate::{Error, Observer};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use torquewise_identify::disagreement::{Disagreement, disagreements};
-use torquewise_identify::warning::{Warning, list};
+use torquewise_identify::warning::list;
+use torquewise_identify::{Disagreement, Warning, disagreements};
 use torquewise_logs::conditioned::RawLogs;
 use torquewise_logs::{ConditionedLogs, LEAST_GAIN, Logs, Options};
 use torquewise_model::Model;
 use torquewise_model::model::TrainingFilter;
 use torquewise_motion::repairs::counted;
-use torquewise_motion::signals::{ConditionReport, Conditioning, Cutoff, SignalReport};
-use torquewise_motion::{Motion, ReadError, Recording, Repairs};
+use torquewise_motion::signals::{ConditionReport, Cutoff, SignalReport};
+use torquewise_motion::{Conditioning, Motion, ReadError, Recording, Repairs};
 
 /// Velocity over the slope of its position from which on it is told; of real logs the largest is 1.14.
 const MOST_GAIN: f64 = 1.15;

@@ -1,6 +1,6 @@
 //! Who watches long work, and may stop it.
 
-use crate::error::Error;
+use crate::Error;
 use std::ops::ControlFlow;
 use torquewise_motion::{Motion, ReadResult, Recording, Visit, VisitPair};
 use torquewise_stepwise::Progress;

@@ -1,16 +1,18 @@
 //! What is fitted to a log unless it is said otherwise, and which options go with it.
 
-use crate::error::{Error, Remedy, Result, Wording};
+use crate::error::Result;
 use crate::keywords::{joint_kinds, some_word, word};
+use crate::{Error, Remedy, Wording};
 use serde::Deserialize;
-use torquewise_identify::plan::{
-    ChainOptions, FrictionKind, KnownGeometry, LibraryOptions, Refine, Regression,
-};
+use torquewise_identify::plan::KnownGeometry;
 use torquewise_identify::settings::SumSettings;
-use torquewise_identify::{LibraryKind, Method, PatternPlan, Plan};
+use torquewise_identify::{
+    ChainOptions, FrictionKind, LibraryKind, LibraryOptions, Method, PatternPlan, Plan, Refine,
+    Regression,
+};
 use torquewise_model::JointKind;
 use torquewise_model::expansion::check_joints;
-use torquewise_regression::select::Selector;
+use torquewise_regression::Selector;
 use torquewise_stepwise::activation::Scaling;
 
 /// Joints up to which the whole energy library is offered.

@@ -1,11 +1,10 @@
 //! The page of a fit: what was found, and how far to trust it.
 
-use crate::error::{Error, Result};
-use crate::evaluate::{Evaluation, interval};
-use crate::fit::FitResult;
+use crate::error::Result;
+use crate::evaluate::interval;
 use crate::log::Prepared;
-use crate::observe::Observer;
 use crate::physics::{PhysicsCheck, STATES};
+use crate::{Error, Evaluation, FitResult, Observer};
 use torquewise_export::torque_costs;
 use torquewise_identify::{IdentifyError, diagnose};
 use torquewise_report::{Findings, fit_report};

@@ -2,8 +2,7 @@
 
 use crate::error::Result;
 use crate::evaluate::prepare;
-use crate::log::Log;
-use crate::observe::Observer;
+use crate::{Log, Observer};
 use torquewise_model::Model;
 
 pub use torquewise_identify::payload::{DriveGains, LoadPlace, Payload};

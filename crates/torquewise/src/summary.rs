@@ -1,7 +1,7 @@
 //! What a fit found in numbers: the object that programs read.
 
+use crate::FitResult;
 use crate::error::Result;
-use crate::fit::FitResult;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use torquewise_motion::Repairs;

@@ -1,15 +1,14 @@
 //! Logs summed up apart, and solved together for the model that fitting all of them gives.
 
-use crate::error::{Error, Result};
-use crate::fit::{FitResult, timed};
-use crate::log::{Log, Prepared, Rows};
-use crate::observe::{Event, Observer};
-use crate::options::FitOptions;
-use torquewise_identify::plan::{ChainOptions, FrictionKind, LibraryOptions};
-use torquewise_identify::reconstruct::Solution;
+use crate::error::Result;
+use crate::fit::timed;
+use crate::log::{Prepared, Rows};
+use crate::{Error, Event, FitOptions, FitResult, Log, Observer};
 use torquewise_identify::rounds::Request;
 use torquewise_identify::summary::summarise_again;
-use torquewise_identify::{Method, Plan, Summary, solve, summarise};
+use torquewise_identify::{
+    ChainOptions, FrictionKind, LibraryOptions, Method, Plan, Solution, Summary, solve, summarise,
+};
 
 /// What solving sums of logs came to.
 #[derive(Debug)]

@@ -5,8 +5,7 @@ use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::{Drive, Model, ModelError, Torque};
 use torquewise_motion::{Motion, ReadResult, Recording, Signals, Visit};
 use torquewise_sim::excite::{JointValues, State, Torques};
-use torquewise_sim::friction::{Friction, Stribeck};
-use torquewise_sim::{Arm, MotionPlan, SimulatedLog};
+use torquewise_sim::{Arm, Friction, MotionPlan, SimulatedLog, Stribeck};
 
 /// The rigid part of a model as an arm: links, and rotors of single joints; positions and speeds are
 /// those of the log it was learned from.

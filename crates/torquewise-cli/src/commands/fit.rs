@@ -1,22 +1,21 @@
 //! The main job: logs to a model file.
 
 use crate::arguments::{METHOD, PlanArguments, RobotArguments, words};
-use crate::call_costs;
 use crate::commands::payload::load_text;
 use crate::error::Result;
 use crate::files::{check_files, staged, write_whole};
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
-use crate::score_table;
 use crate::signal_arguments::SignalArguments;
 use crate::table::Table;
+use crate::{call_costs, score_table};
 use chrono::{DateTime, Utc};
 use clap::Args;
 use serde_json::json;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::time::SystemTime;
-use torquewise::evaluate::{Evaluation, evaluate_prepared};
+use torquewise::evaluate::evaluate_prepared;
 use torquewise::identify::Warning;
 use torquewise::log::{Prepared, Rows};
 use torquewise::model::model::Choice;
@@ -24,7 +23,7 @@ use torquewise::model::units::heading;
 use torquewise::model::{Model, ModelError, number};
 use torquewise::page::{LogFile, Origin, page};
 use torquewise::payload::{LoadPlace, payload};
-use torquewise::{Error, Fit, FitResult, Grade, Library, Log};
+use torquewise::{Error, Evaluation, Fit, FitResult, Grade, Library, Log};
 
 /// Reconstruct the equations of motion from logs
 #[derive(Args, Debug)]

@@ -3,11 +3,10 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
-use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::rigid_chain::{Coupled, Coupling};
 use torquewise_model::{
-    Drive, EnergyTerm, Form, FrictionTerm, JointKind, Model, Place, RigidChain, Stage, Term, Trig,
-    Weighted,
+    Direction, Drive, EnergyTerm, Form, FrictionLaw, FrictionTerm, JointKind, Model, Place,
+    RigidChain, Stage, Term, Trig, Weighted,
 };
 
 /// A state of an arm: q, q̇, q̈.

@@ -7,10 +7,8 @@ use roxmltree::{Document, Node};
 use serde_json::Value;
 use std::f64::consts::PI;
 use torquewise_export::{ExportError, onto_urdf, to_isaac_lab, to_mjcf, to_urdf};
-use torquewise_model::friction::FrictionLaw;
-use torquewise_model::{Drive, FrictionTerm, JointKind, Model, Torque, Weighted};
-use torquewise_rigid::geometry::Placement;
-use torquewise_rigid::{Kinematics, MotionState, Moved};
+use torquewise_model::{Drive, FrictionLaw, FrictionTerm, JointKind, Model, Torque, Weighted};
+use torquewise_rigid::{Kinematics, MotionState, Moved, Placement};
 use torquewise_sim::Arm;
 
 /// The arm without what no robot file holds.

@@ -4,14 +4,12 @@ use crate::trial::{KINDS, N, grams, moves, select_each, timed, write, write_moti
 use faer::Mat;
 use serde_json::{Map, Value, json};
 use std::path::Path;
-use torquewise_identify::LibraryKind;
-use torquewise_identify::plan::Regression;
+use torquewise_identify::{LibraryKind, Regression};
 use torquewise_motion::Motion;
-use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_regression::row_sums::PreparedDesign;
 use torquewise_regression::select::lasso::{Lasso, lasso_path};
 use torquewise_regression::select::stlsq::Stlsq;
-use torquewise_stepwise::candidates::Candidates;
+use torquewise_regression::{NormalEquations, PreparedDesign};
+use torquewise_stepwise::Candidates;
 
 const ROWS: usize = 20_000;
 /// The joint that the LASSO explains.

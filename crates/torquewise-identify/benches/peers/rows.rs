@@ -3,10 +3,9 @@
 use crate::trial::{KINDS, grams, moves, select_each, timed, write_motion, write_terms};
 use serde_json::{Map, Value, json};
 use std::path::Path;
-use torquewise_identify::LibraryKind;
-use torquewise_identify::plan::Regression;
+use torquewise_identify::{LibraryKind, Regression};
 use torquewise_regression::select::stlsq::Stlsq;
-use torquewise_stepwise::candidates::Candidates;
+use torquewise_stepwise::Candidates;
 
 /// Rows of the log, which larger numbers of rows go through again and again.
 const ROWS: usize = 10_000;

@@ -3,10 +3,9 @@
 use crate::trial::{KINDS, moves, test, timed, write, write_motion, write_terms};
 use serde_json::{Value, json};
 use std::path::Path;
-use torquewise_identify::plan::LibraryOptions;
-use torquewise_identify::{UNWATCHED, reconstruct, score};
+use torquewise_identify::{LibraryOptions, UNWATCHED, reconstruct, score};
 use torquewise_motion::Pattern;
-use torquewise_stepwise::candidates::Candidates;
+use torquewise_stepwise::Candidates;
 
 const ROWS: usize = 20_000;
 

@@ -8,12 +8,11 @@ use std::path::Path;
 use std::time::Instant;
 use torquewise_model::JointKind;
 use torquewise_motion::{BLOCK_ROWS, Motion};
-use torquewise_regression::normal_equations::{KeptColumns, NormalEquations};
-use torquewise_regression::row_sums::{PreparedDesign, RowAdder};
-use torquewise_regression::samples::Samples;
 use torquewise_regression::select::stlsq::Stlsq;
+use torquewise_regression::{KeptColumns, NormalEquations, PreparedDesign, RowAdder, Samples};
 use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
-use torquewise_stepwise::candidates::{Candidates, Terms};
+use torquewise_stepwise::Candidates;
+use torquewise_stepwise::candidates::Terms;
 
 /// Joints of the arm of all tasks.
 pub(crate) const N: usize = 3;

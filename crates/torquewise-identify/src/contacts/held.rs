@@ -1,10 +1,9 @@
 //! What dry friction holds of the torque of joints that rest: no contact is told from it (E16).
 
 use faer::Mat;
-use torquewise_model::error::ModelError;
-use torquewise_model::{Model, Torque};
+use torquewise_model::{Model, ModelError, Torque};
 use torquewise_motion::{Motion, Signals};
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::IdentifyError;
 
 /// What dry friction may hold at the rows of a motion \[N·m\], either way, m×n.
 pub(super) fn held(torque: &Torque, motion: &Motion) -> Result<Mat<f64>, ModelError> {

@@ -9,8 +9,7 @@ use torquewise_motion::path::TRAVELS;
 use torquewise_motion::{Motion, Signals};
 use torquewise_rigid::search::all_parameters;
 use torquewise_rigid::{Chain, ChainRows, Geometry, Tangent};
-use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::noise::NoiseFloor;
+use torquewise_stepwise::{IdentifyError, NoiseFloor};
 
 /// Where the torque of an arm is linearised, and how its rows are weighted: all that a pass over
 /// logs needs.

@@ -4,15 +4,13 @@ use super::linearisation::Linearisation;
 use crate::drive_terms::DriveTerm;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-use torquewise_model::FrictionTerm;
-use torquewise_model::friction::FrictionLaw;
+use torquewise_model::{FrictionLaw, FrictionTerm};
 use torquewise_motion::path::TRAVELS;
-use torquewise_rigid::JointKinds;
 use torquewise_rigid::feasible::{Positive, Prior};
 use torquewise_rigid::geometry::GRAVITY;
 use torquewise_rigid::inertia::{Inertial, plain_link};
-use torquewise_rigid::recursion::PER_BODY;
-use torquewise_stepwise::survey::Survey;
+use torquewise_rigid::{JointKinds, PER_BODY};
+use torquewise_stepwise::Survey;
 
 /// Mass of a link over the cube of its length \[kg/m³\]: about that of robots of a few kilograms
 /// to a few tons.

@@ -5,10 +5,10 @@ use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use torquewise_motion::path::Path;
-use torquewise_motion::{Motion, Recording};
-use torquewise_regression::normal_sums::{Alike, BlockSums, FOLDS, NormalSums};
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_motion::{Motion, Path, Recording};
+use torquewise_regression::normal_sums::FOLDS;
+use torquewise_regression::{Alike, BlockSums, NormalSums};
+use torquewise_stepwise::IdentifyError;
 
 /// Blocks of time that are read before they are summed, side by side.
 const AT_ONCE: usize = 64;

@@ -10,9 +10,8 @@ use crate::unseen::geometric_mean;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use torquewise_motion::Recording;
-use torquewise_regression::normal_sums::NormalSums;
-use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::noise::NoiseFloor;
+use torquewise_regression::NormalSums;
+use torquewise_stepwise::{IdentifyError, NoiseFloor};
 
 /// Passes over a sample, for each set of weights, at most.
 const SAMPLE_PASSES: usize = 20;

@@ -9,13 +9,13 @@ use crate::drive_terms::DriveTerm;
 use crate::fitted::Fitted;
 use crate::reconstruction::{Progress, Watch};
 use faer::{ColRef, Mat};
-use torquewise_model::model::Choice;
+use torquewise_model::Choice;
 use torquewise_model::rollout::Drift;
 use torquewise_motion::Recording;
-use torquewise_regression::normal_sums::NormalSums;
+use torquewise_regression::NormalSums;
+use torquewise_rigid::PER_BODY;
 use torquewise_rigid::feasible::{Prior, Quadratic, minimise};
-use torquewise_rigid::recursion::PER_BODY;
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::IdentifyError;
 
 /// What a window may count beside the torque, in quarters of powers of ten of an independent row.
 const EXPONENTS: std::ops::RangeInclusive<i32> = -12..=12;

@@ -7,7 +7,7 @@ use faer::{ColRef, Mat};
 use rayon::prelude::*;
 use torquewise_rigid::UsualArm;
 use torquewise_rigid::feasible::{curvature, minimise};
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::IdentifyError;
 use torquewise_stepwise::held_out::{CvScore, record_worth};
 
 /// Blocks of time that a score test needs.

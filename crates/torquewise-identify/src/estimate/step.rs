@@ -5,9 +5,9 @@ use super::linearisation::Linearisation;
 use super::nominal::{Sizes, prior};
 use faer::{ColRef, Mat};
 use torquewise_motion::stats::median;
-use torquewise_regression::normal_sums::NormalSums;
+use torquewise_regression::NormalSums;
 use torquewise_rigid::feasible::{Prior, minimise};
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::IdentifyError;
 
 /// A residual below this part of the torque is taken for it: weights stay finite.
 pub(crate) const LEAST_RESIDUAL: f64 = 1e-4;

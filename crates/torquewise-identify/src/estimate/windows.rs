@@ -8,8 +8,8 @@ use rayon::prelude::*;
 use torquewise_model::rollout::{Drift, Window, drifts, windows};
 use torquewise_model::{ModelError, Torque};
 use torquewise_motion::Recording;
-use torquewise_regression::normal_sums::{Alike, BlockSums, NormalSums};
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_regression::{Alike, BlockSums, NormalSums};
+use torquewise_stepwise::IdentifyError;
 
 /// Times from the start of a window \[s\] at which it is compared.
 const HORIZONS: [f64; 2] = [0.2, 0.5];

@@ -7,11 +7,10 @@ use crate::chain_spec::{ChainSpec, record_worth, trial};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_2;
-use torquewise_model::model::Choice;
+use torquewise_model::Choice;
 use torquewise_motion::Motion;
 use torquewise_rigid::{Chain, refine};
-use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::survey::thinned;
+use torquewise_stepwise::{IdentifyError, thinned};
 
 /// As the model file has it.
 pub(super) const COORDINATES: &str = "coordinates";

@@ -5,11 +5,11 @@ use super::{ChainLearner, FINAL_ROWS, TRIAL_ROWS, left, searching};
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::unseen::geometric_mean;
 use rayon::prelude::*;
-use torquewise_model::model::Choice;
-use torquewise_rigid::coupling::{Coupled, Coupling};
+use torquewise_model::Choice;
+use torquewise_rigid::coupling::Coupled;
 use torquewise_rigid::search::glance;
-use torquewise_rigid::{Chain, JointKinds, Search, refine};
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_rigid::{Chain, Coupling, JointKinds, Search, refine};
+use torquewise_stepwise::IdentifyError;
 use torquewise_stepwise::held_out::CvScore;
 
 /// As the model file has it.

@@ -2,15 +2,14 @@
 
 use super::coordinates::COORDINATES;
 use super::{ChainLearner, Judged, TRIAL_ROWS, left, searching};
+use crate::Warning;
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::plan::KnownGeometry;
-use crate::warning::Warning;
 use rayon::prelude::*;
-use torquewise_model::model::Choice;
-use torquewise_rigid::geometry::PER_BASE;
+use torquewise_model::Choice;
 use torquewise_rigid::search::FINAL_ROWS;
-use torquewise_rigid::{Chain, ChainError, Geometry, JointKinds, refine};
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_rigid::{Chain, ChainError, Geometry, JointKinds, PER_BASE, refine};
+use torquewise_stepwise::IdentifyError;
 use torquewise_stepwise::held_out::CvScore;
 
 /// So much must another direction of gravity lower the held-out error than the one that is said.

@@ -10,13 +10,11 @@ use crate::clipped::ends;
 use crate::excitation::LEAST_RANGE;
 use crate::unseen::geometric_mean;
 use rayon::prelude::*;
-use torquewise_model::friction::FrictionLaw;
-use torquewise_model::model::Choice;
-use torquewise_model::{FrictionTerm, JointKind, JointKinds};
+use torquewise_model::{Choice, FrictionLaw, FrictionTerm, JointKind, JointKinds};
 use torquewise_motion::Motion;
-use torquewise_rigid::search::{all_parameters, glance, refine};
-use torquewise_rigid::{Chain, ChainRows, Search};
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_rigid::search::{all_parameters, glance};
+use torquewise_rigid::{Chain, ChainRows, Search, refine};
+use torquewise_stepwise::IdentifyError;
 use torquewise_stepwise::survey::AT_REST;
 
 /// Travel \[m\] of a slide at most: a joint that goes farther is taken to turn. Arms with longer ones

@@ -7,17 +7,13 @@ use crate::drive_terms::{AT_REST, DriveTerm, Gravity};
 use crate::estimate::Linearisation;
 use crate::unseen::{Unseen, regions};
 use rayon::prelude::*;
-use torquewise_model::FrictionTerm;
-use torquewise_model::friction::FrictionLaw;
-use torquewise_model::model::Choice;
+use torquewise_model::{Choice, FrictionLaw, FrictionTerm};
 use torquewise_motion::Motion;
-use torquewise_regression::normal_equations::ascending;
+use torquewise_regression::ascending;
 use torquewise_rigid::{Chain, JointKinds};
-use torquewise_stepwise::Progress;
-use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::{FrictionLibrary, REVERSAL, WIDTHS, WORTH, reversal_label};
 use torquewise_stepwise::held_out::{CvScore, listed};
-use torquewise_stepwise::survey::thinned;
+use torquewise_stepwise::{IdentifyError, Progress, thinned};
 
 /// A drive term of which held-out rows choose one variant.
 pub(super) struct Offer {

@@ -3,18 +3,18 @@
 use super::pass::Pass;
 use super::rows::WithLoad;
 use super::{LoadPlace, Payload, STRENGTH, chain_of};
+use crate::Disagreement;
 use crate::clustered::{Stretches, scatter, score};
-use crate::disagreement::Disagreement;
 use crate::warning::list;
 use faer::{ColRef, Mat};
 use serde::Serialize;
 use torquewise_model::shaft_friction::Estimated;
 use torquewise_model::{Model, ModelError};
 use torquewise_motion::Recording;
-use torquewise_regression::normal_equations::NormalEquations;
+use torquewise_regression::NormalEquations;
+use torquewise_rigid::PER_BODY;
 use torquewise_rigid::feasible::{Factored, Prior, Quadratic, minimise};
-use torquewise_rigid::recursion::PER_BODY;
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::IdentifyError;
 
 /// Torque for a unit of each torque column, such as N·m/A where it is a current.
 #[derive(Clone, Debug, Serialize)]

@@ -8,13 +8,11 @@ use faer::{ColRef, Mat};
 use nalgebra::Vector3;
 use torquewise_model::{Model, RigidChain};
 use torquewise_motion::Recording;
-use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_rigid::ChainError;
+use torquewise_regression::NormalEquations;
 use torquewise_rigid::feasible::{Factored, Prior, Quadratic, minimise};
-use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::inertia::{plain_link, seen_from};
-use torquewise_rigid::recursion::PER_BODY;
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_rigid::{ChainError, PER_BODY, Placement};
+use torquewise_stepwise::IdentifyError;
 
 /// Stretches of time at most, and rows of each at least: a log for a load is short.
 const STRETCHES: (usize, usize) = (256, 128);

@@ -3,12 +3,10 @@
 use crate::drive_terms::{AT_REST, SHARE_AT_REST};
 use crate::states::state_of;
 use faer::{ColRef, Mat};
-use torquewise_model::friction::FrictionLaw;
-use torquewise_model::{Model, RigidChain, Torque};
+use torquewise_model::{FrictionLaw, Model, RigidChain, Torque};
 use torquewise_motion::Recording;
-use torquewise_rigid::recursion::PER_BODY;
-use torquewise_rigid::{Kinematics, MotionState, Moved};
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_rigid::{Kinematics, MotionState, Moved, PER_BODY};
+use torquewise_stepwise::IdentifyError;
 
 /// Rows between two at which the uncertainty of the arm is taken in.
 const SPARSE: usize = 8;

@@ -1,13 +1,11 @@
 //! LuGre friction, which is no law of the learner, is known at rest and at reversal.
 
 use crate::support::{chain, fit, reference_arm};
-use torquewise_identify::Reconstruction;
-use torquewise_identify::plan::FrictionKind;
+use torquewise_identify::{FrictionKind, Reconstruction};
 use torquewise_model::Torque;
 use torquewise_model::shaft_friction::{Estimated, ShaftFriction};
 use torquewise_motion::Motion;
-use torquewise_sim::friction::Friction;
-use torquewise_sim::{MotionKind, MotionPlan, SimulatedLog};
+use torquewise_sim::{Friction, MotionKind, MotionPlan, SimulatedLog};
 
 /// Slower than this \[rad/s\] a joint is at rest or turns round.
 const SLOW: f64 = 0.05;

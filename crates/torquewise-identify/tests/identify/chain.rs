@@ -4,12 +4,11 @@ use crate::support::{
     chain, deviation, fit, motion, normals, percent, reference_arm, states_of, with_torque,
 };
 use std::sync::LazyLock;
-use torquewise_identify::Reconstruction;
-use torquewise_identify::plan::{ChainOptions, FrictionKind, KnownGeometry};
-use torquewise_model::friction::FrictionLaw;
-use torquewise_model::{FrictionTerm, Model, Torque, check, from_json, to_json};
+use torquewise_identify::plan::KnownGeometry;
+use torquewise_identify::{ChainOptions, FrictionKind, Reconstruction};
+use torquewise_model::{FrictionLaw, FrictionTerm, Model, Torque, check, from_json, to_json};
 use torquewise_motion::Motion;
-use torquewise_rigid::coupling::Coupling;
+use torquewise_rigid::Coupling;
 use torquewise_sim::{Arm, MotionKind};
 
 /// White noise in the torque, as a part of its spread.

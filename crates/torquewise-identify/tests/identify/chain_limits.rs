@@ -3,10 +3,8 @@
 use crate::chain::{NOISE, WRIST, linear, rubbing, sines};
 use crate::support::{chain, fit, motion, noisy, percent, reference_arm, threads_leave_no_trace};
 use faer::Mat;
-use torquewise_identify::plan::FrictionKind;
-use torquewise_identify::score;
-use torquewise_model::Torque;
-use torquewise_model::model::GeometryFound;
+use torquewise_identify::{FrictionKind, score};
+use torquewise_model::{GeometryFound, Torque};
 use torquewise_motion::{Motion, Signals};
 use torquewise_sim::{Arm, MotionKind};
 

@@ -6,8 +6,7 @@ use crate::support::{
 use crate::truth;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_identify::plan::{FrictionKind, LibraryOptions};
-use torquewise_identify::{LibraryKind, Reconstruction};
+use torquewise_identify::{FrictionKind, LibraryKind, LibraryOptions, Reconstruction};
 use torquewise_model::{Form, Torque};
 use torquewise_motion::{Motion, Pattern};
 use torquewise_sim::{Arm, MotionKind};

@@ -1,9 +1,8 @@
 //! From simulated log with gears that press harder under load to what was planted.
 
 use crate::support::{chain, fit, motion, normals, reference_arm, with_torque};
-use torquewise_identify::plan::FrictionKind;
-use torquewise_identify::{Reconstruction, score};
-use torquewise_model::friction::FrictionLaw;
+use torquewise_identify::{FrictionKind, Reconstruction, score};
+use torquewise_model::FrictionLaw;
 use torquewise_motion::Motion;
 use torquewise_sim::MotionKind;
 

@@ -3,8 +3,9 @@
 use crate::support;
 use crate::support::{normals, reference_arm};
 use faer::Mat;
-use torquewise_identify::plan::{ChainOptions, FrictionKind, Refine};
-use torquewise_identify::{IdentifyError, Plan, UNWATCHED, reconstruct};
+use torquewise_identify::{
+    ChainOptions, FrictionKind, IdentifyError, Plan, Refine, UNWATCHED, reconstruct,
+};
 use torquewise_model::rollout::drifts;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::{Motion, Signals};

@@ -8,20 +8,17 @@ use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::LazyLock;
-use torquewise_identify::plan::FrictionKind;
-use torquewise_identify::reconstruct::Solution;
 use torquewise_identify::rounds::Request;
 use torquewise_identify::summary::summarise_again;
 use torquewise_identify::{
-    IdentifyError, Plan, Reconstruction, Summary, UNWATCHED, score, solve, summarise,
+    FrictionKind, IdentifyError, Plan, Reconstruction, Solution, Summary, UNWATCHED, score, solve,
+    summarise,
 };
 use torquewise_logs::{ConditionedLogs, Logs};
 use torquewise_model::checks::driving_friction;
-use torquewise_model::friction::FrictionLaw;
-use torquewise_model::term::{Factor, Trig};
-use torquewise_model::{EnergyTerm, Form, Model, Place, Term, Torque, to_json};
-use torquewise_motion::Motion;
-use torquewise_motion::signals::Conditioning;
+use torquewise_model::term::Factor;
+use torquewise_model::{EnergyTerm, Form, FrictionLaw, Model, Place, Term, Torque, Trig, to_json};
+use torquewise_motion::{Conditioning, Motion};
 use torquewise_sim::{MotionKind, Noise, add_noise};
 
 /// A normal variable is within this many standard deviations in 90 of 100 cases.

@@ -2,8 +2,7 @@
 //! the seed.
 
 use crate::support::{chain, fit, noisy, reference_arm, row_of, states_of};
-use torquewise_identify::plan::FrictionKind;
-use torquewise_identify::samples;
+use torquewise_identify::{FrictionKind, samples};
 use torquewise_model::checks::driving_friction;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::Motion;

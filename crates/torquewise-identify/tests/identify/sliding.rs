@@ -3,8 +3,10 @@
 
 use crate::chain::{NOISE, linear, rubbing, sines};
 use crate::support::{chain, executed, fit, percent, states_of};
-use torquewise_identify::plan::{ChainOptions, FrictionKind, LibraryOptions};
-use torquewise_identify::{IdentifyError, Plan, Reconstruction, UNWATCHED, reconstruct};
+use torquewise_identify::{
+    ChainOptions, FrictionKind, IdentifyError, LibraryOptions, Plan, Reconstruction, UNWATCHED,
+    reconstruct,
+};
 use torquewise_model::{EnergyTerm, Form, JointKinds, Place, Weighted, from_json, to_json};
 use torquewise_sim::Arm;
 

@@ -10,14 +10,12 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use std::fmt::Write;
 use torquewise_identify::bandwidth::{Tuned, tune};
-use torquewise_identify::plan::ChainOptions;
 use torquewise_identify::reconstruct::reconstruct_from;
-use torquewise_identify::{Plan, UNWATCHED};
+use torquewise_identify::{ChainOptions, Plan, UNWATCHED};
 use torquewise_logs::Logs;
 use torquewise_logs::conditioned::RawLogs;
 use torquewise_model::Model;
-use torquewise_motion::signals::Conditioning;
-use torquewise_motion::{Motion, Signals};
+use torquewise_motion::{Conditioning, Motion, Signals};
 use torquewise_sim::{Arm, MotionKind};
 
 /// Seconds of the log, and rows per second that it is cut from and has itself.

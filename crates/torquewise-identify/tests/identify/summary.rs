@@ -2,9 +2,10 @@
 
 use crate::support::{State, executed, fit, motion, noisy, outside, percent};
 use std::f64::consts::TAU;
-use torquewise_identify::plan::{ChainOptions, LibraryOptions};
-use torquewise_identify::reconstruct::Solution;
-use torquewise_identify::{IdentifyError, Plan, Summary, UNWATCHED, solve, summarise};
+use torquewise_identify::{
+    ChainOptions, IdentifyError, LibraryOptions, Plan, Solution, Summary, UNWATCHED, solve,
+    summarise,
+};
 use torquewise_model::to_json;
 use torquewise_motion::Motion;
 use torquewise_sim::{Arm, MotionKind};

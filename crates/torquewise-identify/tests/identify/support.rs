@@ -4,8 +4,9 @@ use faer::{Mat, MatRef};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_identify::plan::{ChainOptions, FrictionKind};
-use torquewise_identify::{Plan, Reconstruction, UNWATCHED, reconstruct, score};
+use torquewise_identify::{
+    ChainOptions, FrictionKind, Plan, Reconstruction, UNWATCHED, reconstruct, score,
+};
 use torquewise_model::{Model, to_json};
 use torquewise_motion::{Motion, Recording, Signals};
 use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};

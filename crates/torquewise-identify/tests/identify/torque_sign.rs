@@ -3,9 +3,10 @@ use crate::support::{
     chain, deviation, executed, fit, motion, normals, percent, states_of, with_torque,
 };
 use faer::Mat;
-use torquewise_identify::plan::{ChainOptions, FrictionKind};
 use torquewise_identify::verdict::{Grade, judge};
-use torquewise_identify::{Plan, UNWATCHED, Warning, survey, weightless};
+use torquewise_identify::{
+    ChainOptions, FrictionKind, Plan, UNWATCHED, Warning, survey, weightless,
+};
 use torquewise_motion::Motion;
 use torquewise_sim::{Arm, MotionKind};
 

@@ -3,7 +3,7 @@
 use crate::support::{fit, motion};
 use torquewise_identify::verdict::{Grade, judge, judge_by};
 use torquewise_identify::{Plan, Reconstruction, Warning};
-use torquewise_model::model::GeometryFound;
+use torquewise_model::GeometryFound;
 use torquewise_sim::{Arm, MotionKind};
 
 #[test]

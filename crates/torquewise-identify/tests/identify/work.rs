@@ -1,12 +1,11 @@
 //! From candidates to multiplications: what each route to their normal equations costs.
 
-use torquewise_identify::LibraryKind;
-use torquewise_identify::plan::Regression;
+use torquewise_identify::{LibraryKind, Regression};
 use torquewise_model::JointKind;
-use torquewise_regression::design::Design;
 use torquewise_regression::moments::MomentPlan;
-use torquewise_regression::row_sums::{PreparedDesign, Route};
-use torquewise_stepwise::candidates::Candidates;
+use torquewise_regression::row_sums::Route;
+use torquewise_regression::{Design, PreparedDesign};
+use torquewise_stepwise::Candidates;
 
 const N_RESPONSES: usize = 3;
 

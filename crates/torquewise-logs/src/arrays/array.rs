@@ -1,9 +1,9 @@
 //! Arrays of a file by name, shape and place: what NumPy and MATLAB files are decoded to.
 
 use crate::arrays::numbers::{Element, Numbers};
-use crate::error::{LogError, Result, shown};
+use crate::error::shown;
 use crate::format::Format;
-use crate::log_input::LogInput;
+use crate::{LogError, LogInput, Result};
 use flate2::CrcReader;
 use flate2::read::{DeflateDecoder, ZlibDecoder};
 use std::io::{self, BufReader, Read, Seek, SeekFrom};

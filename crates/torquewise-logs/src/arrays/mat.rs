@@ -3,9 +3,8 @@
 use crate::arrays::array::{Array, LONGEST_NAME, MAX_COLUMNS, Packing};
 use crate::arrays::mat_elements::{COMPRESSED, Elements, MATRIX, Tag, held_by, sizes, wrong};
 use crate::arrays::numbers::Element;
-use crate::error::{LogError, Result};
 use crate::format::Format;
-use crate::log_input::LogInput;
+use crate::{LogError, LogInput, Result};
 use flate2::read::ZlibDecoder;
 use std::io::{self, BufReader, Read};
 

@@ -2,9 +2,9 @@
 
 use crate::arrays::array::{Array, LONGEST_NAME, Packing};
 use crate::arrays::numbers::{Element, Kind};
-use crate::error::{LogError, Result, guarded, shown};
+use crate::error::{guarded, shown};
 use crate::format::Format;
-use crate::log_input::LogInput;
+use crate::{LogError, LogInput, Result};
 use std::io::{BufReader, Read};
 use std::path::Path;
 use zip::read::ZipFile;

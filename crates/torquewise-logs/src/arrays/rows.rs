@@ -3,10 +3,9 @@
 use crate::arrays::array::{Array, MAX_COLUMNS};
 use crate::arrays::numbers::Numbers;
 use crate::arrays::{mat, npz};
-use crate::error::{LogError, Result, RowPlace};
 use crate::format::Format;
-use crate::log_input::LogInput;
 use crate::rows::Rows;
+use crate::{LogError, LogInput, Result, RowPlace};
 use std::collections::BTreeMap;
 
 /// The rows of a file of arrays: a matrix A has columns A1, A2, …, a vector A one column A.

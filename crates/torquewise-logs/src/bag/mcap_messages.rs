@@ -1,9 +1,10 @@
 //! MCAP bags (.mcap): topics and messages, one chunk at a time.
 
 use crate::bag::{MAX_BYTES, Message, Messages, Topic};
-use crate::error::{LogError, Result, guarded};
+use crate::error::guarded;
 use crate::format::Format;
-use crate::log_input::{LogInput, Opened};
+use crate::log_input::Opened;
+use crate::{LogError, LogInput, Result};
 use mcap::read::ChannelAccumulator;
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};

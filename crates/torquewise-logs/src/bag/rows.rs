@@ -1,9 +1,8 @@
 //! Rows of joint states, sorted by time.
 
 use crate::bag::survey::{JointStates, Survey};
-use crate::error::{Result, RowPlace};
-use crate::log_input::LogInput;
 use crate::rows::Rows;
+use crate::{LogInput, Result, RowPlace};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 

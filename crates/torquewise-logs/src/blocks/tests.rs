@@ -2,7 +2,7 @@
 
 use super::Blocks;
 use crate::csv_rows::tests::signal_rows;
-use crate::error::{LogError, Result};
+use crate::{LogError, Result};
 use faer::Mat;
 use std::f64::consts::TAU;
 use std::fmt::Write;

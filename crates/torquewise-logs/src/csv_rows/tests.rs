@@ -1,10 +1,10 @@
 //! CSV texts that are read, and texts that are refused with a place and a reason.
 
 use super::CsvRows;
-use crate::error::{LogError, Result};
 use crate::plain::plain;
 use crate::rows::Rows;
 use crate::signal_rows::SignalRows;
+use crate::{LogError, Result};
 use std::io::{BufReader, Read};
 use std::path::Path;
 

@@ -1,10 +1,10 @@
 //! Headers that are understood, and headers that are refused with a reason.
 
 use super::{MAX_COLUMNS, plain};
-use crate::error::{LogError, Result};
 use crate::mapping::Mapping;
+use crate::{LogError, Result};
 use std::path::Path;
-use torquewise_motion::signals::Signal;
+use torquewise_motion::Signal;
 
 fn mapping(header: &str) -> Result<Mapping> {
     let names: Vec<_> = header.split(',').map(|name| name.trim().to_owned()).collect();

@@ -1,9 +1,9 @@
 //! The first thing in a profile that cannot be right.
 
-use crate::error::{LogError, Result, shown};
-use crate::joints;
-use crate::profile::{Columns, PerJoint, Profile, SignalColumns, unit};
-use torquewise_motion::signals::Signal;
+use crate::error::shown;
+use crate::profile::{Columns, PerJoint, SignalColumns, unit};
+use crate::{LogError, Profile, Result, joints};
+use torquewise_motion::Signal;
 
 impl Profile {
     /// Makes sure that values can be right by themselves and agree in the number of joints; `from`

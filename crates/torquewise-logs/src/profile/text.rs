@@ -1,7 +1,6 @@
 //! Profiles as TOML.
 
-use crate::error::{LogError, Result};
-use crate::profile::Profile;
+use crate::{LogError, Profile, Result};
 use std::io::ErrorKind;
 use std::path::Path;
 use torquewise_motion::bounded_file::read_text;

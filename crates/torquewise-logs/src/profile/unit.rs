@@ -1,7 +1,7 @@
 //! From names of units to factors to SI.
 
 use std::f64::consts::{PI, TAU};
-use torquewise_motion::signals::Signal;
+use torquewise_motion::Signal;
 
 const POSITION: [(&str, f64); 4] = [("rad", 1.0), ("deg", PI / 180.0), ("rev", TAU), ("m", 1.0)];
 

@@ -3,7 +3,7 @@
 use crate::joints;
 use std::collections::BTreeMap;
 use std::path::Path;
-use torquewise_motion::signals::Signal;
+use torquewise_motion::Signal;
 
 /// Words that the clock, or a signal, is called by.
 const WORDS: [(Option<Signal>, &str); 5] = [

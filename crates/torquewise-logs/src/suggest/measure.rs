@@ -1,14 +1,13 @@
 //! Usual step and ranges of a log, and its velocities against the slopes of positions.
 
 use crate::accelerations::slopes;
-use crate::error::Result;
-use crate::log_input::LogInput;
 use crate::preview::first_values;
 use crate::profile::unit::of_step;
 use crate::source::named_rows;
+use crate::{LogInput, Result};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
-use torquewise_motion::signals::Signal;
+use torquewise_motion::Signal;
 use torquewise_motion::stats::median;
 
 /// Rows that are looked at closely.

@@ -1,9 +1,8 @@
 //! Suggestions for logs made as robots write them.
 
 use super::{Suggestion, suggest};
-use crate::logs::Logs;
-use crate::profile::{Columns, Profile};
-use crate::source::Options;
+use crate::profile::Columns;
+use crate::{Logs, Options, Profile};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 

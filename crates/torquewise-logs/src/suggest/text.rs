@@ -1,12 +1,12 @@
 //! Text of a suggested profile, and its reasons.
 
+use crate::Suggestion;
 use crate::profile::unit::of_step;
-use crate::suggest::Suggestion;
 use crate::suggest::guess::{Family, Found};
 use crate::suggest::measure::{Measured, units_of};
 use std::f64::consts::PI;
 use std::path::PathBuf;
-use torquewise_motion::signals::Signal;
+use torquewise_motion::Signal;
 
 /// Positions beyond this \[rad\] are degrees, or angles of motors.
 const LARGEST_RADIANS: f64 = 4.0 * PI;

@@ -3,8 +3,7 @@ use crate::{Files, with};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use torquewise_logs::{LogError, Logs, Options, Profile};
-use torquewise_motion::Motion;
-use torquewise_motion::signals::{Raw, Signal};
+use torquewise_motion::{Motion, Raw, Signal};
 
 impl Files {
     fn add_rows(

@@ -6,8 +6,8 @@ use rand_distr::StandardNormal;
 use std::ops::Range;
 use std::path::PathBuf;
 use torquewise_logs::{ConditionedLogs, LogError, Logs};
-use torquewise_motion::signals::{Conditioning, Cutoff};
-use torquewise_motion::{Motion, Recording, Repairs};
+use torquewise_motion::signals::Cutoff;
+use torquewise_motion::{Conditioning, Motion, Recording, Repairs};
 
 const ONE_JOINT: &str = "t,q1,dq1,ddq1,tau1\n0,1,2,3,4\n0.1,1,2,3,4\n";
 

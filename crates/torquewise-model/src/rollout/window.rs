@@ -1,14 +1,11 @@
 //! Windows of a trajectory, simulated from a measured state with the measured torque.
 
 use super::Moving;
-use crate::error::ModelError;
-use crate::model::Model;
-use crate::torque::Torque;
+use crate::{Model, ModelError, Torque};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_motion::path::Path;
-use torquewise_motion::{LARGEST, ReadError, Recording};
+use torquewise_motion::{LARGEST, Path, ReadError, Recording};
 
 /// Longest step \[s\].
 const STEP: f64 = 1e-3;

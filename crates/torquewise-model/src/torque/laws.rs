@@ -1,8 +1,7 @@
 //! Laws of friction over a motion.
 
 use super::{Remembered, Torque};
-use crate::error::ModelError;
-use crate::model::Weighted;
+use crate::{ModelError, Weighted};
 use faer::Mat;
 use torquewise_motion::Motion;
 

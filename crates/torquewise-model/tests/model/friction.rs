@@ -3,11 +3,10 @@
 #![expect(clippy::float_cmp, reason = "the same bits are meant")]
 
 use torquewise_model::checks::driving_friction;
-use torquewise_model::friction::{Direction, FrictionLaw};
-use torquewise_model::model::{Candidate, Choice};
+use torquewise_model::model::Candidate;
 use torquewise_model::{
-    Form, FrictionTerm, Model, ModelError, Stage, Term, Torque, Trig, Weighted, check, from_json,
-    to_json,
+    Choice, Direction, Form, FrictionLaw, FrictionTerm, Model, ModelError, Stage, Term, Torque,
+    Trig, Weighted, check, from_json, to_json,
 };
 
 pub(crate) fn weighted<T>(term: T, coefficient: f64) -> Weighted<T> {

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 use torquewise_model::checks::{driving_friction, weakest_state};
-use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{
-    EnergyTerm, Form, FrictionTerm, Model, Place, Term, Torque, Training, Trig, Weighted,
+    EnergyTerm, Form, FrictionLaw, FrictionTerm, Model, Place, Term, Torque, Training, Trig,
+    Weighted,
 };
 
 fn model(form: Form, friction: Vec<Weighted<FrictionTerm>>) -> Model {

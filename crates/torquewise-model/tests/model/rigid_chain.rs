@@ -1,11 +1,10 @@
 //! A rigid chain as parameters: its derivatives, its covariance, what can be a body.
 
 use faer::Mat;
-use torquewise_model::friction::FrictionLaw;
 use torquewise_model::momentum_observer::MomentumObserver;
 use torquewise_model::{
-    Drive, EnergyTerm, Form, FrictionTerm, Model, Place, RigidChain, Term, Torque, Trig, Weighted,
-    from_json, to_json,
+    Drive, EnergyTerm, Form, FrictionLaw, FrictionTerm, Model, Place, RigidChain, Term, Torque,
+    Trig, Weighted, from_json, to_json,
 };
 
 /// A link of three kilograms about as large as a forearm.

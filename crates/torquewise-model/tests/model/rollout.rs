@@ -5,9 +5,8 @@ use faer::{Mat, MatRef};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_model::friction::FrictionLaw;
 use torquewise_model::rollout::{Moving, Others, drifts};
-use torquewise_model::{FrictionTerm, Model, Torque};
+use torquewise_model::{FrictionLaw, FrictionTerm, Model, Torque};
 use torquewise_motion::{Motion, Signals};
 
 /// The second joint of the arm, of 0.5 kg·m², with some friction.

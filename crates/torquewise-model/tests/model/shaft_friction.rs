@@ -1,11 +1,12 @@
 //! From planted laws of friction to the parameters they were planted with, and their errors.
 
 use faer::Mat;
-use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::print::{friction_tables, text};
 use torquewise_model::selection::Selection;
 use torquewise_model::shaft_friction::{Estimated, FrictionParameters, ShaftFriction};
-use torquewise_model::{Form, FrictionTerm, Kind, Model, RigidChain, Weighted};
+use torquewise_model::{
+    Direction, Form, FrictionLaw, FrictionTerm, Kind, Model, RigidChain, Weighted,
+};
 
 const DRY: FrictionLaw = FrictionLaw::Coulomb { width: 0.008 };
 

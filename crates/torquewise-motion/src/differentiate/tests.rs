@@ -1,7 +1,7 @@
 //! Witnesses of the derivative: exact polynomials, a bound on a sine.
 
 use super::{derivative, derivative_by};
-use crate::error::MotionError;
+use crate::MotionError;
 use faer::Mat;
 
 /// Time stamps 10 ms apart, each moved by up to 4 ms.

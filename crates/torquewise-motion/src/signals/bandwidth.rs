@@ -1,8 +1,7 @@
 //! Pieces of logs at several bandwidths, with the raw torque (E12).
 
-use crate::error::{MotionError, Result};
 use crate::motion::Memory;
-use crate::path::{Path, TRAVELS};
+use crate::path::TRAVELS;
 use crate::signals::clean::cleaned;
 use crate::signals::cutoff::{HIGHEST, LOWEST};
 use crate::signals::delay::shift_at;
@@ -10,7 +9,7 @@ use crate::signals::plan::OVERSAMPLING;
 use crate::signals::raw::{Raw, Signal};
 use crate::signals::smooth::{filter, smooth};
 use crate::stats::whole;
-use crate::{Motion, Signals};
+use crate::{Motion, MotionError, Path, Result, Signals};
 use faer::Mat;
 
 /// Cut-offs at most: that half an octave above each other reach from 0.5 Hz to 500 kHz.

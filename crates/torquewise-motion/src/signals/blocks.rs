@@ -1,12 +1,11 @@
 //! Conditioned blocks of a trajectory of any length, in fixed memory.
 
-use crate::error::{MotionError, Result};
 use crate::signals::clean::{Outliers, clean};
 use crate::signals::plan::SignalPlan;
 use crate::signals::raw::Raw;
 use crate::signals::resample::count_gaps;
 use crate::signals::smooth::{filter, kept, smooth};
-use crate::{Motion, Repairs};
+use crate::{Motion, MotionError, Repairs, Result};
 
 /// Rows that are conditioned at once, besides the overlap.
 const PART_ROWS: usize = 1 << 15;

@@ -1,7 +1,7 @@
 //! Butterworth low-pass filters as second-order sections, run forwards and backwards, so that nothing
 //! is delayed.
 
-use crate::error::{MotionError, Result};
+use crate::{MotionError, Result};
 use std::f64::consts::PI;
 
 /// One second-order section: H(z) = (b₀ + b₁z⁻¹ + b₂z⁻²) / (1 + a₁z⁻¹ + a₂z⁻²).

@@ -1,13 +1,12 @@
 //! One trajectory cleaned, resampled, filtered and differentiated.
 
-use crate::Motion;
-use crate::error::{MotionError, Result};
 use crate::signals::delay::{Shift, lag};
 use crate::signals::noise::{quantisation, standstill, white_noise};
 use crate::signals::plan::{Conditioning, Cutoff, SignalPlan, keep_every, rows};
 use crate::signals::raw::{Raw, Signal};
 use crate::signals::report::{ConditionReport, CutoffFrom, SignalReport};
 use crate::signals::smooth::{filter, kept, smooth};
+use crate::{Motion, MotionError, Result};
 use faer::Mat;
 
 /// Longest lag of the measured velocity that is looked for \[s\].

@@ -1,8 +1,8 @@
 //! Where the choice of a cut-off begins: above the band of the motion.
 
-use crate::error::{MotionError, Result};
 use crate::signals::noise::white_noise;
 use crate::stats::median;
+use crate::{MotionError, Result};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;

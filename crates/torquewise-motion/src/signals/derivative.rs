@@ -1,7 +1,7 @@
 //! Derivatives q̇, q̈ of evenly sampled, filtered q, without delay.
 
 use crate::differentiate::stencil;
-use crate::error::{MotionError, Result};
+use crate::{MotionError, Result};
 use faer::{Mat, MatRef};
 
 /// Degree of the polynomial, on as many rows and one: it passes through all of them, so it

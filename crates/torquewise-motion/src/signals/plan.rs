@@ -1,6 +1,5 @@
 //! Settings and plan of conditioning: what every part of a log goes through.
 
-use crate::error::{MotionError, Result};
 use crate::signals::butterworth::{low_pass, settle_time};
 use crate::signals::clean::{Base, Even, cleaned};
 use crate::signals::cutoff::above_motion;
@@ -8,6 +7,7 @@ use crate::signals::delay::TAPS;
 use crate::signals::derivative::REACH;
 use crate::signals::raw::{Raw, Signal};
 use crate::stats::whole;
+use crate::{MotionError, Result};
 
 /// Samples per period of the cut-off that are kept.
 pub(crate) const OVERSAMPLING: f64 = 8.0;

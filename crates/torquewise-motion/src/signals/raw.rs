@@ -1,6 +1,6 @@
 //! Raw signals of one trajectory, checked and changed column by column.
 
-use crate::error::{MotionError, Result};
+use crate::{MotionError, Result};
 use faer::Mat;
 
 /// The signals of an arm.

@@ -1,9 +1,8 @@
 //! Resampling: how even the time stamps are, and signals on an even grid.
 
-use crate::Repairs;
-use crate::error::{MotionError, Result};
 use crate::signals::spline::{interpolate, lagrange};
 use crate::stats::whole;
+use crate::{MotionError, Repairs, Result};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 

@@ -1,11 +1,10 @@
 //! Filtered q, q̇, q̈, τ, and the rows of them that are kept.
 
-use crate::error::Result;
 use crate::signals::butterworth::{filtfilt, low_pass};
 use crate::signals::delay::shift;
 use crate::signals::derivative::even_derivative;
 use crate::signals::raw::{Raw, Signal, matrix};
-use crate::{Motion, Signals};
+use crate::{Motion, Result, Signals};
 use std::ops::Range;
 
 pub(crate) fn filter(columns: &Raw, cutoff: f64, rate: f64) -> Result<Raw> {

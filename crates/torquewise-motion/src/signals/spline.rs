@@ -1,6 +1,6 @@
 //! The cubic spline through samples at any times.
 
-use crate::error::{MotionError, Result};
+use crate::{MotionError, Result};
 
 /// Values at `at` of the cubic spline through (`t`, `x`), with no knot at the second and the last
 /// but one sample.

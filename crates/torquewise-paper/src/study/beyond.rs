@@ -2,15 +2,13 @@
 
 use crate::error::Result;
 use crate::method::Method;
-use crate::results::{Cell, Spread, Study};
-use crate::scenario::{Scenario, Settings, outside};
+use crate::scenario::{Scenario, outside};
 use crate::trial::{Row, Trials, steps};
 use crate::truth::true_energies;
-use torquewise_identify::plan::{LibraryOptions, Regression};
-use torquewise_identify::{PatternPlan, Plan};
+use crate::{Cell, Settings, Spread, Study};
+use torquewise_identify::{LibraryOptions, PatternPlan, Plan, Regression};
 use torquewise_model::library::{Degree, energy_library_size, product_library_size};
-use torquewise_model::term::Kind;
-use torquewise_model::{JointKind, Model};
+use torquewise_model::{JointKind, Kind, Model};
 use torquewise_report::html::number::significant;
 use torquewise_report::html::{Axis, Chart, Mark, Series};
 use torquewise_sim::{Arm, Noise};

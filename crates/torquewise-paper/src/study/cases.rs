@@ -3,12 +3,12 @@
 
 use crate::error::Result;
 use crate::method::{ACTIVE, Method};
-use crate::results::{Cell, Spread, Study};
-use crate::scenario::{Settings, outside};
+use crate::scenario::outside;
 use crate::trial::{self, Row, Runs, Trial, Trials, step_lines};
 use crate::truth::{true_energies, true_products};
+use crate::{Cell, Settings, Spread, Study};
 use std::collections::BTreeMap;
-use torquewise_identify::plan::LibraryOptions;
+use torquewise_identify::LibraryOptions;
 use torquewise_model::{EnergyTerm, Model, Torque, Weighted};
 use torquewise_report::html::number::significant;
 use torquewise_report::torque_charts;

@@ -2,16 +2,14 @@
 //! (Fig. 10, 11).
 
 use crate::error::{Result, within};
-use crate::results::Study;
-use crate::scenario::Settings;
 use crate::trial::{self, step_lines};
+use crate::{Settings, Study};
 use faer::Mat;
 use rayon::prelude::*;
-use torquewise_identify::plan::{FrictionKind, LibraryOptions};
-use torquewise_identify::reconstruct;
+use torquewise_identify::{FrictionKind, LibraryOptions, reconstruct};
 use torquewise_model::{Model, Torque};
-use torquewise_motion::Motion;
-use torquewise_motion::signals::{Conditioned, Conditioning, Cutoff, Raw, condition};
+use torquewise_motion::signals::{Conditioned, Cutoff, condition};
+use torquewise_motion::{Conditioning, Motion, Raw};
 use torquewise_report::html::number::significant;
 use torquewise_report::html::{Chart, Colour, Guide, Mark, Series};
 use torquewise_report::torque_charts;

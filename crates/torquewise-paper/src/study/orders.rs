@@ -1,8 +1,7 @@
 //! Residual against order for one-shot SINDy, each step and the energy library (Fig. 5).
 
 use crate::error::{Result, within};
-use crate::results::{Cell, Study};
-use crate::scenario::Settings;
+use crate::{Cell, Settings, Study};
 use torquewise_report::order_charts;
 use torquewise_sim::Noise;
 use torquewise_stepwise::orders::{OrderPlan, orders};

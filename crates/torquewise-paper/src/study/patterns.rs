@@ -1,8 +1,7 @@
 //! Purity of the patterns in noisy motions, with the scaled and with the printed index (Fig. 1–3).
 
 use crate::error::{Result, within};
-use crate::results::Study;
-use crate::scenario::Settings;
+use crate::{Settings, Study};
 use torquewise_identify::{PatternPlan, Patterns, find_patterns, survey};
 use torquewise_motion::{Motion, Pattern};
 use torquewise_report::html::number::significant;

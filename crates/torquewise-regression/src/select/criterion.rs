@@ -1,8 +1,8 @@
 //! Terms that explain more than noise: forward, then backward, by t² (E5).
 
 use crate::elimination::Equations;
-use crate::error::Result;
-use crate::normal_equations::{KeptColumns, NormalEquations, require};
+use crate::normal_equations::require;
+use crate::{KeptColumns, NormalEquations, Result};
 
 /// Judges a term by what it explains against the noise.
 ///

@@ -1,9 +1,8 @@
 //! LASSO: a path of penalties by coordinate descent on the Gram matrix, the best support, its least
 //! squares.
 
-use crate::cholesky;
-use crate::error::Result;
-use crate::normal_equations::{KeptColumns, NormalEquations, nonzero, require};
+use crate::normal_equations::{nonzero, require};
+use crate::{KeptColumns, NormalEquations, Result, cholesky};
 use faer::Mat;
 
 /// Least absolute shrinkage: min ½/m‖y − X c‖² + λ Σ sⱼ|cⱼ|.

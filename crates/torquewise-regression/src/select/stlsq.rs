@@ -1,7 +1,7 @@
 //! Sequentially thresholded least squares, the selector of SINDy.
 
-use crate::error::Result;
-use crate::normal_equations::{KeptColumns, NormalEquations, require};
+use crate::normal_equations::require;
+use crate::{KeptColumns, NormalEquations, Result};
 
 /// Fit, drop the small weights, fit again, until none is small; then least squares on the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,11 +3,10 @@
 use crate::planted;
 use faer::Mat;
 use proptest::prelude::*;
-use torquewise_regression::error::SparseError;
-use torquewise_regression::normal_equations::{KeptColumns, NormalEquations};
 use torquewise_regression::select::criterion::Criterion;
 use torquewise_regression::select::lasso::Lasso;
 use torquewise_regression::select::stlsq::Stlsq;
+use torquewise_regression::{KeptColumns, NormalEquations, SparseError};
 
 struct Selector {
     name: &'static str,

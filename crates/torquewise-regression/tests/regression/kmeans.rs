@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_regression::error::SparseError;
+use torquewise_regression::SparseError;
 use torquewise_regression::kmeans::{Clustering, elbow, kmeans};
 
 /// Normal enough: the sum of twelve uniform numbers, variance 1.

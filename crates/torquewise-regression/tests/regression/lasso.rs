@@ -2,9 +2,8 @@
 
 use crate::planted;
 use proptest::prelude::*;
-use torquewise_regression::error::SparseError;
-use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::select::lasso::{Lasso, lasso_path};
+use torquewise_regression::{NormalEquations, SparseError};
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]

@@ -3,8 +3,7 @@
 use crate::planted;
 use faer::Mat;
 use proptest::prelude::*;
-use torquewise_regression::error::SparseError;
-use torquewise_regression::normal_equations::NormalEquations;
+use torquewise_regression::{NormalEquations, SparseError};
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]

@@ -3,7 +3,7 @@
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_regression::normal_equations::NormalEquations;
+use torquewise_regression::NormalEquations;
 
 /// Rows y = X c + noise with few entries of c different from zero.
 pub(crate) struct Rows {

@@ -5,9 +5,8 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use torquewise_regression::atom::{Atom, Monomial, Phase, Wave};
-use torquewise_regression::design::{AtomSum, Design};
-use torquewise_regression::row_sums::{PreparedDesign, Route};
-use torquewise_regression::samples::Samples;
+use torquewise_regression::row_sums::Route;
+use torquewise_regression::{AtomSum, Design, PreparedDesign, Samples};
 
 /// weight · cos or sin (k·θ) · x^α, k of any sign: weight, k, which of the two, α.
 type Letter = (f64, Vec<i8>, Phase, Vec<u8>);

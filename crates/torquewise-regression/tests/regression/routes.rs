@@ -5,10 +5,10 @@ use faer::Mat;
 use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;
 use std::slice::from_ref;
-use torquewise_regression::error::SparseError;
-use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_regression::row_sums::{PreparedDesign, Route, RowAdder, RowSums};
-use torquewise_regression::samples::Samples;
+use torquewise_regression::row_sums::Route;
+use torquewise_regression::{
+    NormalEquations, PreparedDesign, RowAdder, RowSums, Samples, SparseError,
+};
 
 const ROUTES: [Route; 2] = [Route::Moments, Route::Direct];
 

@@ -1,10 +1,9 @@
 //! Which step's torque fits which control rate, by counted operations.
 
-use crate::error::Result;
-use crate::fit_report::Findings;
 use crate::fit_report::method::{members, nrmse_percent};
 use crate::html::number::{count, significant};
 use crate::html::{Heading, Item, Label, Section, Table};
+use crate::{Findings, Result};
 use torquewise_export::Cost;
 use torquewise_identify::Diagnosis;
 

@@ -1,6 +1,6 @@
 //! Tables of conditioning: filter, repairs, ranges, noise.
 
-use crate::fit_report::Findings;
+use crate::Findings;
 use crate::html::number::significant;
 use crate::html::{Heading, Item, Label, Section, Table};
 use torquewise_model::units;

@@ -1,13 +1,12 @@
 //! Equations: energies first where the model has them, then the torque of each joint.
 
-use crate::fit_report::Findings;
+use crate::Findings;
 use crate::html::equation::{Equation, energies, math};
 use crate::html::number::count;
 use crate::html::{Item, Section};
 use std::collections::BTreeMap;
-use torquewise_model::friction::FrictionLaw;
 use torquewise_model::print::{weighted_equations, weighted_friction};
-use torquewise_model::{Form, FrictionTerm, Term, Weighted};
+use torquewise_model::{Form, FrictionLaw, FrictionTerm, Term, Weighted};
 
 /// Terms of one equation written out at most; no one reads more.
 const MOST_TERMS: usize = 200;

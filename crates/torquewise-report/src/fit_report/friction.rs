@@ -1,6 +1,6 @@
 //! Friction: its parameters, and its curves with what was measured.
 
-use crate::fit_report::Findings;
+use crate::Findings;
 use crate::html::{Chart, Colour, Item, Mark, Section, Series, Table};
 use faer::Mat;
 use torquewise_identify::diagnose::Trace;

@@ -1,11 +1,11 @@
 //! The learned geometry: a skeleton that the log moves, and where its axes lie.
 
-use crate::fit_report::Findings;
+use crate::Findings;
 use crate::fit_report::clock::Clock;
 use crate::html::skeleton::{BodyFrame, Skeleton};
 use crate::html::{Item, Section, Table};
+use torquewise_model::RigidChain;
 use torquewise_model::learned::{drives, geometry, joint_geometry, links};
-use torquewise_model::rigid_chain::RigidChain;
 use torquewise_model::selection::Selection;
 
 /// Seconds of the log that move the skeleton, from its middle.

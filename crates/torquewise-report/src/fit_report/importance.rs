@@ -1,14 +1,13 @@
 //! Importance of terms: how much of each torque each carries, and which nearly stayed.
 
-use crate::fit_report::Findings;
+use crate::Findings;
 use crate::html::equation::{friction, term};
 use crate::html::number::count;
 use crate::html::{Bars, Colour, Item, Label, Section};
 use std::collections::BTreeMap;
 use torquewise_identify::diagnose::Importance;
-use torquewise_model::FrictionTerm;
-use torquewise_model::friction::FrictionLaw;
 use torquewise_model::print::weighted_friction;
+use torquewise_model::{FrictionLaw, FrictionTerm};
 
 const MOST_TERMS: usize = 8;
 const MOST_DROPPED: usize = 12;

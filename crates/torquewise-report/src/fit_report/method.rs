@@ -1,11 +1,10 @@
 //! Details of the method: patterns, and what each step found.
 
-use crate::error::{ReportError, Result};
-use crate::fit_report::Findings;
 use crate::fit_report::clock::{self, Clock};
 use crate::fit_report::torques::LINK;
 use crate::html::number::{count, significant};
 use crate::html::{Chart, Colour, Heading, Item, Label, Mark, Section, Series, Table};
+use crate::{Findings, ReportError, Result};
 use torquewise_model::{Model, Torque};
 use torquewise_motion::{Motion, Pattern};
 

@@ -1,6 +1,6 @@
 //! Charts of residuals: against time, velocity, position; spread and autocorrelation.
 
-use crate::fit_report::Findings;
+use crate::Findings;
 use crate::fit_report::clock::{self, Clock};
 use crate::fit_report::torques::LINK;
 use crate::html::number::significant;

@@ -1,6 +1,6 @@
 //! Charts of torque: measured and predicted, joint by joint.
 
-use crate::fit_report::Findings;
+use crate::Findings;
 use crate::fit_report::clock::{self, Clock};
 use crate::html::number::significant;
 use crate::html::{Chart, Colour, Item, Mark, Section, Series};

@@ -1,6 +1,6 @@
 //! Verdict, errors, and what to do next.
 
-use crate::fit_report::Findings;
+use crate::Findings;
 use crate::html::number::{count, significant};
 use crate::html::{Heading, Item, Label, Section, Table, Tone};
 use torquewise_identify::Warning;

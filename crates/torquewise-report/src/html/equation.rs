@@ -4,9 +4,8 @@ use crate::html::markup::{Label, safe};
 use crate::html::number::{aligned, count};
 use minijinja::{Value, context};
 use pulldown_latex::{Parser, RenderConfig, Storage, push_mathml};
-use torquewise_model::friction::FrictionLaw;
 use torquewise_model::print::{weighted_energies, with_error};
-use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term, Trig, Weighted};
+use torquewise_model::{EnergyTerm, FrictionLaw, FrictionTerm, Kind, Place, Term, Trig, Weighted};
 
 /// A sum with its left side, before it is written.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,6 +1,6 @@
 //! One part of a section as HTML.
 
-use crate::error::Result;
+use crate::Result;
 use crate::html::bars::Bars;
 use crate::html::chart::Chart;
 use crate::html::colour::Colour;

@@ -1,6 +1,6 @@
 //! Words and HTML for the templates of a page.
 
-use crate::error::Result;
+use crate::Result;
 use minijinja::Value;
 use serde::Serialize;
 

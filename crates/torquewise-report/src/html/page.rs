@@ -1,6 +1,6 @@
 //! The page: title, contents, sections, style and script in one file.
 
-use crate::error::Result;
+use crate::Result;
 use crate::html::item::{Item, Writer};
 use crate::html::markup::safe;
 use minijinja::{Environment, UndefinedBehavior, context};

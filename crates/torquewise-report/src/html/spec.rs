@@ -1,6 +1,6 @@
 //! A chart as JSON for the script of a page: thinned columns of short numbers.
 
-use crate::error::Result;
+use crate::Result;
 use crate::html::chart::{Axis, Chart, Guide, Series, Stretches};
 use crate::html::markup::script_json;
 use crate::html::number::rounded;

@@ -4,10 +4,7 @@ use crate::{findings, log};
 use std::f64::consts::FRAC_PI_2;
 use torquewise_identify::verdict::{judge, judge_by};
 use torquewise_identify::{PatternPlan, Reconstruction, Warning, diagnose, find_patterns, survey};
-use torquewise_model::friction::FrictionLaw;
-use torquewise_model::model::Training;
-use torquewise_model::rigid_chain::RigidChain;
-use torquewise_model::{Form, FrictionTerm, Model, Weighted};
+use torquewise_model::{Form, FrictionLaw, FrictionTerm, Model, RigidChain, Training, Weighted};
 use torquewise_report::{Findings, LogFile, Origin, ReportError, fit_report};
 
 const JOINTS: usize = 6;

@@ -1,8 +1,7 @@
 //! A report of a model with friction shows it as a part of its own, and loops where it remembers.
 
 use crate::{findings, fitted};
-use torquewise_model::friction::FrictionLaw;
-use torquewise_model::{FrictionTerm, Weighted};
+use torquewise_model::{FrictionLaw, FrictionTerm, Weighted};
 use torquewise_report::{Findings, fit_report};
 
 /// The report of a fit with this friction put in its place.

@@ -1,6 +1,6 @@
 //! Positive definite matrices of any scale, factored.
 
-use crate::error::{ChainError, Result};
+use crate::{ChainError, Result};
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{ColRef, Mat, Side};
 

@@ -1,7 +1,7 @@
 //! Right angles, what is put there, and what stays free.
 
 use super::{Geometry, RIGHT_ANGLES, axis, nearest_right_angle};
-use crate::error::ChainError;
+use crate::ChainError;
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
 use std::f64::consts::{FRAC_PI_2, PI};

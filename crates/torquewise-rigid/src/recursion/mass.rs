@@ -1,7 +1,7 @@
 //! M(q) by composite rigid bodies, from the tip inward.
 
 use super::{Body, Inertia, Moved, PER_BODY, Scalar, Wrench, along_z, product, times};
-use crate::joint::JointKind;
+use crate::JointKind;
 use nalgebra::Matrix3;
 
 impl<T: Scalar> Moved<T> {

@@ -4,10 +4,11 @@ use approx::assert_relative_eq;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use torquewise_rigid::base_parameters::base_parameters;
-use torquewise_rigid::geometry::{GRAVITY, PER_BASE, PER_JOINT, Placement};
+use torquewise_rigid::geometry::{GRAVITY, PER_JOINT};
 use torquewise_rigid::inertia::seen_from;
-use torquewise_rigid::recursion::PER_BODY;
-use torquewise_rigid::{Geometry, JointKinds, Kinematics, MotionState, Moved};
+use torquewise_rigid::{
+    Geometry, JointKinds, Kinematics, MotionState, Moved, PER_BASE, PER_BODY, Placement,
+};
 
 pub(crate) fn numbers(random: &mut ChaCha8Rng, count: usize) -> Vec<f64> {
     (0..count).map(|_| random.random_range(-1.5..1.5)).collect()

@@ -5,9 +5,9 @@ use approx::assert_relative_eq;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use simba::simd::SimdValue;
-use torquewise_rigid::coupling::{Coupled, Coupling};
-use torquewise_rigid::recursion::{Lanes, MOST_JOINTS, PER_BODY};
-use torquewise_rigid::{Geometry, Kinematics, MotionState, Moved};
+use torquewise_rigid::coupling::Coupled;
+use torquewise_rigid::recursion::{Lanes, MOST_JOINTS};
+use torquewise_rigid::{Coupling, Geometry, Kinematics, MotionState, Moved, PER_BODY};
 
 /// Joints of which one turns with two coordinates before it, another with one.
 fn coupling() -> Coupling {

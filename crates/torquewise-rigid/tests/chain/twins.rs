@@ -5,9 +5,9 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use torquewise_motion::Motion;
-use torquewise_rigid::geometry::{PER_BASE, PER_JOINT};
+use torquewise_rigid::geometry::PER_JOINT;
 use torquewise_rigid::inertia::plain_link;
-use torquewise_rigid::{Chain, ChainRows, Geometry};
+use torquewise_rigid::{Chain, ChainRows, Geometry, PER_BASE};
 use torquewise_sim::{Arm, MotionKind, MotionPlan, simulate};
 
 /// A chain of bodies that can be, with axes at all angles, in a base that is tilted.

@@ -5,12 +5,12 @@ use crate::control::knowledge::{Knowledge, sum};
 use crate::control::moving::{Moving, Slopes};
 use crate::control::plant::Plant;
 use crate::control::reference::period;
-use crate::error::{Result, SimError, check_joints};
+use crate::error::check_joints;
 use crate::state::State;
+use crate::{Result, SimError};
 use faer::Mat;
 use rayon::prelude::*;
-use torquewise_motion::Motion;
-use torquewise_motion::path::Path;
+use torquewise_motion::{Motion, Path};
 
 /// How a command comes about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

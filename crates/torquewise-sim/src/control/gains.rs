@@ -1,7 +1,8 @@
 //! Gains by one rule, so that controllers are compared and not their tuning.
 
+use crate::Result;
 use crate::control::knowledge::Knowledge;
-use crate::error::{Result, check_between, check_joints};
+use crate::error::{check_between, check_joints};
 use crate::state::State;
 use torquewise_motion::Motion;
 

@@ -1,6 +1,6 @@
 //! Dormand and Prince's method with error control.
 
-use crate::error::{Result, SimError};
+use crate::{Result, SimError};
 
 /// Where the stages of a step are: x + h Σ Aᵢⱼ kⱼ. The last row is the solution of order 5.
 const A: [&[f64]; 6] = [

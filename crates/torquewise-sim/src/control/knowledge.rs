@@ -1,11 +1,10 @@
 //! What a controller may ask about the arm before it.
 
-use crate::Arm;
 use crate::control::plant::Plant;
-use crate::error::Result;
+use crate::{Arm, Result};
 use faer::Mat;
 use torquewise_model::{Model, Torque};
-use torquewise_motion::path::Path;
+use torquewise_motion::Path;
 
 /// What a controller may ask about the arm before it; slices hold n numbers in SI units, others are
 /// refused.

@@ -2,8 +2,8 @@
 
 use crate::control::integrate::Integrator;
 use crate::control::plant::Plant;
-use crate::error::{Result, SimError};
 use crate::random::normal;
+use crate::{Result, SimError};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::collections::VecDeque;

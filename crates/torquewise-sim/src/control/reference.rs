@@ -1,9 +1,9 @@
 //! Desired motions: smooth, periodic, at rest between their periods.
 
-use crate::Arm;
-use crate::error::{Result, SimError, check_between};
+use crate::error::check_between;
 use crate::random::{between, direction};
 use crate::state::{State, motion};
+use crate::{Arm, Result, SimError};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;

@@ -1,7 +1,7 @@
 //! DH tables that must be refused, and one that must not.
 #![expect(clippy::float_cmp, reason = "defaults and quarters are exact")]
 
-use crate::arm::Arm;
+use crate::Arm;
 
 /// A good one-joint table, with one line replaced.
 fn table(replaced: &str, by: &str) -> String {

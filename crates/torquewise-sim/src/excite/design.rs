@@ -1,6 +1,6 @@
 //! The parts of a recording: those that tell most about the coefficients.
 
-use crate::error::Result;
+use crate::Result;
 use crate::excite::information::Information;
 use crate::excite::library::{Library, Stage};
 use crate::excite::limits::Bounds;

@@ -1,6 +1,7 @@
 //! Energies and friction as columns, each of size one over the limits.
 
-use crate::error::{Result, check_between};
+use crate::Result;
+use crate::error::check_between;
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, States};
 use crate::random::between;
@@ -8,15 +9,13 @@ use crate::state::State;
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use torquewise_model::FrictionTerm;
-use torquewise_model::friction::FrictionLaw;
 use torquewise_model::library::energy_library_size;
-use torquewise_regression::design::Design;
-use torquewise_regression::samples::Samples;
+use torquewise_model::{FrictionLaw, FrictionTerm};
+use torquewise_regression::{Design, Samples};
 use torquewise_rigid::JointKind;
-use torquewise_stepwise::candidates::{Candidates, SIGNALS};
+use torquewise_stepwise::candidates::SIGNALS;
 use torquewise_stepwise::rows::fill_in;
-use torquewise_stepwise::{IdentifyError, LibraryKind, Regression};
+use torquewise_stepwise::{Candidates, IdentifyError, LibraryKind, Regression};
 
 /// Columns at most: a factorisation takes about a second then.
 const MOST_COLUMNS: f64 = 3e3;

@@ -1,7 +1,7 @@
 //! What each joint may do, and what the plan keeps to.
 
-use crate::Arm;
-use crate::error::{Result, SimError, check_between};
+use crate::error::check_between;
+use crate::{Arm, Result, SimError};
 use std::f64::consts::PI;
 use torquewise_rigid::JointKind;
 

@@ -1,10 +1,10 @@
 //! A planned recording: parts with glides between them, its rows at a rate, and their peaks.
 
-use crate::error::{Result, SimError};
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, States};
 use crate::excite::segment::{Segment, glide};
 use crate::state::{State, motion};
+use crate::{Result, SimError};
 use torquewise_motion::stats::whole;
 use torquewise_motion::{BLOCK_ROWS, Motion, ReadResult, Recording, Visit};
 

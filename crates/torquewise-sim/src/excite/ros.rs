@@ -1,6 +1,7 @@
 //! A recording as waypoints and YAML: `trajectory_msgs/msg/JointTrajectory` of ROS 2.
 
-use crate::error::{Result, check_between};
+use crate::Result;
+use crate::error::check_between;
 use crate::excite::recording::Planned;
 use crate::state::State;
 use torquewise_motion::Recording;

@@ -1,12 +1,11 @@
 //! Torques of the drives that a plan keeps to, and how slow it is to be for them.
 
-use crate::Arm;
-use crate::error::{Result, SimError};
 use crate::excite::limits::{Bounds, JointValues, check_rate};
 use crate::excite::part::{Part, Sweep};
 use crate::excite::recording::Planned;
 use crate::excite::segment::{Segment, glide};
 use crate::state::State;
+use crate::{Arm, Result, SimError};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 

@@ -1,8 +1,9 @@
 //! Joints placed at random: energies summed body by body.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
-use crate::arm::{Arm, Joint, JointLimits, STANDARD_GRAVITY};
-use crate::spatial::{Body, Pose, shifted_turned};
+use crate::arm::{Joint, STANDARD_GRAVITY};
+use crate::spatial::{Pose, shifted_turned};
+use crate::{Arm, Body, JointLimits};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

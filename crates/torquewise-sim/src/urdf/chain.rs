@@ -2,14 +2,12 @@
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::{STANDARD_GRAVITY, check_finite};
-use crate::error::{Result, SimError};
-use crate::spatial::{Body, Pose, placement, pose};
+use crate::spatial::{Pose, placement, pose};
 use crate::urdf::robot::{Joint, Robot};
 use crate::urdf::tree::{Hinge, Tree, WeldedLink};
-use torquewise_rigid::geometry::Placement;
+use crate::{Body, Result, SimError};
 use torquewise_rigid::inertia::is_feasible;
-use torquewise_rigid::recursion::PER_BODY;
-use torquewise_rigid::{Geometry, JointKind};
+use torquewise_rigid::{Geometry, JointKind, PER_BODY, Placement};
 
 /// Where the axes of an arm lie, as its URDF says it, with its masses where they can be.
 ///

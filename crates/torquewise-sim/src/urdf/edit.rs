@@ -1,7 +1,6 @@
 //! Inertia and friction put into the text of a URDF; every other byte stays.
 
-use crate::error::{Result, SimError};
-use crate::spatial::Body;
+use crate::{Body, Result, SimError};
 use roxmltree::{Document, Node};
 use std::ops::Range;
 

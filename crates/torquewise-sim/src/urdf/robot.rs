@@ -1,7 +1,7 @@
 //! The links and joints of a URDF, as far as the motion of an arm depends on them.
 
-use crate::error::{Result, SimError};
-use crate::spatial::{Body, Pose, shifted_turned};
+use crate::spatial::{Pose, shifted_turned};
+use crate::{Body, Result, SimError};
 use roxmltree::{Document, Node};
 use torquewise_rigid::JointKind;
 

@@ -1,7 +1,6 @@
 //! URDF files that must be refused, and what is left of a file with locked joints.
 
-use crate::arm::{Arm, JointLimits};
-use crate::error::SimError;
+use crate::{Arm, JointLimits, SimError};
 use approx::assert_relative_eq;
 
 /// A link with mass 1 kg at (0, 0, 0.1) m.

@@ -1,7 +1,6 @@
 //! Friction that remembers the path, in a closed loop: bristles of the arm, elements of a model.
-use torquewise_model::friction::FrictionLaw;
-use torquewise_model::{Form, FrictionTerm, Model, Torque, Weighted};
-use torquewise_motion::path::Path;
+use torquewise_model::{Form, FrictionLaw, FrictionTerm, Model, Torque, Weighted};
+use torquewise_motion::Path;
 use torquewise_sim::control::{
     Gains, Knowledge, Law, Periodic, Plant, mean_inertia, periodic, track,
 };

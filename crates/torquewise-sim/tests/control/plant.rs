@@ -1,5 +1,5 @@
 //! Plants against inverse dynamics, and parts that do not belong together.
-use torquewise_motion::signals::Signal;
+use torquewise_motion::Signal;
 use torquewise_sim::control::{Periodic, Plant, periodic, record};
 use torquewise_sim::{Arm, Friction, SimError, Stribeck};
 

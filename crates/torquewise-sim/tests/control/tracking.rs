@@ -1,8 +1,7 @@
 //! Controllers on plants: what knowledge of the arm buys, and what bad input is told.
 use faer::Mat;
 use std::f64::consts::FRAC_PI_2;
-use torquewise_model::friction::FrictionLaw;
-use torquewise_model::{Form, FrictionTerm, Model, Weighted};
+use torquewise_model::{Form, FrictionLaw, FrictionTerm, Model, Weighted};
 use torquewise_motion::Motion;
 use torquewise_sim::control::{
     Gains, Knowledge, Law, Learned, Periodic, Plant, Sensors, Tracking, mean_inertia, periodic,

@@ -1,11 +1,11 @@
 //! Bounds that a measured torque is expected within.
 
-use crate::error::{Error, Result};
+use crate::Error;
+use crate::error::Result;
 use faer::Mat;
 use torquewise_model::{Model, RigidChain, Torque};
 use torquewise_motion::{Motion, ReadError, Recording};
-use torquewise_stepwise::NoiseFloor;
-use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::{IdentifyError, NoiseFloor};
 
 /// What a measured torque is expected within: the parameters are uncertain, noise of the log
 /// reaches the prediction, what the model leaves of the torque is not predicted, and dry friction holds a

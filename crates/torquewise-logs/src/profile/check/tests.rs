@@ -1,7 +1,7 @@
 //! Profiles that are read, and profiles that are refused with a key and a reason.
 
-use crate::error::LogError;
-use crate::profile::{Columns, PerJoint, Profile};
+use crate::profile::{Columns, PerJoint};
+use crate::{LogError, Profile};
 
 /// A profile that has every key.
 const WHOLE: &str = include_str!("whole.toml");

@@ -1,9 +1,8 @@
 //! Limits from files, flags and defaults.
 
-use crate::Arm;
-use crate::error::SimError;
 use crate::excite::limits::{JointValues, Wishes, limits};
 use crate::urdf::tests::two_joints;
+use crate::{Arm, SimError};
 use approx::assert_relative_eq;
 use std::f64::consts::PI;
 
