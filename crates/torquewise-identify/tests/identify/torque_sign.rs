@@ -269,4 +269,15 @@ fn currents_of_different_motors_are_named_with_what_each_is_worth() {
             assert!(*error < 0.1 * truth, "{name}: {found} {error}");
         }
     }
+    // Of a torque that is mostly noise none is told.
+    let log = motion(&Arm::builtin("generic-6").unwrap(), MotionKind::Sines, 40.0, 50.0, 1);
+    let (spread, mut normal) = (deviation(log.tau().unwrap(), 5), normals(1));
+    let log = with_torque(log, |_, tau| {
+        tau.iter_mut().zip(arms[0].1).for_each(|(tau, gain)| *tau /= gain);
+        tau[5] += 0.1 * spread * normal();
+    });
+    let found = findings(&log, &Plan::from(ChainOptions::default()));
+    let [Warning::Gains { gains: found, .. }] = &found[..] else { panic!("{found:?}") };
+    assert_eq!(found[5], [1.0, f64::INFINITY]);
+    assert!(found[..5].iter().all(|[gain, error]| *error < 0.1 * gain), "{found:?}");
 }

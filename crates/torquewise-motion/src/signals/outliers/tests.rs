@@ -20,10 +20,12 @@ fn friction_that_steps_peaks_of_fast_sines_ramps_and_pulses_are_left_alone() {
     let sine = |hz: f64| times(2000).iter().map(|t| (2.0 * PI * hz * t).sin()).collect();
     let steps = times(3000).iter().map(|t| torque(*t)).collect();
     let quantised_ramp = (0..4000).map(|k| (f64::from(k) * 0.013).round() * 0.01).collect();
+    let encoder_at_rest = (0..400).map(|k| if k % 40 == 0 { 1e-4 } else { 0.0 }).collect();
     let mut pulse_of_four_rows = vec![0.0; 200];
     pulse_of_four_rows[100..104].fill(1.0);
     let mut cases: Vec<(Vec<f64>, Option<f64>)> =
-        vec![(steps, None), (quantised_ramp, None), (pulse_of_four_rows, Some(1e-3))];
+        vec![(steps, None), (quantised_ramp, None), (encoder_at_rest, None)];
+    cases.push((pulse_of_four_rows, Some(1e-3)));
     cases.extend([0.3, 2.0, 9.0, 17.0, 31.0].map(|hz| (sine(hz), None)));
     for (case, (clean, scale)) in cases.into_iter().enumerate() {
         let mut x = clean.clone();
