@@ -33,6 +33,9 @@ const SLOW: f64 = 0.1;
 const LEAST_GAIN: f64 = 0.03;
 const LEAST_CERTAINTY: f64 = 2.0;
 
+/// So many delays more are tried beyond the longest where that leaves least, and so often.
+const MORE_DELAYS: (u32, usize) = (8, 5);
+
 /// Cut-offs beside the best of every second one, at most.
 const BESIDE: usize = 2;
 
@@ -137,7 +140,7 @@ impl Grid {
         let none = no_delay(logs);
         let mut cutoffs = cutoffs(logs, (chain, none), watch)?;
         let Some(cutoff) = lowest_near_best(&cutoffs) else { return Ok(None) };
-        let delays = at(logs, chain, (cutoff, &logs.delays()), 0.0, watch)?;
+        let delays = delays(logs, (chain, cutoff), watch)?;
         let mut delay = none;
         if let Some(best) = best_delay(&delays) {
             let with = |slow| at(logs, chain, (cutoff, &[none, best]), slow, watch);
@@ -248,6 +251,25 @@ fn cutoffs(
     let is_beside = |cutoff: &f64| (1.2..1.6).contains(&(cutoff / best).max(best / cutoff));
     tried.extend(all(cutoffs.into_iter().filter(is_beside).collect())?);
     tried.sort_by(|a, b| a.cutoff.total_cmp(&b.cutoff));
+    Ok(tried)
+}
+
+/// What delays leave at a cut-off, longer ones too where the longest leaves least.
+fn delays(
+    logs: &impl RawRecording,
+    (chain, cutoff): (&Linearisation, f64),
+    watch: Watch<'_>,
+) -> Result<Vec<Tried>, IdentifyError> {
+    let mut tried = at(logs, chain, (cutoff, &logs.delays()), 0.0, watch)?;
+    for _ in 0..MORE_DELAYS.1 {
+        let [.., before, last] = &tried[..] else { break };
+        if tried.iter().any(|own| own.errors.all() < last.errors.all()) {
+            break;
+        }
+        let step = last.delay - before.delay;
+        let more = (1..=MORE_DELAYS.0).map(|k| last.delay + f64::from(k) * step);
+        tried.extend(at(logs, chain, (cutoff, &more.collect::<Vec<f64>>()), 0.0, watch)?);
+    }
     Ok(tried)
 }
 

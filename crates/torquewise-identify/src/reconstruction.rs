@@ -117,7 +117,7 @@ impl Reconstruction {
             let lost = beyond(LOST).into_iter().filter(is_lost);
             let in_doubt: Vec<usize> =
                 doubtful.iter().copied().chain(lost).take(MOST_IN_DOUBT).collect();
-            let wrong = chain.wrong_signs(&self.survey.sample, &in_doubt, watch)?;
+            let wrong = chain.wrong_signs(&self.survey, &in_doubt, watch)?;
             // Of joints that always move together none is told from the others.
             let is_tied = |own: &Warning| matches!(own, Warning::Together { .. });
             let is_told =

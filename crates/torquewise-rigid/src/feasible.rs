@@ -62,6 +62,11 @@ impl Positive {
 }
 
 impl Prior {
+    /// Derivative of Ψ by each rotor at x, and the place of the rotor.
+    pub fn pulls_of_rotors(&self, x: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+        self.rotors.iter().map(|&(k, usual)| (k, 1.0 / usual - usual / (x[k] * x[k])))
+    }
+
     /// Ψ(x); `None` outside of what physics allows.
     pub fn value(&self, x: &[f64]) -> Option<f64> {
         let mut sum = 0.0;

@@ -301,8 +301,9 @@ fn is_trained(
 const CUT_PERCENT: f64 = 0.5;
 /// What is missed at rest beyond friction, of the spread that was fitted, is nothing below this.
 const LEAST_AT_REST: f64 = 0.1;
-/// Friction at rest explains most of an error where it leaves less than this part of it.
-const MOSTLY: f64 = 0.7;
+/// Where friction at rest leaves less than this part of an error, the verdict is of another figure than
+/// the scores.
+const VISIBLY: f64 = 0.97;
 
 /// Joints of a log, as far as they rest, where dry friction may hold them with anything.
 struct Held<'a> {
@@ -341,7 +342,7 @@ impl Held<'_> {
         {
             // Noise in the torque makes its RMSE larger.
             let is_less = self.raw.get(k).is_some_and(|raw| raw < rmse);
-            if self.rests[k] || self.unheld[k] < MOSTLY * rmse {
+            if self.rests[k] || self.unheld[k] < VISIBLY * rmse {
                 held.push(name.clone());
             } else if is_less
                 && raw_nrmse_percent.is_some_and(|raw| *nrmse_percent > raw + CUT_PERCENT)

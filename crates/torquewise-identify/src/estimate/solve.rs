@@ -173,6 +173,10 @@ impl Step<'_> {
         let precision = UsualArm::near(&self.at.geometry).precision;
         let spread = |mut middle: Mat<f64>| -> Mat<f64> {
             self.prior.add_hessian(&solution, uncertain(strength), &mut middle);
+            // The prior leaves none without a rotor: what it pulls one up by may be all of it.
+            for (k, pull) in self.prior.pulls_of_rotors(&solution) {
+                middle[(k, k)] += (strength * pull).powi(2);
+            }
             for (place, &k) in active.iter().enumerate().filter(|(_, k)| **k >= linear) {
                 middle[(place, place)] += uncertain(self.prior_rows) * precision[k - linear];
             }
