@@ -95,7 +95,10 @@ pub fn tune<L: RawRecording>(
         };
         let (of_logs, is_second) = ((summary.settings.filtered, plan.seed), before.is_some());
         let searched = Searched::of(&survey, options, of_logs, before, watch)?;
-        let Some(grid) = Grid::of(logs, &searched.at, watch)? else {
+        // Torques that never change choose nothing.
+        let tells = survey.torque_std.iter().any(|std| *std > 0.0);
+        let grid = if tells { Grid::of(logs, &searched.at, watch)? } else { None };
+        let Some(grid) = grid else {
             let request = searched.refined(watch)?;
             return Ok(Tuned { recording, request, choices: Vec::new() });
         };

@@ -1,7 +1,7 @@
 //! The result of a fit: what was found, how, and the warnings.
 
 use crate::clipped::clipped;
-use crate::excitation::LEAST_RANGE;
+use crate::excitation::{LEAST_RANGE, commanded_by};
 use crate::library_errors::held_out_rms;
 use crate::residual_shape::shapes;
 use crate::rough::doubtful;
@@ -41,6 +41,8 @@ pub struct Reconstruction {
 const INERTIA_ROWS: usize = 100;
 /// Part of the spread of a torque.
 const MUCH: f64 = 0.2;
+/// A torque that is missed by less than this part is not cut off.
+const LITTLE: f64 = 0.05;
 /// Beside a joint whose torque shows no friction of its own, one that is missed by more than this part
 /// may be of the wrong sign too; of so many joints at most all signs are tried.
 const LOST: f64 = 0.5;
@@ -81,12 +83,15 @@ impl Reconstruction {
         chain: impl FnOnce(&Survey) -> Result<SignTest, IdentifyError>,
     ) -> Result<(), IdentifyError> {
         let training = &self.model.training;
+        if !self.warnings.iter().any(|own| matches!(own, Warning::Commanded { .. })) {
+            self.warnings.extend(commanded_by(&self.survey, training));
+        }
         let beyond = |part: f64| -> Vec<usize> {
             let left = training.residual_rms.iter().zip(&training.torque_std).enumerate();
             left.filter(|(_, (rms, std))| **rms > part * **std).map(|(joint, _)| joint).collect()
         };
         let missed = beyond(MUCH);
-        let clipped: Vec<Warning> = (missed.iter())
+        let clipped: Vec<Warning> = (beyond(LITTLE).iter())
             .filter_map(|&joint| {
                 let share = clipped(&self.survey.sample, joint)?;
                 let joint = self.survey.joints[joint].clone();

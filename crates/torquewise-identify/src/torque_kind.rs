@@ -93,11 +93,11 @@ pub(crate) fn torque_kind(
 /// The same at axes as they are.
 fn kind_at(at: &Linearisation, sample: &Motion) -> Result<Option<Warning>, IdentifyError> {
     let motion = thinned(sample, ROWS);
-    if motion.n_rows() < CHOICE_ROWS {
+    let tau = motion.require_tau()?.to_owned();
+    if motion.n_rows() < CHOICE_ROWS || tau.col_iter().all(|tau| spread(tau) == 0.0) {
         return Ok(None);
     }
     let (columns, weights) = at.columns_of(&motion)?;
-    let tau = motion.require_tau()?.to_owned();
     let targets = [(&tau, &tau)];
     let held_out = both_ways(&motion, sample);
     let left = |columns: &Mat<f64>| -> Option<Vec<f64>> {

@@ -27,8 +27,13 @@ type Judged<'a> = (&'static str, Vec<(&'a String, f64)>);
 pub fn judge(found: &Reconstruction) -> Verdict {
     let judged = errors(found);
     let mut doubts = doubts(found);
-    doubts.extend(judged[0].1.is_empty().then(|| "too few rows to hold any out".to_owned()));
-    let mut verdict = graded(grave(&found.warnings), doubts, &judged);
+    let mut grave = grave(&found.warnings);
+    if found.model.training.torque_std.iter().all(|std| *std == 0.0) {
+        grave.push("no torque ever changes".to_owned());
+    } else if judged[0].1.is_empty() {
+        doubts.push("too few rows to hold any out".to_owned());
+    }
+    let mut verdict = graded(grave, doubts, &judged);
     verdict.because.extend(one_way(&found.warnings));
     verdict
 }

@@ -294,8 +294,9 @@ impl fmt::Display for Warning {
             Self::Weightless => write!(
                 f,
                 "gravity does nothing to the torques: has the driver taken it out of the effort that it \
-                 publishes, or does a spring or gear bear it? A model of such torque lacks it: have \
-                 the driver publish the whole torque, as the motors give it"
+                 publishes, does a spring or gear bear it, or do all axes stand upright? A model of such \
+                 torque lacks it: unless they do, have the driver publish the whole torque, as the \
+                 motors give it"
             ),
             Self::Swapped { joints: [one, other] } => write!(
                 f,

@@ -68,7 +68,7 @@ fn spoilt() -> Vec<(&'static str, Rows)> {
         ("held values", Rows { shown: held, ..plain(RATE) }),
         ("12 bits", Rows { step: std::f64::consts::TAU / 4_096.0, ..plain(RATE) }),
         ("spikes", Rows { spikes: 0.03, ..plain(RATE) }),
-        ("a delay", Rows { lag: 30, ..plain(RATE) }),
+        ("a delay", Rows { lag: 80, ..plain(RATE) }),
     ]
 }
 

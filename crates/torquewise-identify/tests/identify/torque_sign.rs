@@ -152,7 +152,9 @@ fn a_torque_that_never_changes_leaves_the_others_as_they_are() {
         assert!(errors[unmeasured.len() - 1..2].iter().all(|error| *error < 1.0), "{errors:?}");
         assert_ne!(judge(&found).grade, Grade::Good);
     }
-    let constant = said(&[0, 1, 2], 0.0).warnings.into_iter();
+    let constant = said(&[0, 1, 2], 0.0);
+    assert_eq!(judge(&constant).grade, Grade::Unusable);
+    let constant = constant.warnings.into_iter();
     assert_eq!(constant.filter(|own| matches!(own, Warning::ConstantTorque { .. })).count(), 3);
 }
 
