@@ -280,6 +280,6 @@ fn currents_of_different_motors_are_named_with_what_each_is_worth() {
     });
     let found = findings(&log, &Plan::from(ChainOptions::default()));
     let [Warning::Gains { gains: found, .. }] = &found[..] else { panic!("{found:?}") };
-    assert_eq!(found[5], [1.0, f64::INFINITY]);
+    assert!(found[5][1].is_infinite(), "{found:?}");
     assert!(found[..5].iter().all(|[gain, error]| *error < 0.1 * gain), "{found:?}");
 }
