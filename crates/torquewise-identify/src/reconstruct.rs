@@ -140,6 +140,9 @@ fn by_chain(
             if !is_turned {
                 // Under gravity from elsewhere the signs of right torques seem wrong.
                 found.doubt_torque(seed, watch, |_| Ok(chain))?;
+                if options.geometry.is_some() {
+                    found.doubt_axes(seed, watch);
+                }
             }
             Progress::Done.tell(watch)?;
             Ok(Solution::Model(Box::new(found)))

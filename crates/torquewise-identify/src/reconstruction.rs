@@ -7,9 +7,10 @@ use crate::residual_shape::shapes;
 use crate::rough::doubtful;
 use crate::torque_kind::has_gravity;
 use crate::torque_sign::{SignTest, at_a_glance, swapped};
+use crate::unseen::geometric_mean;
 use crate::verdict::grave;
 use crate::{Warning, weightless};
-use torquewise_model::{Model, Torque};
+use torquewise_model::{Model, Torque, Training};
 use torquewise_stepwise::fit::{Dropped, LibraryFit};
 use torquewise_stepwise::{IdentifyError, NoiseFloor, Patterns, Survey, thinned};
 
@@ -47,6 +48,8 @@ const LITTLE: f64 = 0.05;
 /// may be of the wrong sign too; of so many joints at most all signs are tried.
 const LOST: f64 = 0.5;
 const MOST_IN_DOUBT: usize = 8;
+/// Given axes are in doubt where others leave so many times less.
+const FAR_LESS: f64 = 1.5;
 
 impl Reconstruction {
     /// Result of the steps on a library, with warnings.
@@ -138,6 +141,30 @@ impl Reconstruction {
             self.warnings.extend(shapes(&self.model, &self.survey.sample, &missed)?);
         }
         Ok(())
+    }
+
+    /// Axes that were given, where those of an arm that is looked for leave far less of the torque.
+    pub(crate) fn doubt_axes(&mut self, seed: u64, watch: Watch<'_>) {
+        let Training { residual_rms, torque_std, .. } = &self.model.training;
+        let parts = |rms: &[f64]| -> Vec<f64> {
+            let parts = rms.iter().zip(torque_std).filter(|(_, std)| **std > 0.0);
+            parts.map(|(rms, std)| rms / std).collect()
+        };
+        let given = parts(residual_rms);
+        let is_simple = self
+            .model
+            .chain
+            .as_ref()
+            .is_some_and(|chain| chain.kinds.all_turn() && chain.coupling.is_none());
+        let is_missed = given.iter().any(|part| *part > MUCH);
+        if !is_simple || !is_missed || !grave(&self.warnings).is_empty() {
+            return;
+        }
+        let Survey { sample, dq_peak, .. } = &self.survey;
+        let Ok(found) = at_a_glance((sample, dq_peak), seed, watch) else { return };
+        let rms: Vec<f64> = found.weights.iter().map(|weight| 1.0 / weight).collect();
+        let ratio = geometric_mean(&given) / geometric_mean(&parts(&rms));
+        self.warnings.extend((ratio > FAR_LESS).then_some(Warning::Axes { ratio }));
     }
 
     /// Names torques that are not those of their joints: what they seemed to be worth is no gain.

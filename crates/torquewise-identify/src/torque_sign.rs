@@ -5,7 +5,7 @@ use crate::drive_terms::{DriveTerm, chain_rows, columns};
 use crate::estimate::{Linearisation, Sizes};
 use crate::learn::searching;
 use crate::reconstruction::Watch;
-use crate::unseen::{HeldTo, Unseen, even_blocks, geometric_mean};
+use crate::unseen::{HeldTo, Unseen, even_blocks, geometric_mean, spread};
 use faer::Mat;
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
@@ -39,6 +39,8 @@ const LIKELIEST: usize = 4;
 /// A physical arm must miss less than this part of the held-out torques that are turned round, geometric
 /// mean: where seven of a Med7 have KUKA's sign 0.67, where another joint spoilt the look above 1.
 const BETTER: f64 = 0.8;
+/// To it this part of the spread of a torque is noise at least.
+const LEAST_MISSED: f64 = 0.01;
 /// What signs leave is alike within this factor.
 const ALIKE: f64 = 2.0;
 /// Mean squares below this part of the variance are rounding and the ridge.
@@ -163,8 +165,12 @@ impl SignTest {
     /// where there is none.
     fn missed(&self, tried: &Tried, motion: &Motion, sizes: &Sizes) -> Option<Vec<f64>> {
         let (chain, tau) = (tried.chain.as_ref()?, motion.tau()?);
-        let at =
+        let mut at =
             Linearisation::of(chain, (self.drive.clone(), &chain.drive), vec![0.0; tau.ncols()]);
+        // Weights without end would leave no prior.
+        for (weight, tau) in at.weights.iter_mut().zip(tau.col_iter()) {
+            *weight = weight.min(1.0 / (LEAST_MISSED * spread(tau)));
+        }
         let turn = |joint: usize| if tried.signs >> joint & 1 == 1 { -1.0 } else { 1.0 };
         let tau =
             Mat::from_fn(tau.nrows(), tau.ncols(), |row, joint| turn(joint) * tau[(row, joint)]);

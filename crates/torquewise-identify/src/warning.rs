@@ -72,6 +72,8 @@ pub enum Warning {
     /// The log seems to count joints otherwise than the file that their axes are from: what each may be
     /// in that file, `joint3 as -q + 90°`.
     Coordinates { joints: String },
+    /// Axes that are looked for leave so many times less of the torque than those that were given.
+    Axes { ratio: f64 },
     /// Two logs hold the same rows.
     Repeated,
     /// M(q) is not positive definite within the range of the log, and where.
@@ -335,6 +337,11 @@ impl fmt::Display for Warning {
                 f,
                 "the log seems to count joints otherwise than the URDF: with {joints} held-out torque is \
                  missed by far less; if so, say it by scale and offset of a profile"
+            ),
+            Self::Axes { ratio } => write!(
+                f,
+                "an arm with axes elsewhere than in the URDF leaves {ratio:.1} times less of the torque: is \
+                 it the URDF of this arm, its joints in this order? See what a fit without it finds"
             ),
             Self::Repeated => write!(
                 f,

@@ -62,9 +62,10 @@ impl Positive {
 }
 
 impl Prior {
-    /// Derivative of Ψ by each rotor at x, and the place of the rotor.
-    pub fn pulls_of_rotors(&self, x: &[f64]) -> impl Iterator<Item = (usize, f64)> {
-        self.rotors.iter().map(|&(k, usual)| (k, 1.0 / usual - usual / (x[k] * x[k])))
+    /// First and second derivative of Ψ by each rotor at x, and the place of the rotor.
+    pub fn pulls_of_rotors(&self, x: &[f64]) -> impl Iterator<Item = (usize, [f64; 2])> {
+        let of = |usual: f64, x: f64| [1.0 / usual - usual / (x * x), 2.0 * usual / x.powi(3)];
+        self.rotors.iter().map(move |&(k, usual)| (k, of(usual, x[k])))
     }
 
     /// Ψ(x); `None` outside of what physics allows.

@@ -173,10 +173,6 @@ impl Step<'_> {
         let precision = UsualArm::near(&self.at.geometry).precision;
         let spread = |mut middle: Mat<f64>| -> Mat<f64> {
             self.prior.add_hessian(&solution, uncertain(strength), &mut middle);
-            // The prior leaves none without a rotor: what it pulls one up by may be all of it.
-            for (k, pull) in self.prior.pulls_of_rotors(&solution) {
-                middle[(k, k)] += (strength * pull).powi(2);
-            }
             for (place, &k) in active.iter().enumerate().filter(|(_, k)| **k >= linear) {
                 middle[(place, place)] += uncertain(self.prior_rows) * precision[k - linear];
             }
@@ -191,11 +187,17 @@ impl Step<'_> {
             .collect();
         let by_joint = factor.sandwiched(&self.scores_by_joint(active));
         let by_joint = faer::Scale(excess(&by_joint, &own)) * by_joint;
+        // The prior leaves none without a rotor: what it pulls one up by may be all of it.
+        let mut pulls = Mat::zeros(active.len(), active.len());
+        for (k, [pull, usual]) in self.prior.pulls_of_rotors(&solution) {
+            pulls[(k, k)] = ((strength * pull).powi(2) - uncertain(strength) * usual).max(0.0);
+        }
+        let others = by_joint + factor.sandwiched(&pulls);
         let mut covariance = Mat::zeros(p, p);
         for (i, &k) in active.iter().enumerate() {
             for (j, &l) in active.iter().enumerate() {
                 covariance[(k, l)] =
-                    0.5 * wider[i] * wider[j] * (own[(i, j)] + own[(j, i)]) + by_joint[(i, j)];
+                    0.5 * wider[i] * wider[j] * (own[(i, j)] + own[(j, i)]) + others[(i, j)];
             }
         }
         let at = self.at.clone().freed(active);
