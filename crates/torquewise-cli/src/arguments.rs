@@ -1,9 +1,8 @@
 //! Settings that several commands share.
 
-use crate::error::{CliError, Result};
 use crate::files::read_text;
-use crate::outcome::object;
 use crate::selection::{FRICTION, SelectionArguments};
+use crate::{CliError, Result, object};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::Serialize;

@@ -1,6 +1,6 @@
 //! What one torque of a model costs a controller: operations, time, share of a period.
 
-use crate::table::Table;
+use crate::Table;
 use serde_json::{Value, json};
 use torquewise::export::{Cost, ExportError, torque_costs};
 use torquewise::model::{Model, number};

@@ -22,8 +22,7 @@ mod demo;
 mod serve;
 mod completions;
 
-use crate::error::Result;
-use crate::outcome::Outcome;
+use crate::{Outcome, Result};
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 

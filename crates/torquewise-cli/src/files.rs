@@ -1,6 +1,6 @@
 //! Paths → texts, models and arms; texts → files, written whole or not at all.
 
-use crate::error::{CliError, Result};
+use crate::{CliError, Result};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;

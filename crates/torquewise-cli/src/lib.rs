@@ -18,6 +18,12 @@ mod pattern_table;
 mod call_costs;
 mod commands;
 
+pub(crate) use error::{CliError, Result};
+pub(crate) use files::{check_files, read_model, staged, write_whole};
+pub(crate) use outcome::{Outcome, object};
+pub(crate) use progress::watch;
+pub(crate) use table::Table;
+
 use clap::Parser;
 use std::ffi::OsString;
 

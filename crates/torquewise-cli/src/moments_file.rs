@@ -1,8 +1,7 @@
 //! Moments files read and written.
 
-use crate::error::{CliError, Result};
-use crate::files::{read_bytes, write_whole};
-use crate::outcome::Outcome;
+use crate::files::read_bytes;
+use crate::{CliError, Outcome, Result, write_whole};
 use serde_json::json;
 use std::path::Path;
 use torquewise::identify::Summary;

@@ -1,6 +1,6 @@
 //! What a command found, written to stdout and stderr, and its exit code.
 
-use crate::error::{CliError, Result};
+use crate::{CliError, Result};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::env;

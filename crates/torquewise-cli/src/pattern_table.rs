@@ -1,8 +1,6 @@
 //! Counts of patterns, and a table with the number and the pattern of each row.
 
-use crate::error::Result;
-use crate::files::staged;
-use crate::table::Table;
+use crate::{Result, Table, staged};
 use std::path::Path;
 use torquewise::inspect::count_patterns;
 use torquewise::logs::{Column, LogError, TableWriter, Values};

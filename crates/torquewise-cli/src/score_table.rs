@@ -1,6 +1,6 @@
 //! Errors of a model, joint by joint.
 
-use crate::table::Table;
+use crate::Table;
 use torquewise::Evaluation;
 use torquewise::model::rollout::Drift;
 use torquewise::model::units::heading;

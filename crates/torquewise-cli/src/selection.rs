@@ -1,7 +1,7 @@
 //! How terms are selected and fitted, and which friction is looked for.
 
 use crate::arguments::{fitting, kinds_of_joints, words};
-use crate::error::{CliError, Result};
+use crate::{CliError, Result};
 use clap::Args;
 use serde::Serialize;
 

@@ -1,8 +1,7 @@
 //! Which log files are read, by which profile, and how their signals are filtered.
 
 use crate::arguments::{parsed, parsed_unless_auto};
-use crate::error::Result;
-use crate::files::read_model;
+use crate::{Result, read_model};
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::log::{Prepared, Rows};

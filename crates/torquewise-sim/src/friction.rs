@@ -1,7 +1,6 @@
 //! The Stribeck curve (17) of each joint, forward and backward, and bristles.
 
-use crate::error::check_between;
-use crate::{Result, SimError};
+use crate::{Result, SimError, check_between};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 

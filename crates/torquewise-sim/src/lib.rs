@@ -36,10 +36,12 @@ pub mod control;
 
 pub use arm::{Arm, JointLimits};
 pub use arms::{ArmSummary, arms};
+pub(crate) use error::check_between;
 pub use error::{Result, SimError};
 pub use friction::{Friction, Stribeck};
 pub use noise::{Noise, add_noise};
 pub use plan::{MotionKind, MotionPlan};
 pub use simulate::{SimulatedLog, Simulation, simulate};
 pub use spatial::Body;
+pub(crate) use state::State;
 pub use urdf::{UrdfChain, UrdfJoint};

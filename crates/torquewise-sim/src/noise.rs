@@ -1,8 +1,7 @@
 //! White Gaussian noise at a given signal-to-noise ratio.
 
-use crate::Result;
-use crate::error::check_between;
 use crate::random::normal;
+use crate::{Result, check_between};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;

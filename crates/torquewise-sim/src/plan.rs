@@ -1,7 +1,6 @@
 //! What a simulated log should hold.
 
-use crate::Result;
-use crate::error::check_between;
+use crate::{Result, check_between};
 use torquewise_motion::stats::whole;
 
 /// How the joints are moved.

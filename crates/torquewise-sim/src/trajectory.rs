@@ -4,8 +4,7 @@ mod moves;
 mod sines;
 mod staged;
 
-use crate::state::State;
-use crate::{Arm, MotionKind, MotionPlan, Result};
+use crate::{Arm, MotionKind, MotionPlan, Result, State};
 use moves::Moves;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -1,9 +1,8 @@
 //! Stepwise reconstruction beside one-shot SINDy, on the same logs.
 
-use crate::error::Result;
 use crate::fit::fit_plan;
 use crate::observe::{NOBODY, Watched};
-use crate::{FitOptions, FitResult, Observer};
+use crate::{FitOptions, FitResult, Observer, Result};
 use serde::{Serialize, Serializer};
 use serde_json::json;
 use torquewise_identify::{LibraryOptions, Method, Scores, score};

@@ -1,10 +1,9 @@
 //! How well a model predicts the torque of a log.
 
-use crate::error::Result;
 use crate::log::{Prepared, Rows, Source};
 use crate::observe::{NOBODY, Watched};
 use crate::predict::{Interval, MotionRange};
-use crate::{Error, Log, Observer};
+use crate::{Error, Log, Observer, Result};
 use serde::{Serialize, Serializer};
 use serde_json::json;
 use torquewise_identify::score;

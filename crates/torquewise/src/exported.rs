@@ -1,8 +1,7 @@
 //! A model as files for other programs: code for controllers, robots for simulators.
 
-use crate::Error;
-use crate::error::Result;
 use crate::physics::MassMatrix;
+use crate::{Error, Result};
 use std::env;
 use std::env::consts::{ARCH, DLL_SUFFIX, OS};
 use std::fs::{self, File};

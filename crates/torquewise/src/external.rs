@@ -1,9 +1,8 @@
 //! Torque that others put on an arm, and when it is a contact (E16).
 
-use crate::error::Result;
 use crate::log::{Prepared, Rows};
 use crate::predict::MotionRange;
-use crate::{Log, Observer};
+use crate::{Log, Observer, Result};
 use torquewise_identify::contacts::external_torques;
 use torquewise_model::Model;
 use torquewise_motion::{ReadError, Repairs, Signal};

@@ -1,11 +1,10 @@
 //! What a log holds and what it lacks, before anything is fitted to it.
 
-use crate::Observer;
-use crate::error::Result;
 use crate::fit::timed;
 use crate::log::Prepared;
 use crate::options::MOST_BY_TERMS;
 use crate::summary::all_repairs;
+use crate::{Observer, Result};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;

@@ -1,7 +1,6 @@
 //! Options of a fit as words and numbers, for programs in other languages.
 
-use crate::error::Result;
-use crate::{Error, FitOptions, Library};
+use crate::{Error, FitOptions, Library, Result};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Map, Value, json};
 use std::ops::RangeInclusive;

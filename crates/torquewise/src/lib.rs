@@ -51,6 +51,7 @@ pub mod urdf;
 #[cfg(feature = "simulation")]
 pub mod twin;
 
+pub(crate) use error::Result;
 pub use error::{Error, Remedy, Wording};
 pub use evaluate::{Evaluation, evaluate};
 pub use fit::{Fit, FitResult};

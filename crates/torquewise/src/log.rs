@@ -1,8 +1,7 @@
 //! Logs of an arm, and how their signals are conditioned before anything is fitted to them.
 
-use crate::error::Result;
 use crate::observe::Watched;
-use crate::{Error, Observer};
+use crate::{Error, Observer, Result};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use torquewise_identify::warning::list;

@@ -1,8 +1,7 @@
 //! What is fitted to a log unless it is said otherwise, and which options go with it.
 
-use crate::error::Result;
 use crate::keywords::{joint_kinds, some_word, word};
-use crate::{Error, Remedy, Wording};
+use crate::{Error, Remedy, Result, Wording};
 use serde::Deserialize;
 use torquewise_identify::plan::KnownGeometry;
 use torquewise_identify::settings::SumSettings;

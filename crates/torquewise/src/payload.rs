@@ -1,8 +1,7 @@
 //! The load on a link of an arm whose model is known.
 
-use crate::error::Result;
 use crate::evaluate::prepare;
-use crate::{Log, Observer};
+use crate::{Log, Observer, Result};
 use torquewise_model::Model;
 
 pub use torquewise_identify::payload::{DriveGains, LoadPlace, Payload};

@@ -1,7 +1,6 @@
 //! What a fit found in numbers: the object that programs read.
 
-use crate::FitResult;
-use crate::error::Result;
+use crate::{FitResult, Result};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use torquewise_motion::Repairs;

@@ -1,6 +1,6 @@
 //! A learned model as the arm of a simulation: a twin of the robot that was logged.
 
-use crate::error::Result;
+use crate::Result;
 use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::{Drive, Model, ModelError, Torque};
 use torquewise_motion::{Motion, ReadResult, Recording, Signals, Visit};

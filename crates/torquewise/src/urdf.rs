@@ -1,6 +1,6 @@
 //! What a fit takes from the URDF of an arm.
 
-use crate::error::Result;
+use crate::Result;
 use torquewise_identify::plan::KnownGeometry;
 use torquewise_model::{LinkFrame, RobotNames};
 use torquewise_sim::{UrdfChain, UrdfJoint};

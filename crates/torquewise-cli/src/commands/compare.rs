@@ -1,11 +1,9 @@
 //! Stepwise reconstruction beside one-shot SINDy.
 
 use crate::arguments::PlanArguments;
-use crate::error::Result;
-use crate::outcome::{Outcome, object};
-use crate::progress::watch;
 use crate::signal_arguments::FilterArguments;
 use crate::table::methods;
+use crate::{Outcome, Result, object, watch};
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::compare::compare;

@@ -1,8 +1,7 @@
 //! `completions`: a script that completes the words of the command line.
 
 use crate::commands::CommandLine;
-use crate::error::{CliError, Result};
-use crate::outcome::Outcome;
+use crate::{CliError, Outcome, Result};
 use clap::{Args, CommandFactory};
 use clap_complete::{Shell, generate};
 use serde_json::json;

@@ -1,12 +1,8 @@
 //! Torque that others put on an arm, and when they touched it.
 
 use crate::arguments::parsed;
-use crate::error::Result;
-use crate::files::{check_files, read_model, staged, write_whole};
-use crate::outcome::Outcome;
-use crate::progress::watch;
 use crate::signal_arguments::SignalArguments;
-use crate::table::Table;
+use crate::{Outcome, Result, Table, check_files, read_model, staged, watch, write_whole};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;

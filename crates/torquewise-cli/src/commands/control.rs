@@ -6,9 +6,8 @@ mod summary;
 
 use crate::arguments::{Word, choice};
 use crate::commands::control::setup::{MotionArguments, PlantArguments};
-use crate::error::{CliError, Result};
-use crate::files::{check_files, read_arm, read_friction, read_model, staged, write_whole};
-use crate::outcome::Outcome;
+use crate::files::{read_arm, read_friction};
+use crate::{CliError, Outcome, Result, check_files, read_model, staged, write_whole};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use torquewise::control::{Law, Learned, Plant, Run, Runs, compare, is_of_joints};

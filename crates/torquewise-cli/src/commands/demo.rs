@@ -1,11 +1,9 @@
 //! The whole way at once: a log, its patterns, its equations, and how well they predict.
 
 use super::fit::date;
-use crate::error::Result;
-use crate::files::{check_rows, create_folder, read_arm, staged, write_whole};
-use crate::outcome::Outcome;
-use crate::progress::watch;
-use crate::table::{Table, methods};
+use crate::files::{check_rows, create_folder, read_arm};
+use crate::table::methods;
+use crate::{Outcome, Result, Table, staged, watch, write_whole};
 use clap::Args;
 use serde::Serialize;
 use serde_json::{Value, json};

@@ -1,12 +1,8 @@
 //! How well a model predicts the torque of logs.
 
 use crate::arguments::fitting;
-use crate::error::Result;
-use crate::files::read_model;
-use crate::outcome::{Outcome, object};
-use crate::progress::watch;
-use crate::score_table;
 use crate::signal_arguments::SignalArguments;
+use crate::{Outcome, Result, object, read_model, score_table, watch};
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::Grade;

@@ -3,10 +3,9 @@
 mod figure;
 mod summary;
 
-use crate::error::Result;
-use crate::files::{check_files, create_folder, read_arm, staged, write_whole};
-use crate::outcome::Outcome;
+use crate::files::{create_folder, read_arm};
 use crate::progress::share_bar;
+use crate::{Outcome, Result, check_files, staged, write_whole};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use torquewise::excite::{

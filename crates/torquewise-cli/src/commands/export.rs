@@ -1,10 +1,8 @@
 //! `export`: a model as source code, an FMU, a ROS 2 package or a robot file.
 
 use crate::arguments::{Word, choice, fitting};
-use crate::error::{CliError, Result};
-use crate::files::{check_files, create_folder, read_model, read_text, work_folder, write_whole};
-use crate::outcome::Outcome;
-use crate::table::Table;
+use crate::files::{create_folder, read_text, work_folder};
+use crate::{CliError, Outcome, Result, Table, check_files, read_model, write_whole};
 use clap::{Args, value_parser};
 use serde_json::json;
 use std::fs;

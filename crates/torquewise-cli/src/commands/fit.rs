@@ -2,13 +2,11 @@
 
 use crate::arguments::{METHOD, PlanArguments, RobotArguments, words};
 use crate::commands::payload::load_text;
-use crate::error::Result;
-use crate::files::{check_files, staged, write_whole};
-use crate::outcome::{Outcome, object};
-use crate::progress::watch;
 use crate::signal_arguments::SignalArguments;
-use crate::table::Table;
-use crate::{call_costs, score_table};
+use crate::{
+    Outcome, Result, Table, call_costs, check_files, object, score_table, staged, watch,
+    write_whole,
+};
 use chrono::{DateTime, Utc};
 use clap::Args;
 use serde_json::json;

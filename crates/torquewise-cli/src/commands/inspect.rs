@@ -1,11 +1,8 @@
 //! `inspect`: what logs hold, and what they lack.
 
-use crate::error::{CliError, Result};
-use crate::outcome::{Outcome, object};
 use crate::pattern_table::counts_text;
-use crate::progress::watch;
 use crate::signal_arguments::FilterArguments;
-use crate::table::Table;
+use crate::{CliError, Outcome, Result, Table, object, watch};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;

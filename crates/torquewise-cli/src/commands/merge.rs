@@ -1,9 +1,7 @@
 //! `merge`: moments files added up, the same bytes in whatever order.
 
-use crate::error::{CliError, Result};
-use crate::files::check_files;
 use crate::moments_file::{read_moments, write_moments};
-use crate::outcome::Outcome;
+use crate::{CliError, Outcome, Result, check_files};
 use clap::Args;
 use std::path::PathBuf;
 

@@ -1,12 +1,9 @@
 //! All that a fit needs of logs, in a file that adds to others.
 
 use crate::arguments::{METHOD, PlanArguments, words};
-use crate::error::Result;
-use crate::files::check_files;
 use crate::moments_file::{read_request, write_moments};
-use crate::outcome::Outcome;
-use crate::progress::watch;
 use crate::signal_arguments::SignalArguments;
+use crate::{Outcome, Result, check_files, watch};
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::motion::signals::CutoffFrom;

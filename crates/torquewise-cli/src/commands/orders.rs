@@ -1,12 +1,8 @@
 //! `orders`: the held-out residual at each order of the libraries, and the chosen orders.
 
 use crate::arguments::{PatternArguments, kinds_of_joints};
-use crate::error::Result;
-use crate::files::{check_files, write_whole};
-use crate::outcome::Outcome;
-use crate::progress::watch;
 use crate::signal_arguments::FilterArguments;
-use crate::table::Table;
+use crate::{Outcome, Result, Table, check_files, watch, write_whole};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;

@@ -1,12 +1,9 @@
 //! `patterns`: clusters of rows, and the pattern of each row.
 
 use crate::arguments::PatternArguments;
-use crate::error::Result;
-use crate::files::check_files;
-use crate::outcome::Outcome;
 use crate::pattern_table::{PatternTable, counts_text};
-use crate::progress::watch;
 use crate::signal_arguments::FilterArguments;
+use crate::{Outcome, Result, check_files, watch};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;

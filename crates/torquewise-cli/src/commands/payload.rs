@@ -1,12 +1,10 @@
 //! `payload`: the load on a link of an arm whose model is known.
 
 use crate::arguments::fitting;
-use crate::error::{CliError, Result};
-use crate::files::{check_files, read_model, staged, write_whole};
-use crate::outcome::{Outcome, object};
-use crate::progress::watch;
 use crate::signal_arguments::SignalArguments;
-use crate::table::Table;
+use crate::{
+    CliError, Outcome, Result, Table, check_files, object, read_model, staged, watch, write_whole,
+};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;

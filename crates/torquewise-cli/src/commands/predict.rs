@@ -1,12 +1,8 @@
 //! The torque of a log, whole and in parts.
 
 use crate::arguments::parsed;
-use crate::error::Result;
-use crate::files::{check_files, read_model, staged};
-use crate::outcome::Outcome;
-use crate::progress::watch;
 use crate::signal_arguments::SignalArguments;
-use crate::table::Table;
+use crate::{Outcome, Result, Table, check_files, read_model, staged, watch};
 use clap::Args;
 use faer::Mat;
 use serde_json::json;

@@ -1,9 +1,8 @@
 //! `torquewise reproduce`: the simulated experiments of the paper and those beyond it.
 
-use crate::error::{CliError, Result};
-use crate::files::{check_files, create_folder, write_whole};
-use crate::outcome::Outcome;
+use crate::files::create_folder;
 use crate::progress::share_bar;
+use crate::{CliError, Outcome, Result, check_files, write_whole};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;

@@ -1,7 +1,6 @@
 //! `serve`: the page that fits logs in the browser, handed out by the program itself.
 
-use crate::error::{CliError, Result};
-use crate::outcome::Outcome;
+use crate::{CliError, Outcome, Result};
 use clap::Args;
 use std::io;
 use std::process::{Command, Stdio};

@@ -1,11 +1,7 @@
 //! What a model holds: what was learned of the arm, its equations, and whether they are physics.
 
 use crate::arguments::{Word, choice};
-use crate::call_costs;
-use crate::error::{CliError, Result};
-use crate::files::read_model;
-use crate::outcome::{Outcome, object};
-use crate::table::Table;
+use crate::{CliError, Outcome, Result, Table, call_costs, object, read_model};
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use serde_json::Value;

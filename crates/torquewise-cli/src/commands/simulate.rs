@@ -1,12 +1,9 @@
 //! `simulate`: a log with known truth, of an arm, a motion and noise.
 
 use crate::arguments::{Word, choice, noise_levels};
-use crate::error::Result;
-use crate::files::{check_files, check_rows, read_arm, read_friction, staged};
-use crate::outcome::Outcome;
+use crate::files::{check_rows, read_arm, read_friction};
 use crate::pattern_table::PatternTable;
-use crate::progress::watch;
-use crate::table::Table;
+use crate::{Outcome, Result, Table, check_files, staged, watch};
 use clap::Args;
 use faer::MatRef;
 use serde_json::json;

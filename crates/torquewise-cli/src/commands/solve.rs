@@ -2,12 +2,9 @@
 
 use crate::arguments::{RobotArguments, fit_options, words};
 use crate::commands::fit;
-use crate::error::Result;
-use crate::files::{check_files, staged, write_whole};
 use crate::moments_file::read_moments;
-use crate::outcome::{Outcome, object};
-use crate::progress::watch;
 use crate::selection::{FRICTION, SelectionArguments};
+use crate::{Outcome, Result, check_files, object, staged, watch, write_whole};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;

@@ -1,9 +1,8 @@
 //! Gains by one rule, so that controllers are compared and not their tuning.
 
-use crate::Result;
 use crate::control::knowledge::Knowledge;
-use crate::error::{check_between, check_joints};
-use crate::state::State;
+use crate::error::check_joints;
+use crate::{Result, State, check_between};
 use torquewise_motion::Motion;
 
 /// Gains of a PID controller for each joint.

@@ -2,8 +2,8 @@
 
 use crate::control::integrate::Integrator;
 use crate::control::knowledge::sum;
-use crate::error::{check_above_zero, check_between, check_joints};
-use crate::{Arm, Friction, Result};
+use crate::error::{check_above_zero, check_joints};
+use crate::{Arm, Friction, Result, check_between};
 
 /// An arm as it is met: τ + τ_external = M(q) q̈ + C(q, q̇) q̇ + G(q) + F(q̇), method.md (1) (17).
 ///

@@ -1,9 +1,8 @@
 //! Desired motions: smooth, periodic, at rest between their periods.
 
-use crate::error::check_between;
 use crate::random::{between, direction};
-use crate::state::{State, motion};
-use crate::{Arm, Result, SimError};
+use crate::state::motion;
+use crate::{Arm, Result, SimError, State, check_between};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;

@@ -1,11 +1,9 @@
 //! Energies and friction as columns, each of size one over the limits.
 
-use crate::Result;
-use crate::error::check_between;
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, States};
 use crate::random::between;
-use crate::state::State;
+use crate::{Result, State, check_between};
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -1,7 +1,6 @@
 //! What each joint may do, and what the plan keeps to.
 
-use crate::error::check_between;
-use crate::{Arm, Result, SimError};
+use crate::{Arm, Result, SimError, check_between};
 use std::f64::consts::PI;
 use torquewise_rigid::JointKind;
 

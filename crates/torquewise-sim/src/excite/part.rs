@@ -1,10 +1,10 @@
 //! Parts of a recording: what informs, each at rest in one pose at both ends.
 
+use crate::State;
 use crate::excite::limits::Bounds;
 use crate::excite::segment::{Segment, ramp_seconds};
 use crate::excite::sines::Sines;
 use crate::random::{between, direction, log_between, normal};
-use crate::state::State;
 use rand_chacha::ChaCha8Rng;
 
 /// A part of a recording that begins and ends at rest in the same pose: a pose, held; a way at constant

@@ -3,8 +3,8 @@
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, States};
 use crate::excite::segment::{Segment, glide};
-use crate::state::{State, motion};
-use crate::{Result, SimError};
+use crate::state::motion;
+use crate::{Result, SimError, State};
 use torquewise_motion::stats::whole;
 use torquewise_motion::{BLOCK_ROWS, Motion, ReadResult, Recording, Visit};
 

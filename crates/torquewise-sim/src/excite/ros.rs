@@ -1,9 +1,7 @@
 //! A recording as waypoints and YAML: `trajectory_msgs/msg/JointTrajectory` of ROS 2.
 
-use crate::Result;
-use crate::error::check_between;
 use crate::excite::recording::Planned;
-use crate::state::State;
+use crate::{Result, State, check_between};
 use torquewise_motion::Recording;
 use torquewise_motion::stats::whole;
 

@@ -1,8 +1,8 @@
 //! A period of a Fourier series per joint, at rest at both ends.
 
+use crate::State;
 use crate::excite::limits::Bounds;
 use crate::random::{between, log_between, normal};
-use crate::state::State;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{PI, TAU};
 

@@ -4,8 +4,7 @@ use crate::excite::limits::{Bounds, JointValues, check_rate};
 use crate::excite::part::{Part, Sweep};
 use crate::excite::recording::Planned;
 use crate::excite::segment::{Segment, glide};
-use crate::state::State;
-use crate::{Arm, Result, SimError};
+use crate::{Arm, Result, SimError, State};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 

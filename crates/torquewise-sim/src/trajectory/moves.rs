@@ -2,8 +2,8 @@
 //! instants.
 
 use super::{ACCELERATION, PEAK_SPEED};
+use crate::State;
 use crate::random::{between, direction};
-use crate::state::State;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 

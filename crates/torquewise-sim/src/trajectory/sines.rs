@@ -1,7 +1,7 @@
 //! A sum of sines per joint, with exact derivatives.
 
+use crate::State;
 use crate::random::between;
-use crate::state::State;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{PI, TAU};
 

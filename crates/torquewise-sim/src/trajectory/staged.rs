@@ -1,8 +1,8 @@
 //! Three recordings: poses held, then constant speeds, then constant accelerations.
 
 use super::{ACCELERATION, PEAK_SPEED};
+use crate::State;
 use crate::random::{between, direction};
-use crate::state::State;
 use rand_chacha::ChaCha8Rng;
 use torquewise_motion::stats::whole;
 

@@ -1,7 +1,6 @@
 //! Bounds that a measured torque is expected within.
 
-use crate::Error;
-use crate::error::Result;
+use crate::{Error, Result};
 use faer::Mat;
 use torquewise_model::{Model, RigidChain, Torque};
 use torquewise_motion::{Motion, ReadError, Recording};

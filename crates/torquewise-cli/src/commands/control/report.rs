@@ -1,7 +1,7 @@
 //! Figure and page of `control`: errors, positions and torques of each controller.
 
+use crate::Result;
 use crate::commands::control::Compared;
-use crate::error::Result;
 use faer::Mat;
 use torquewise::control::{Run, Tracking};
 use torquewise::report::chart_figure;

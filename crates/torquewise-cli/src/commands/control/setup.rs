@@ -1,7 +1,7 @@
 //! The plant and the desired motion of `control`, from the command line.
 
 use crate::arguments::{Word, choice};
-use crate::error::{CliError, Result};
+use crate::{CliError, Result};
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::control::{Actuator, Periodic, Plant, Sensors, each, periodic};

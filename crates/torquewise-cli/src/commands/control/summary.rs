@@ -1,8 +1,7 @@
 //! Table, JSON and warnings of `control`.
 
 use crate::commands::control::{Arguments, Compared};
-use crate::outcome::Outcome;
-use crate::table::Table;
+use crate::{Outcome, Table};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use torquewise::control::{Law, Run};

@@ -1,6 +1,6 @@
 //! Figure of `excite`: position and velocity of each joint with their limits.
 
-use crate::error::Result;
+use crate::Result;
 use torquewise::excite::{Excitation, Limits, Planned, State};
 use torquewise::motion::Pattern;
 use torquewise::report::chart_figure;

@@ -1,8 +1,7 @@
 //! Summary of `excite`: peaks, limits, and how well the motion determines coefficients.
 
 use super::{Arguments, Files};
-use crate::outcome::Outcome;
-use crate::table::Table;
+use crate::{Outcome, Table};
 use serde_json::{Value, json};
 use torquewise::excite::{Bounds, Excitation, Limits, Torques};
 use torquewise::model::number;
