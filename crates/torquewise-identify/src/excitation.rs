@@ -136,8 +136,11 @@ pub(crate) fn commanded_by(survey: &Survey, model: &Training) -> Vec<Warning> {
     let still = survey.constant_joints();
     let moves = |joint: &usize| !still.contains(joint) && moves(survey, *joint);
     let joints: Vec<usize> = (0..survey.joints.len()).filter(moves).collect();
-    let left = |joint: usize| model.residual_rms[joint] / survey.torque_std[joint];
-    let most = |joint: usize| LITTLE_RESIDUAL.min(left(joint) / AS_MUCH);
+    // One that misses more is no witness.
+    let most = |joint: usize| {
+        let left = model.residual_rms[joint] / survey.torque_std[joint];
+        if left < LITTLE_RESIDUAL { left / AS_MUCH } else { 0.0 }
+    };
     commanded(survey, &joints, &most).unwrap_or_default()
 }
 

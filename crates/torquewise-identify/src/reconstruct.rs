@@ -137,12 +137,10 @@ fn by_chain(
             }
             found.warnings.extend(against);
             Warning::retain_founded(&mut found.warnings, &found.model);
-            if !is_turned {
+            let is_doubted = options.geometry.is_some() && found.doubt_axes(seed, watch);
+            if !is_turned && !is_doubted {
                 // Under gravity from elsewhere the signs of right torques seem wrong.
                 found.doubt_torque(seed, watch, |_| Ok(chain))?;
-                if options.geometry.is_some() {
-                    found.doubt_axes(seed, watch);
-                }
             }
             Progress::Done.tell(watch)?;
             Ok(Solution::Model(Box::new(found)))

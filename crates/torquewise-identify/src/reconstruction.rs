@@ -49,7 +49,7 @@ const LITTLE: f64 = 0.05;
 const LOST: f64 = 0.5;
 const MOST_IN_DOUBT: usize = 8;
 /// Given axes are in doubt where others leave so many times less.
-const FAR_LESS: f64 = 1.5;
+const FAR_LESS: f64 = 2.0;
 
 impl Reconstruction {
     /// Result of the steps on a library, with warnings.
@@ -143,8 +143,9 @@ impl Reconstruction {
         Ok(())
     }
 
-    /// Axes that were given, where those of an arm that is looked for leave far less of the torque.
-    pub(crate) fn doubt_axes(&mut self, seed: u64, watch: Watch<'_>) {
+    /// Whether those of an arm that is looked for leave far less of the torque than axes that were given:
+    /// then gravity and coordinates are right.
+    pub(crate) fn doubt_axes(&mut self, seed: u64, watch: Watch<'_>) -> bool {
         let Training { residual_rms, torque_std, .. } = &self.model.training;
         let parts = |rms: &[f64]| -> Vec<f64> {
             let parts = rms.iter().zip(torque_std).filter(|(_, std)| **std > 0.0);
@@ -158,13 +159,20 @@ impl Reconstruction {
             .is_some_and(|chain| chain.kinds.all_turn() && chain.coupling.is_none());
         let is_missed = given.iter().any(|part| *part > MUCH);
         if !is_simple || !is_missed || !grave(&self.warnings).is_empty() {
-            return;
+            return false;
         }
         let Survey { sample, dq_peak, .. } = &self.survey;
-        let Ok(found) = at_a_glance((sample, dq_peak), seed, watch) else { return };
+        let Ok(found) = at_a_glance((sample, dq_peak), seed, watch) else { return false };
         let rms: Vec<f64> = found.weights.iter().map(|weight| 1.0 / weight).collect();
         let ratio = geometric_mean(&given) / geometric_mean(&parts(&rms));
-        self.warnings.extend((ratio > FAR_LESS).then_some(Warning::Axes { ratio }));
+        if ratio > FAR_LESS {
+            let is_of_urdf = |own: &Warning| {
+                matches!(own, Warning::Gravity { .. } | Warning::Coordinates { .. })
+            };
+            self.warnings.retain(|own| !is_of_urdf(own));
+            self.warnings.push(Warning::Axes { ratio });
+        }
+        ratio > FAR_LESS
     }
 
     /// Names torques that are not those of their joints: what they seemed to be worth is no gain.

@@ -36,8 +36,9 @@ const BY_FRICTION: f64 = 0.05;
 const FEW: (usize, usize) = (6, 200);
 const FEWER: (usize, usize) = (2, 100);
 const LIKELIEST: usize = 4;
-/// A physical arm must miss less than this part of the held-out torques that are turned round, geometric
-/// mean: where seven of a Med7 have KUKA's sign 0.67, where another joint spoilt the look above 1.
+/// A physical arm must miss less than this part of the held-out torques that are turned round, or of all,
+/// geometric mean: where seven of a Med7 have KUKA's sign 0.67, where another joint spoilt the look above
+/// 1.
 const BETTER: f64 = 0.8;
 /// To it this part of the spread of a torque is noise at least.
 const LEAST_MISSED: f64 = 0.01;
@@ -143,8 +144,8 @@ impl SignTest {
         Ok(self.mended(told, [&as_it_is, &whole], &motion, survey))
     }
 
-    /// The joints that are told where a physical arm, too, misses less of their held-out torque with the
-    /// signs that were found; else none.
+    /// The joints that are told where a physical arm, too, misses less of the held-out torque with the signs
+    /// that were found; else none.
     fn mended(
         &self,
         told: Vec<usize>,
@@ -153,12 +154,14 @@ impl SignTest {
         survey: &Survey,
     ) -> Vec<usize> {
         let sizes = Sizes::of(survey);
-        let missed = tried.map(|tried| self.missed(tried, motion, &sizes));
-        let left = |missed: Vec<f64>| {
-            geometric_mean(&told.iter().map(|joint| missed[*joint]).collect::<Vec<f64>>())
-        };
-        let [as_it_is, turned] = missed.map(|missed| missed.map_or(f64::INFINITY, left));
-        if turned < BETTER * as_it_is { told } else { Vec::new() }
+        let [as_it_is, turned] = tried.map(|tried| self.missed(tried, motion, &sizes));
+        let Some(turned) = turned else { return Vec::new() };
+        let Some(as_it_is) = as_it_is else { return told };
+        let part = |joint: usize| Some(turned[joint] / as_it_is[joint]).filter(|x| x.is_finite());
+        // What one of the wrong sign spoils may be another's.
+        let all: Vec<f64> = (0..turned.len()).filter_map(part).collect();
+        let own: Vec<f64> = told.iter().copied().filter_map(part).collect();
+        if geometric_mean(&own).min(geometric_mean(&all)) < BETTER { told } else { Vec::new() }
     }
 
     /// RMSE of a physical arm at the axes of a chain on blocks of time that are held out \[N·m\], n; `None`

@@ -161,6 +161,7 @@ fn doubts(found: &Reconstruction) -> Vec<String> {
         Warning::Weightless => Some("gravity does nothing".to_owned()),
         Warning::Sliding { .. } => Some("joints seem to slide".to_owned()),
         Warning::Gravity { .. } => Some("gravity pulls elsewhere than was said".to_owned()),
+        Warning::Axes { .. } => Some("axes elsewhere than in the URDF leave less".to_owned()),
         Warning::Coordinates { .. } => {
             Some("joints seem to be counted otherwise than in the URDF".to_owned())
         }

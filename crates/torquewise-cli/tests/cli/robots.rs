@@ -142,6 +142,20 @@ fn errors_of_the_arm_count_what_joints_disagree_about() {
 }
 
 #[test]
+fn a_urdf_of_another_arm_is_doubted() {
+    let terminal = fitted();
+    let other = terminal.read("arm.urdf").replace("axis xyz=\"1 0 0.1\"", "axis xyz=\"0 1 0.1\"");
+    terminal.write("other.urdf", &other);
+
+    let is_doubted = |urdf: &str| {
+        let said = terminal.run(&format!("fit log.csv --urdf {urdf} -o new.json"));
+        said.stderr.contains("axes elsewhere than in the URDF")
+    };
+
+    assert!(is_doubted("other.urdf") && !is_doubted("arm.urdf"));
+}
+
+#[test]
 fn what_the_log_does_not_tell_of_a_link_stays_that_of_the_urdf() {
     let terminal = fitted();
     // A file whose links are of the right size, though not of the right inertia about their axes.
