@@ -191,5 +191,24 @@ struct WholeFriction {
     load: bool,
 }
 
+/// Shafts that several joints turn, as they are with one of them turned round.
+pub(crate) fn mirrored(drive: &[DriveTerm]) -> Vec<DriveTerm> {
+    let mirror = |shaft: &[f64]| {
+        let last = shaft.iter().rposition(|turn| *turn != 0.0)?;
+        let mut mirrored = shaft.to_vec();
+        mirrored[last] = -mirrored[last];
+        (shaft.iter().filter(|turn| **turn != 0.0).count() > 1).then_some(mirrored)
+    };
+    let turned = |drive: &DriveTerm| match drive {
+        DriveTerm::Rotor(shaft) => mirror(shaft).map(DriveTerm::Rotor),
+        DriveTerm::Friction(term) => {
+            let shaft = mirror(&term.shaft)?;
+            Some(DriveTerm::Friction(FrictionTerm { shaft, ..term.clone() }))
+        }
+        DriveTerm::Energy(_) => None,
+    };
+    drive.iter().filter_map(turned).collect()
+}
+
 #[cfg(test)]
 mod tests;

@@ -129,7 +129,7 @@ fn by_chain(
             let chain = SignTest::at(&fitted.solved.at, options.geometry.is_some());
             Progress::Judging.tell(watch)?;
             let mut found = fitted.report(survey, patterns, seed, watch)?;
-            let against = against_axes(&found.model.choices);
+            let (against, read) = against_axes(&found.model.choices).unzip();
             let is_turned = matches!(against, Some(Warning::Gravity { .. }));
             if against.is_some() {
                 // Gravity that pulls elsewhere does nothing where it was said to.
@@ -137,10 +137,12 @@ fn by_chain(
             }
             found.warnings.extend(against);
             Warning::retain_founded(&mut found.warnings, &found.model);
-            let is_doubted = options.geometry.is_some() && found.doubt_axes(seed, watch);
-            if !is_turned && !is_doubted {
+            let is_doubted = options.geometry.is_some() && found.doubt_axes(read, seed, watch);
+            if !is_turned || is_doubted {
                 // Under gravity from elsewhere the signs of right torques seem wrong.
-                found.doubt_torque(seed, watch, |_| Ok(chain))?;
+                found.doubt_torque(seed, watch, |survey| {
+                    if is_doubted { SignTest::looked_for(survey, seed, watch) } else { Ok(chain) }
+                })?;
             }
             Progress::Done.tell(watch)?;
             Ok(Solution::Model(Box::new(found)))

@@ -6,11 +6,11 @@ use crate::library_errors::held_out_rms;
 use crate::residual_shape::shapes;
 use crate::rough::doubtful;
 use crate::torque_kind::has_gravity;
-use crate::torque_sign::{SignTest, at_a_glance, swapped};
+use crate::torque_sign::{SignTest, left_by_axes, swapped};
 use crate::unseen::geometric_mean;
 use crate::verdict::grave;
 use crate::{Warning, weightless};
-use torquewise_model::{Model, Torque, Training};
+use torquewise_model::{Model, RigidChain, Torque, Training};
 use torquewise_stepwise::fit::{Dropped, LibraryFit};
 use torquewise_stepwise::{IdentifyError, NoiseFloor, Patterns, Survey, thinned};
 
@@ -69,9 +69,7 @@ impl Reconstruction {
             let kind = weightless(&found.survey, seed, watch);
             found.warnings.extend(kind);
         }
-        found.doubt_torque(seed, watch, |Survey { sample, dq_peak, .. }| {
-            Ok(SignTest::at(&at_a_glance((sample, dq_peak), seed, watch)?, false))
-        })?;
+        found.doubt_torque(seed, watch, |survey| SignTest::looked_for(survey, seed, watch))?;
         Ok(found)
     }
 
@@ -94,15 +92,14 @@ impl Reconstruction {
             left.filter(|(_, (rms, std))| **rms > part * **std).map(|(joint, _)| joint).collect()
         };
         let missed = beyond(MUCH);
-        let clipped: Vec<Warning> = (beyond(LITTLE).iter())
-            .filter_map(|&joint| {
-                let share = clipped(&self.survey.sample, joint)?;
-                let joint = self.survey.joints[joint].clone();
-                Some(Warning::Clipped { joint, share })
-            })
+        let clipped: Vec<(usize, f64)> = (beyond(LITTLE).into_iter())
+            .filter_map(|joint| Some((joint, clipped(&self.survey.sample, joint)?)))
             .collect();
-        let is_clipped = !clipped.is_empty();
-        self.warnings.extend(clipped);
+        let is_clipped = clipped.iter().any(|(joint, _)| missed.contains(joint));
+        self.warnings.extend(clipped.into_iter().map(|(joint, share)| Warning::Clipped {
+            joint: self.survey.joints[joint].clone(),
+            share,
+        }));
         if is_clipped || missed.is_empty() && !self.has_negative_inertia()? {
             return Ok(());
         }
@@ -136,35 +133,37 @@ impl Reconstruction {
                 self.accuse(Warning::WrongSign { joints });
             }
         }
-        if grave(&self.warnings).is_empty() {
+        let is_doubted = self.warnings.iter().any(|own| matches!(own, Warning::Axes { .. }));
+        if !is_doubted && grave(&self.warnings).is_empty() {
             let missed: Vec<usize> = missed.into_iter().filter(moves).collect();
             self.warnings.extend(shapes(&self.model, &self.survey.sample, &missed)?);
         }
         Ok(())
     }
 
-    /// Whether those of an arm that is looked for leave far less of the torque than axes that were given:
-    /// then gravity and coordinates are right.
-    pub(crate) fn doubt_axes(&mut self, seed: u64, watch: Watch<'_>) -> bool {
+    /// Whether an arm that is looked for leaves far less of the torque than the axes that were given,
+    /// however gravity and coordinates are read: what was said of these is then taken back.
+    ///
+    /// - `read`: what such a reading leaves of held-out torque, where one is better than none
+    pub(crate) fn doubt_axes(&mut self, read: Option<f64>, seed: u64, watch: Watch<'_>) -> bool {
         let Training { residual_rms, torque_std, .. } = &self.model.training;
         let parts = |rms: &[f64]| -> Vec<f64> {
             let parts = rms.iter().zip(torque_std).filter(|(_, std)| **std > 0.0);
             parts.map(|(rms, std)| rms / std).collect()
         };
-        let given = parts(residual_rms);
         let is_simple = self
             .model
             .chain
             .as_ref()
             .is_some_and(|chain| chain.kinds.all_turn() && chain.coupling.is_none());
-        let is_missed = given.iter().any(|part| *part > MUCH);
+        let is_missed = parts(residual_rms).iter().any(|part| *part > MUCH);
         if !is_simple || !is_missed || !grave(&self.warnings).is_empty() {
             return false;
         }
-        let Survey { sample, dq_peak, .. } = &self.survey;
-        let Ok(found) = at_a_glance((sample, dq_peak), seed, watch) else { return false };
-        let rms: Vec<f64> = found.weights.iter().map(|weight| 1.0 / weight).collect();
-        let ratio = geometric_mean(&given) / geometric_mean(&parts(&rms));
+        let Some(Ok(given)) = self.model.chain.as_ref().map(RigidChain::axes) else { return false };
+        let Ok(left) = left_by_axes(&self.survey, &given, seed, watch) else { return false };
+        let [given, found] = left.map(|rms| geometric_mean(&parts(&rms)));
+        let ratio = read.map_or(given, |read| read.min(given)) / found;
         if ratio > FAR_LESS {
             let is_of_urdf = |own: &Warning| {
                 matches!(own, Warning::Gravity { .. } | Warning::Coordinates { .. })
@@ -175,10 +174,10 @@ impl Reconstruction {
         ratio > FAR_LESS
     }
 
-    /// Names torques that are not those of their joints: what they seemed to be worth is no gain.
+    /// Names torques that are not those of their joints: what they seemed to be worth is no gain, and
+    /// axes that explain them are not the arm's.
     fn accuse(&mut self, torques: Warning) {
-        let is_gain = |own: &Warning| matches!(own, Warning::Gains { .. });
-        self.warnings.retain(|own| !is_gain(own));
+        self.warnings.retain(|own| !matches!(own, Warning::Gains { .. } | Warning::Axes { .. }));
         self.warnings.push(torques);
     }
 

@@ -1,14 +1,13 @@
 //! Torques of the wrong sign, and torques in each other's place: put right, a chain of rigid bodies
 //! explains those of all joints far better.
 
-use crate::drive_terms::{DriveTerm, chain_rows, columns};
+use crate::drive_terms::{DriveTerm, chain_rows, columns, mirrored};
 use crate::estimate::{Linearisation, Sizes};
 use crate::learn::searching;
 use crate::reconstruction::Watch;
 use crate::unseen::{HeldTo, Unseen, even_blocks, geometric_mean, spread};
 use faer::Mat;
 use rayon::prelude::*;
-use torquewise_model::FrictionTerm;
 use torquewise_motion::Motion;
 use torquewise_rigid::search::glance;
 use torquewise_rigid::{
@@ -36,9 +35,9 @@ const BY_FRICTION: f64 = 0.05;
 const FEW: (usize, usize) = (6, 200);
 const FEWER: (usize, usize) = (2, 100);
 const LIKELIEST: usize = 4;
-/// A physical arm must miss less than this part of the held-out torques that are turned round, or of all,
-/// geometric mean: where seven of a Med7 have KUKA's sign 0.67, where another joint spoilt the look above
-/// 1.
+/// Turned round, torques must leave a physical arm less than this part of what they leave it as they are,
+/// held out, geometric mean of those named or of all: where seven of a Med7 have KUKA's sign 0.67, where
+/// another joint spoilt the look above 1.
 const BETTER: f64 = 0.8;
 /// To it this part of the spread of a torque is noise at least.
 const LEAST_MISSED: f64 = 0.01;
@@ -67,6 +66,15 @@ impl SignTest {
         let geometry = at.geometry.clone();
         let free = if is_given { Vec::new() } else { geometry.movable() };
         Self { geometry, free, drive: at.drive.clone() }
+    }
+
+    /// At axes that are looked for on few rows.
+    pub(crate) fn looked_for(
+        Survey { sample, dq_peak, .. }: &Survey,
+        seed: u64,
+        watch: Watch<'_>,
+    ) -> Result<Self, IdentifyError> {
+        Ok(Self::at(&at_a_glance((sample, dq_peak), seed, watch)?, false))
     }
 
     /// Joints whose torque, turned round, lets a chain explain the torques of all joints far better.
@@ -153,6 +161,9 @@ impl SignTest {
         motion: &Motion,
         survey: &Survey,
     ) -> Vec<usize> {
+        if told.is_empty() {
+            return told;
+        }
         let sizes = Sizes::of(survey);
         let [as_it_is, turned] = tried.map(|tried| self.missed(tried, motion, &sizes));
         let Some(turned) = turned else { return Vec::new() };
@@ -274,18 +285,43 @@ impl SignTest {
     }
 }
 
+/// Usual friction, and rows of a motion with its columns, joints that all turn.
+fn few_rows(
+    (sample, dq_peak): (&Motion, &[f64]),
+    count: usize,
+) -> Result<(Vec<DriveTerm>, ChainRows), IdentifyError> {
+    let drive = DriveTerm::usual(&FrictionLibrary::new(dq_peak.to_vec()));
+    let motion = thinned(sample, count);
+    let rows = chain_rows(&motion, columns(&drive, &motion, None))?.measured();
+    Ok((drive, rows))
+}
+
+/// What axes that are given and those that are looked for leave of each torque on few rows \[N·m\], n
+/// each, joints that all turn.
+pub(crate) fn left_by_axes(
+    Survey { sample, dq_peak, .. }: &Survey,
+    given: &Geometry,
+    seed: u64,
+    watch: Watch<'_>,
+) -> Result<[Vec<f64>; 2], IdentifyError> {
+    let (_, rows) = few_rows((sample, dq_peak), ROWS)?;
+    let still = Search { rounds: 0, ..Search::default() };
+    let given = refine(&rows, &Chain::at(given.clone()), &[], &still, &searching(watch))?;
+    let found = search(&rows, &Search { seed, ..Search::default() }, &searching(watch))?;
+    let found = found.chains.into_iter().next().ok_or(ChainError::Singular)?;
+    Ok([given.residual_rms, found.residual_rms])
+}
+
 /// A chain with usual friction that is searched on few rows of a motion, joints that all turn.
 pub(crate) fn at_a_glance(
     (sample, dq_peak): (&Motion, &[f64]),
     seed: u64,
     watch: Watch<'_>,
 ) -> Result<Linearisation, IdentifyError> {
-    let drive = DriveTerm::usual(&FrictionLibrary::new(dq_peak.to_vec()));
-    let motion = thinned(sample, ROWS);
-    let rows = chain_rows(&motion, columns(&drive, &motion, None))?.measured();
+    let (drive, rows) = few_rows((sample, dq_peak), ROWS)?;
     let found = search(&rows, &Search { seed, ..Search::default() }, &searching(watch))?;
     let chain = found.chains.into_iter().next().ok_or(ChainError::Singular)?;
-    Ok(Linearisation::of(&chain, (drive, &chain.drive), vec![0.0; motion.n_joints()]))
+    Ok(Linearisation::of(&chain, (drive, &chain.drive), vec![0.0; rows.n_joints()]))
 }
 
 /// Two joints whose torques stand in each other's place: a first look at few rows finds a chain that
@@ -306,9 +342,8 @@ pub(crate) fn swapped(
             && pair.iter().all(|joint| doubtful.contains(joint))
     };
     let pairs: Vec<[usize; 2]> = pairs.filter(is_likely).collect();
-    let peaks = (0..n).map(|joint| motion.dq().col(joint).norm_max()).collect();
-    let drive = DriveTerm::usual(&FrictionLibrary::new(peaks));
-    let rows = chain_rows(&motion, columns(&drive, &motion, None))?.measured();
+    let peaks: Vec<f64> = (0..n).map(|joint| motion.dq().col(joint).norm_max()).collect();
+    let (_, rows) = few_rows((&motion, &peaks), FEW.1)?;
     let watch = searching(watch);
     let parts = |rows: &ChainRows, (starts, count): (usize, usize)| {
         glance(&rows.thinned(count), &Search { seed, starts, ..Search::default() }, &watch)
@@ -360,23 +395,4 @@ fn least(a: &Tried, b: &Tried) -> std::cmp::Ordering {
 /// The joints that signs turn.
 fn joints_of(signs: u32) -> impl Iterator<Item = usize> {
     (0..u32::BITS as usize).filter(move |joint| signs >> joint & 1 == 1)
-}
-
-/// Shafts that several joints turn, as they are with one of them turned round.
-fn mirrored(drive: &[DriveTerm]) -> Vec<DriveTerm> {
-    let mirror = |shaft: &[f64]| {
-        let last = shaft.iter().rposition(|turn| *turn != 0.0)?;
-        let mut mirrored = shaft.to_vec();
-        mirrored[last] = -mirrored[last];
-        (shaft.iter().filter(|turn| **turn != 0.0).count() > 1).then_some(mirrored)
-    };
-    let turned = |drive: &DriveTerm| match drive {
-        DriveTerm::Rotor(shaft) => mirror(shaft).map(DriveTerm::Rotor),
-        DriveTerm::Friction(term) => {
-            let shaft = mirror(&term.shaft)?;
-            Some(DriveTerm::Friction(FrictionTerm { shaft, ..term.clone() }))
-        }
-        DriveTerm::Energy(_) => None,
-    };
-    drive.iter().filter_map(turned).collect()
 }

@@ -62,10 +62,10 @@ impl Positive {
 }
 
 impl Prior {
-    /// First and second derivative of Ψ by each rotor at x, and the place of the rotor.
-    pub fn pulls_of_rotors(&self, x: &[f64]) -> impl Iterator<Item = (usize, [f64; 2])> {
-        let of = |usual: f64, x: f64| [1.0 / usual - usual / (x * x), 2.0 * usual / x.powi(3)];
-        self.rotors.iter().map(move |&(k, usual)| (k, of(usual, x[k])))
+    /// What Ψ pulls each rotor up by at x, 0 for a large one, and the place of the rotor.
+    pub fn pulls_of_rotors(&self, x: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+        let pull = |usual: f64, x: f64| (usual / (x * x) - 1.0 / usual).max(0.0);
+        self.rotors.iter().map(move |&(k, usual)| (k, pull(usual, x[k])))
     }
 
     /// Ψ(x); `None` outside of what physics allows.

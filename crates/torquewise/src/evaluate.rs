@@ -300,6 +300,8 @@ fn is_trained(
 const CUT_PERCENT: f64 = 0.5;
 /// What is missed at rest beyond friction, of the spread that was fitted, is nothing below this.
 const LEAST_AT_REST: f64 = 0.1;
+/// Friction at rest explains most of an error where it leaves less than this part of it.
+const MOSTLY: f64 = 0.7;
 /// Where friction at rest leaves less than this part of an error, the verdict is of another figure than
 /// the scores.
 const VISIBLY: f64 = 0.97;
@@ -343,7 +345,10 @@ impl Held<'_> {
             let is_less = self.raw.get(k).is_some_and(|raw| raw < rmse);
             if self.rests[k] || self.unheld[k] < VISIBLY * rmse {
                 held.push(name.clone());
-            } else if is_less
+            }
+            if !self.rests[k]
+                && self.unheld[k] >= MOSTLY * rmse
+                && is_less
                 && raw_nrmse_percent.is_some_and(|raw| *nrmse_percent > raw + CUT_PERCENT)
             {
                 cut.push(name.clone());

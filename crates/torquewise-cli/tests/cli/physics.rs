@@ -163,3 +163,27 @@ fn what_dry_friction_may_hold_at_rest_widens_bounds_and_does_not_count() {
         assert_eq!(pose.lines().filter(rests).count(), 2, "{pose}");
     }
 }
+
+#[test]
+fn errors_of_the_arm_count_what_joints_disagree_about() {
+    let terminal = Terminal::new();
+    terminal.done("simulate puma560-3 -o log.csv --seconds 40 --rate 100 --case 2 --seed 1");
+    let table = Table::of(&terminal, "log.csv").scaled(&["tau3"], 1.15);
+    terminal.write("gain.csv", &table.text());
+
+    // The joints that lie before the second and the third: on it, and a link of 0.4318 m away.
+    let errors = |log: &str| -> Vec<f64> {
+        terminal.run(&format!("fit {log}.csv --library chain -o {log}.json"));
+        let geometry = &terminal.json(&format!("show {log}.json"))["geometry"];
+        let of = |(joint, truth): (usize, f64)| {
+            let distance = &geometry[joint]["distance_to_previous_m"];
+            let [value, error] = ["value", "std_error"].map(|key| distance[key].as_f64().unwrap());
+            assert!((value - truth).abs() < 2.0 * error, "{log} {joint}: {distance}");
+            error
+        };
+        [(1, 0.0), (2, 0.4318)].map(of).to_vec()
+    };
+    let (sound, torn) = (errors("log"), errors("gain"));
+
+    assert!(torn[0] > 4.0 * sound[0] && torn[1] > 2.0 * sound[1], "{torn:?} {sound:?}");
+}

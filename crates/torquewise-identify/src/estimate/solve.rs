@@ -189,8 +189,8 @@ impl Step<'_> {
         let by_joint = faer::Scale(excess(&by_joint, &own)) * by_joint;
         // The prior leaves none without a rotor: what it pulls one up by may be all of it.
         let mut pulls = Mat::zeros(active.len(), active.len());
-        for (k, [pull, usual]) in self.prior.pulls_of_rotors(&solution) {
-            pulls[(k, k)] = ((strength * pull).powi(2) - uncertain(strength) * usual).max(0.0);
+        for (k, pull) in self.prior.pulls_of_rotors(&solution) {
+            pulls[(k, k)] = (strength * pull).powi(2);
         }
         let others = by_joint + factor.sandwiched(&pulls);
         let mut covariance = Mat::zeros(p, p);

@@ -21,8 +21,8 @@ pub(super) const AS_GIVEN: &str = "as given";
 const TILTED: &str = "tilted";
 
 /// What the choices of a fit say against the axes that were given: where gravity pulls, or how joints
-/// are counted, whichever explains held-out rows better.
-pub(crate) fn against_axes(choices: &[Choice]) -> Option<Warning> {
+/// are counted, whichever explains held-out rows better, and what it leaves of these.
+pub(crate) fn against_axes(choices: &[Choice]) -> Option<(Warning, f64)> {
     let told = |what: &str| {
         let choice = choices.iter().find(|choice| choice.what == what)?;
         let chosen = choice.from.iter().find(|own| own.label == choice.chosen)?;
@@ -31,9 +31,9 @@ pub(crate) fn against_axes(choices: &[Choice]) -> Option<Warning> {
     };
     match (told(LINE_OF_GRAVITY), told(COORDINATES)) {
         (Some((line, error)), other) if other.as_ref().is_none_or(|(_, own)| error <= *own) => {
-            Some(Warning::Gravity { line })
+            Some((Warning::Gravity { line }, error))
         }
-        (_, other) => other.map(|(joints, _)| Warning::Coordinates { joints }),
+        (_, other) => other.map(|(joints, error)| (Warning::Coordinates { joints }, error)),
     }
 }
 

@@ -198,9 +198,9 @@ impl ChainLearner<'_> {
             let spec = at(kinds.clone());
             let rows = self.rows(&spec, count)?;
             let search = Search { starts, ..spec.search };
-            let left = |search: &Search| geometric_mean(&glance(&rows, search, &watch));
-            let own = left(&search);
-            let free = || left(&Search { ridge: NO_RIDGE, ..search.clone() });
+            let part = |search: &Search| geometric_mean(&glance(&rows, search, &watch));
+            let own = part(&search);
+            let free = || part(&Search { ridge: NO_RIDGE, ..search.clone() });
             Ok(if own > LEFT_BY_RIDGE { own } else { own.min(free()) })
         };
         let q = self.motion.q();
