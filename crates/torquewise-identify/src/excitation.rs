@@ -57,7 +57,7 @@ fn findings(survey: &Survey) -> Vec<Warning> {
     let gentle = gentle.map(|(joints, peak)| Warning::Acceleration { joints, peak });
     found.extend(slow.into_iter().chain(gentle));
     found.extend(together(survey, &joints));
-    let moving: Vec<usize> = joints.into_iter().filter(|joint| moves(survey, *joint)).collect();
+    let moving = moving(survey);
     found.extend(commanded(survey, &moving, &|_| LEAST_RESIDUAL).unwrap_or_default());
     found.extend(moving.iter().filter_map(|&joint| {
         let residual = unexplained_part(motion, joint).filter(|left| *left > MOST_RESIDUAL)?;
@@ -108,12 +108,17 @@ fn of_joint(survey: &Survey, joint: usize) -> Vec<Warning> {
     found
 }
 
-/// Whether a joint moves at all, under a torque that changes; an arm that does so gently must not
-/// escape what is looked for.
-fn moves(survey: &Survey, joint: usize) -> bool {
-    survey.dq_peak[joint] > LEAST_SPEED
-        && survey.ddq_peak[joint] > LEAST_ACCELERATION
-        && survey.torque_std[joint] > 0.0
+/// Joints that move at all, under a torque that changes; an arm that does so gently must not escape what
+/// is looked for.
+fn moving(survey: &Survey) -> Vec<usize> {
+    let still = survey.constant_joints();
+    let moves = |&joint: &usize| {
+        !still.contains(&joint)
+            && survey.dq_peak[joint] > LEAST_SPEED
+            && survey.ddq_peak[joint] > LEAST_ACCELERATION
+            && survey.torque_std[joint] > 0.0
+    };
+    (0..survey.joints.len()).filter(moves).collect()
 }
 
 /// Speed and acceleration of a joint that [`PEAK`] of the rows do not exceed.
@@ -133,15 +138,12 @@ fn correlation(motion: &Motion, first: usize, second: usize) -> f64 {
 
 /// Torques that position explains nearly, and what moves and rubs in a model no better.
 pub(crate) fn commanded_by(survey: &Survey, model: &Training) -> Vec<Warning> {
-    let still = survey.constant_joints();
-    let moves = |joint: &usize| !still.contains(joint) && moves(survey, *joint);
-    let joints: Vec<usize> = (0..survey.joints.len()).filter(moves).collect();
     // One that misses more is no witness.
     let most = |joint: usize| {
         let left = model.residual_rms[joint] / survey.torque_std[joint];
         if left < LITTLE_RESIDUAL { LITTLE_RESIDUAL.min(left / AS_MUCH) } else { 0.0 }
     };
-    commanded(survey, &joints, &most).unwrap_or_default()
+    commanded(survey, &moving(survey), &most).unwrap_or_default()
 }
 
 /// Torques that are what a controller makes of the position: the torque of a real joint that moves

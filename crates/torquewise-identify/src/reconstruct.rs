@@ -137,12 +137,12 @@ fn by_chain(
             }
             found.warnings.extend(against);
             Warning::retain_founded(&mut found.warnings, &found.model);
-            let is_doubted = options.geometry.is_some() && found.doubt_axes(read, seed, watch);
-            if !is_turned || is_doubted {
+            let given = options.geometry.as_ref();
+            let other = given.and_then(|_| found.doubt_axes(read, seed, watch));
+            if !is_turned || other.is_some() {
                 // Under gravity from elsewhere the signs of right torques seem wrong.
-                found.doubt_torque(seed, watch, |survey| {
-                    if is_doubted { SignTest::looked_for(survey, seed, watch) } else { Ok(chain) }
-                })?;
+                let chain = other.map_or(chain, |other| SignTest::at(&other, false));
+                found.doubt_torque(seed, watch, |_| Ok(chain))?;
             }
             Progress::Done.tell(watch)?;
             Ok(Solution::Model(Box::new(found)))

@@ -1,12 +1,13 @@
 //! The result of a fit: what was found, how, and the warnings.
 
 use crate::clipped::clipped;
+use crate::estimate::Linearisation;
 use crate::excitation::{LEAST_RANGE, commanded_by};
 use crate::library_errors::held_out_rms;
 use crate::residual_shape::shapes;
 use crate::rough::doubtful;
 use crate::torque_kind::has_gravity;
-use crate::torque_sign::{SignTest, left_by_axes, swapped};
+use crate::torque_sign::{SignTest, at_a_glance, left_by_axes, swapped};
 use crate::unseen::geometric_mean;
 use crate::verdict::grave;
 use crate::{Warning, weightless};
@@ -69,7 +70,9 @@ impl Reconstruction {
             let kind = weightless(&found.survey, seed, watch);
             found.warnings.extend(kind);
         }
-        found.doubt_torque(seed, watch, |survey| SignTest::looked_for(survey, seed, watch))?;
+        found.doubt_torque(seed, watch, |Survey { sample, dq_peak, .. }| {
+            Ok(SignTest::at(&at_a_glance((sample, dq_peak), seed, watch)?, false))
+        })?;
         Ok(found)
     }
 
@@ -141,37 +144,41 @@ impl Reconstruction {
         Ok(())
     }
 
-    /// Whether an arm that is looked for leaves far less of the torque than the axes that were given,
+    /// An arm that is looked for, where it leaves far less of the torque than the axes that were given,
     /// however gravity and coordinates are read: what was said of these is then taken back.
     ///
     /// - `read`: what such a reading leaves of held-out torque, where one is better than none
-    pub(crate) fn doubt_axes(&mut self, read: Option<f64>, seed: u64, watch: Watch<'_>) -> bool {
+    pub(crate) fn doubt_axes(
+        &mut self,
+        read: Option<f64>,
+        seed: u64,
+        watch: Watch<'_>,
+    ) -> Option<Linearisation> {
         let Training { residual_rms, torque_std, .. } = &self.model.training;
         let parts = |rms: &[f64]| -> Vec<f64> {
             let parts = rms.iter().zip(torque_std).filter(|(_, std)| **std > 0.0);
             parts.map(|(rms, std)| rms / std).collect()
         };
-        let is_simple = self
-            .model
-            .chain
-            .as_ref()
-            .is_some_and(|chain| chain.kinds.all_turn() && chain.coupling.is_none());
+        let is_simple = |chain: &&RigidChain| chain.kinds.all_turn() && chain.coupling.is_none();
+        let chain = self.model.chain.as_ref().filter(is_simple)?;
         let is_missed = parts(residual_rms).iter().any(|part| *part > MUCH);
-        if !is_simple || !is_missed || !grave(&self.warnings).is_empty() {
-            return false;
+        if !is_missed || !grave(&self.warnings).is_empty() {
+            return None;
         }
-        let Some(Ok(given)) = self.model.chain.as_ref().map(RigidChain::axes) else { return false };
-        let Ok(left) = left_by_axes(&self.survey, &given, seed, watch) else { return false };
-        let [given, found] = left.map(|rms| geometric_mean(&parts(&rms)));
+        let Survey { sample, dq_peak, .. } = &self.survey;
+        let given = left_by_axes((sample, dq_peak), &chain.axes().ok()?, watch).ok()?;
+        let at = at_a_glance((sample, dq_peak), seed, watch).ok()?;
+        let found: Vec<f64> = at.weights.iter().map(|weight| 1.0 / weight).collect();
+        let [given, found] = [given, found].map(|rms| geometric_mean(&parts(&rms)));
         let ratio = read.map_or(given, |read| read.min(given)) / found;
-        if ratio > FAR_LESS {
-            let is_of_urdf = |own: &Warning| {
-                matches!(own, Warning::Gravity { .. } | Warning::Coordinates { .. })
-            };
-            self.warnings.retain(|own| !is_of_urdf(own));
-            self.warnings.push(Warning::Axes { ratio });
+        if ratio <= FAR_LESS {
+            return None;
         }
-        ratio > FAR_LESS
+        let is_of_urdf =
+            |own: &Warning| matches!(own, Warning::Gravity { .. } | Warning::Coordinates { .. });
+        self.warnings.retain(|own| !is_of_urdf(own));
+        self.warnings.push(Warning::Axes { ratio });
+        Some(at)
     }
 
     /// Names torques that are not those of their joints: what they seemed to be worth is no gain, and

@@ -68,15 +68,6 @@ impl SignTest {
         Self { geometry, free, drive: at.drive.clone() }
     }
 
-    /// At axes that are looked for on few rows.
-    pub(crate) fn looked_for(
-        Survey { sample, dq_peak, .. }: &Survey,
-        seed: u64,
-        watch: Watch<'_>,
-    ) -> Result<Self, IdentifyError> {
-        Ok(Self::at(&at_a_glance((sample, dq_peak), seed, watch)?, false))
-    }
-
     /// Joints whose torque, turned round, lets a chain explain the torques of all joints far better.
     ///
     /// All signs of the joints in doubt are tried at these axes, and each joint alone with axes that
@@ -296,20 +287,16 @@ fn few_rows(
     Ok((drive, rows))
 }
 
-/// What axes that are given and those that are looked for leave of each torque on few rows \[N·m\], n
-/// each, joints that all turn.
+/// What axes leave of each torque on these rows \[N·m\], n.
 pub(crate) fn left_by_axes(
-    Survey { sample, dq_peak, .. }: &Survey,
-    given: &Geometry,
-    seed: u64,
+    motion: (&Motion, &[f64]),
+    axes: &Geometry,
     watch: Watch<'_>,
-) -> Result<[Vec<f64>; 2], IdentifyError> {
-    let (_, rows) = few_rows((sample, dq_peak), ROWS)?;
+) -> Result<Vec<f64>, IdentifyError> {
+    let (_, rows) = few_rows(motion, ROWS)?;
     let still = Search { rounds: 0, ..Search::default() };
-    let given = refine(&rows, &Chain::at(given.clone()), &[], &still, &searching(watch))?;
-    let found = search(&rows, &Search { seed, ..Search::default() }, &searching(watch))?;
-    let found = found.chains.into_iter().next().ok_or(ChainError::Singular)?;
-    Ok([given.residual_rms, found.residual_rms])
+    let chain = refine(&rows, &Chain::at(axes.clone()), &[], &still, &searching(watch))?;
+    Ok(chain.residual_rms)
 }
 
 /// A chain with usual friction that is searched on few rows of a motion, joints that all turn.
@@ -352,23 +339,24 @@ pub(crate) fn swapped(
     // Those that leave less than a part of what is left as it is, the best first.
     let better = |pairs: Vec<[usize; 2]>, look: (usize, usize), part: f64| {
         let than = if pairs.is_empty() { 0.0 } else { part * left(&rows, look) };
-        let left = |pair| (left(&rows.clone().swapped(pair), look), pair);
-        let mut pairs: Vec<(f64, [usize; 2])> = pairs.into_par_iter().map(left).collect();
-        pairs.retain(|(own, _)| *own <= than);
+        let left = |pair| {
+            let parts = parts(&rows.clone().swapped(pair), look);
+            (geometric_mean(&parts), parts, pair)
+        };
+        let mut pairs: Vec<(f64, Vec<f64>, [usize; 2])> = pairs.into_par_iter().map(left).collect();
+        pairs.retain(|(own, ..)| *own <= than);
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
         pairs.into_iter()
     };
-    let likeliest = better(pairs, FEWER, 1.0).map(|(_, pair)| pair).take(LIKELIEST).collect();
+    let likeliest = better(pairs, FEWER, 1.0).map(|(.., pair)| pair).take(LIKELIEST).collect();
     // Of all joints: what the two leave is two parts of n.
     let best = better(likeliest, FEW, QUARTER.powf(2.0 / n as f64)).next();
     // Where one of the two is turned round, an arm is found that explains the other in its place better.
-    let is_swapped = |(own, pair): &(f64, [usize; 2])| {
-        let parts = parts(&rows.clone().swapped(*pair), FEW);
-        let is_explained = |joint: &usize| parts[*joint] < HALF;
-        pair.iter()
-            .all(|joint| is_explained(joint) && *own < left(&rows.clone().turned(*joint), FEW))
+    let is_swapped = |(own, parts, pair): &(f64, Vec<f64>, [usize; 2])| {
+        let is_told = |joint: usize| *own < left(&rows.clone().turned(joint), FEW);
+        pair.iter().all(|&joint| parts[joint] < HALF && is_told(joint))
     };
-    Ok(best.filter(is_swapped).map(|(_, pair)| pair))
+    Ok(best.filter(is_swapped).map(|(.., pair)| pair))
 }
 
 /// A chain with the torque of some joints turned round.
