@@ -79,10 +79,15 @@ pub(crate) const RESET: usize = 250;
 /// K \[1/s\] of the momentum observer, and the time between samples \[s\].
 pub(crate) const OBSERVED: [f64; 2] = [60.0, 1e-3];
 
-/// A main file of C along a path.
+/// Code along a path, its numbers filled in.
 fn along(text: &str) -> String {
     let [gain, dt] = OBSERVED.map(|number| format!("{number:?}"));
     replaced(text, [("RESET", &RESET.to_string()), ("GAIN", &gain), ("STEP", &dt)])
+}
+
+/// What stands above the line `for way in EACH:` of statements, and what is done for each state.
+fn before_and_calls(text: &str) -> (&str, &str) {
+    text.split_once("for way in EACH:\n").unwrap_or(("", text))
 }
 
 /// Torque, friction, external torque and the acceleration of that torque of a C file along a path.
@@ -111,29 +116,17 @@ pub(crate) fn rust(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64>>
         let flat = if is_matrix { ".concat()" } else { "" };
         format!("row.extend(arm::{name}::<Std>({}){flat});\n", arguments.collect::<String>())
     });
-    run_rust(folder, code, ["", &calls], states)
+    run_rust(folder, code, &calls, states)
 }
 
 /// The same of a Rust file.
 pub(crate) fn rust_along(folder: &Path, code: &str, way: &[State]) -> Vec<Vec<f64>> {
-    let [gain, dt] = OBSERVED;
-    let before = "let mut state = arm::State::default();
-                  let mut observer = arm::Observer::default();";
-    let calls = format!(
-        "if _number % {RESET} == 0 {{ state.reset(); observer.reset(); }}
-         state.step::<Std>(&q);
-         let tau = state.torque_after::<Std>(&dq, &ddq);
-         row.extend(tau);
-         row.extend(state.friction_after::<Std>(&dq));
-         row.extend(observer.step::<Std>({gain:?}, {dt:?}, &q, &dq, &ddq));
-         row.extend(state.forward_dynamics_after::<Std>(&dq, &tau));"
-    );
-    run_rust(folder, code, [before, &calls], way)
+    run_rust(folder, code, &along(include_str!("along.rs.txt")), way)
 }
 
 /// What statements on `q`, `dq`, `ddq` add to `row`, with a Rust file as `arm`.
-fn run_rust(folder: &Path, code: &str, text: [&str; 2], states: &[State]) -> Vec<Vec<f64>> {
-    let [before, calls] = text;
+fn run_rust(folder: &Path, code: &str, text: &str, states: &[State]) -> Vec<Vec<f64>> {
+    let (before, calls) = before_and_calls(text);
     let main = include_str!("driver.rs.txt");
     let main = replaced(main, [("BEFORE", before), ("CALLS", calls)]);
     fs::write(folder.join("arm.rs"), code).unwrap();
@@ -156,34 +149,17 @@ pub(crate) fn python(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64
         let flat = if is_matrix { format!("sum({call}, [])") } else { call };
         format!("    add(lambda: {flat}, {count})\n")
     });
-    run_python(folder, code, ["", &calls], states)
+    run_python(folder, code, &calls, states)
 }
 
 /// The same of a Python file.
 pub(crate) fn python_along(folder: &Path, code: &str, way: &[State]) -> Vec<Vec<f64>> {
-    let [gain, dt] = OBSERVED;
-    let before = "\
-state, observer = arm.State(), arm.Observer()
-try:
-    state.friction_after([0.0] * arm.JOINTS)
-    raise SystemExit(\"friction of a path that has not begun\")
-except ValueError:
-    pass";
-    let calls = format!(
-        "    \
-    if number % {RESET} == 0: state.reset(); observer.reset()
-    state.step(q)
-    tau = state.torque_after(dq, ddq)
-    y += tau + state.friction_after(dq)
-    y += observer.step({gain:?}, {dt:?}, q, dq, ddq)
-    add(lambda: state.forward_dynamics_after(dq, tau), arm.JOINTS)"
-    );
-    run_python(folder, code, [before, &calls], way)
+    run_python(folder, code, &along(include_str!("along.py")), way)
 }
 
 /// What statements on `q`, `dq`, `ddq` add to `y`, with a Python file as `arm`.
-fn run_python(folder: &Path, code: &str, text: [&str; 2], states: &[State]) -> Vec<Vec<f64>> {
-    let [before, calls] = text;
+fn run_python(folder: &Path, code: &str, text: &str, states: &[State]) -> Vec<Vec<f64>> {
+    let (before, calls) = before_and_calls(text);
     let words = [("NUMBER", include_str!("number.py")), ("BEFORE", before), ("CALLS", calls)];
     fs::write(folder.join("arm.py"), code).unwrap();
     fs::write(folder.join("main.py"), replaced(include_str!("driver.py"), words)).unwrap();
