@@ -3,16 +3,7 @@
 use crate::terminal::{Terminal, each, numbers};
 
 /// Two joints of a URDF: one from −1 to 2 rad at 1.5 rad/s, one without end at 2 rad/s.
-const URDF: &str = "<robot name='two'>\
-    <link name='base'/>\
-    <link name='upper'><inertial><origin xyz='0 0 0.2'/><mass value='2'/>\
-    <inertia ixx='0.1' ixy='0' ixz='0' iyy='0.1' iyz='0' izz='0.1'/></inertial></link>\
-    <link name='fore'><inertial><origin xyz='0 0 0.1'/><mass value='1'/>\
-    <inertia ixx='0.1' ixy='0' ixz='0' iyy='0.1' iyz='0' izz='0.1'/></inertial></link>\
-    <joint name='shoulder' type='revolute'><parent link='base'/><child link='upper'/>\
-    <axis xyz='0 1 0'/><limit lower='-1' upper='2' velocity='1.5' effort='9'/></joint>\
-    <joint name='elbow' type='continuous'><parent link='upper'/><child link='fore'/>\
-    <origin xyz='0 0 0.4'/><axis xyz='0 1 0'/><limit velocity='2' effort='9'/></joint></robot>";
+const URDF: &str = include_str!("two.urdf");
 
 const QUICK: &str = "--standstill 15 --uniform 40 --variable 30 --tries 3 --rate 50";
 

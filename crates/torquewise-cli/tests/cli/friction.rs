@@ -1,33 +1,18 @@
 //! A model with friction, as `show` and `predict` tell it.
 
+use crate::physics::changed;
 use crate::spoilt::{Table, noise};
 use crate::terminal::{Terminal, numbers};
 use serde_json::{Value, json};
 
 /// The fitted model of a log without friction, with friction and a choice written into its file.
 fn with_friction() -> Terminal {
-    let terminal = Terminal::with_model();
-    let mut model: Value = serde_json::from_str(&terminal.read("model.json")).unwrap();
-    let term = |shaft: [f64; 2], law: Value, coefficient: f64| {
-        let term = json!({ "shaft": shaft, "law": law });
-        json!({ "term": term, "coefficient": coefficient, "std_error": 0.01, "inclusion": 0.9 })
-    };
-    model["friction"] = json!([
-        term([1.0, 0.5], json!("viscous"), 2.0),
-        term([0.0, 1.0], json!({ "coulomb": { "width": 0.0 } }), 0.7),
-    ]);
-    let candidate = |label: &str, error: f64, n: usize| {
-        let spread = 0.002;
-        json!({ "label": label, "error": error, "std_error": spread, "complexity": n })
-    };
-    model["choices"] = json!([{
-        "what": "friction",
-        "chosen": "sign, viscous",
-        "rule": "one standard error, 5 blocks in time",
-        "from": [candidate("none", 0.31, 0), candidate("sign, viscous", 0.045, 2)],
-    }]);
-    terminal.write("rubbing.json", &model.to_string());
-    terminal
+    let rubbing: Value = serde_json::from_str(include_str!("rubbing.json")).unwrap();
+    changed(|model| {
+        for part in ["friction", "choices"] {
+            model[part] = rubbing[part].clone();
+        }
+    })
 }
 
 /// Terms of a library without friction would miss half of the torque.
@@ -81,8 +66,8 @@ fn dry_friction_of_a_filtered_log_is_as_sharp_as_it_was() {
 fn show_sets_friction_apart_and_tells_what_was_chosen() {
     let terminal = with_friction();
 
-    let text = terminal.done("show rubbing.json --explain");
-    let shown = terminal.json("show rubbing.json");
+    let text = terminal.done("show changed.json --explain");
+    let shown = terminal.json("show changed.json");
 
     let table = "joint        direction      F_c [N·m]  F_v [N·m·s/rad]\n\
                  joint2            both  0.700 ± 0.010                –\n\
@@ -109,27 +94,27 @@ fn show_sets_friction_apart_and_tells_what_was_chosen() {
     assert_eq!(shown["friction"][0]["coefficient"], 2.0);
     assert_eq!(shown["friction"][1]["term"], "sign(dq2)");
     assert_eq!(shown["choices"][0]["from"][1]["complexity"], 2);
-    let latex = terminal.done("show rubbing.json --format latex");
+    let latex = terminal.done("show changed.json --format latex");
     assert!(latex.contains(r"\operatorname{sign}(\dot q_{2})"), "{latex}");
-    assert_eq!(terminal.json("show rubbing.json --check")["checks"]["passed"], true);
+    assert_eq!(terminal.json("show changed.json --check")["checks"]["passed"], true);
 }
 
 #[test]
 fn show_keeps_to_the_joint_and_the_part_that_are_asked_for() {
     let terminal = with_friction();
 
-    let first = terminal.done("show rubbing.json --joint 1 --part gravity");
-    let friction = terminal.json("show rubbing.json --joint joint2 --part friction");
+    let first = terminal.done("show changed.json --joint 1 --part gravity");
+    let friction = terminal.json("show changed.json --joint joint2 --part friction");
 
     assert!(first.contains("tau1 = [joint1]") && !first.contains("tau2"), "{first}");
     assert!(!first.contains("friction") && !first.contains("ddq"), "{first}");
     assert_eq!(friction["joints"].as_array().unwrap().len(), 1);
     let terms = friction["joints"][0]["terms"].as_array().unwrap();
     assert!(terms.len() == 2 && terms.iter().all(|term| term["kind"] == "friction"));
-    let top = terminal.json("show rubbing.json --top 1");
+    let top = terminal.json("show changed.json --top 1");
     assert_eq!(top["joints"][0]["terms"].as_array().unwrap().len(), 1);
     for joint in ["elbow", "0", "3"] {
-        terminal.misused(&format!("show rubbing.json --joint {joint}"), &["joint1, joint2"]);
+        terminal.misused(&format!("show changed.json --joint {joint}"), &["joint1, joint2"]);
     }
 }
 
@@ -197,7 +182,7 @@ fn evaluate_simulates_windows_of_the_log() {
 fn predict_prints_the_torque_of_a_pose() {
     let terminal = with_friction();
 
-    let found = terminal.json("predict rubbing.json --q 0.3,-0.5 --dq -0.2,0.1");
+    let found = terminal.json("predict changed.json --q 0.3,-0.5 --dq -0.2,0.1");
 
     let of = |what: &str| numbers(&found[what]);
     let shaft = 2.0 * (-0.2 + 0.5 * 0.1);
@@ -209,10 +194,10 @@ fn predict_prints_the_torque_of_a_pose() {
     for (own, expected) in of("gravity").iter().zip([19.62 * 0.3_f64.cos() + far, far]) {
         assert!((own - expected).abs() < 1e-3, "{found}");
     }
-    let said = terminal.run("predict rubbing.json --q 0.3,-0.5 --dq 0,0.1").stderr;
+    let said = terminal.run("predict changed.json --q 0.3,-0.5 --dq 0,0.1").stderr;
     assert!(!said.contains("at rest may be anything"), "{said}");
-    terminal.misused("predict rubbing.json --q 0.3,0 --delay 0", &["cannot be used with"]);
-    terminal.refused("predict rubbing.json --q 0.3", &["q has 1", "2"]);
-    terminal.misused("predict rubbing.json --q 0.3,NaN", &["a number for each joint"]);
-    terminal.misused("predict rubbing.json log.csv --q 0.3,0 -o a.csv", &["cannot be used with"]);
+    terminal.misused("predict changed.json --q 0.3,0 --delay 0", &["cannot be used with"]);
+    terminal.refused("predict changed.json --q 0.3", &["q has 1", "2"]);
+    terminal.misused("predict changed.json --q 0.3,NaN", &["a number for each joint"]);
+    terminal.misused("predict changed.json log.csv --q 0.3,0 -o a.csv", &["cannot be used with"]);
 }

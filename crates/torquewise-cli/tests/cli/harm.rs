@@ -139,24 +139,8 @@ fn a_torque_that_overflows_is_an_error() {
 fn powers_that_would_fill_the_memory_are_refused_at_once() {
     let terminal = Terminal::new();
     let model = |power: u8, multiple: i8| {
-        let factor = |joint: usize| {
-            let multiples = [0, 1, 2, 3].map(|own| if own == joint { multiple } else { 0 });
-            format!(r#"{{"multiples": {multiples:?}, "function": "cos", "power": {power}}}"#)
-        };
-        let factors = (0..4).map(factor).collect::<Vec<_>>().join(",");
-        let zeros = "[0, 0, 0, 0]";
-        let function = format!(r#"{{"factors": [{factors}], "dq": {zeros}, "ddq": {zeros}}}"#);
-        let term = format!(r#"{{"place": "potential", "function": {function}}}"#);
-        let ones = "[1.0, 1.0, 1.0, 1.0]";
-        let training = format!(
-            r#"{{"rows": 3000, "residual_rms": {ones}, "torque_std": {ones},
-            "q_range": [[-1, 1], [-1, 1], [-1, 1], [-1, 1]], "dq_peak": {ones}, "ddq_peak": {ones}}}"#
-        );
-        format!(
-            r#"{{"format": "torquewise-model", "version": 1, "joints": ["a", "b", "c", "d"],
-            "form": {{"energy": [{{"term": {term}, "coefficient": 1.0, "std_error": 0.0}}]}},
-            "stages": [], "training": {training}, "choices": [], "friction": []}}"#
-        )
+        let text = include_str!("powers.json").replace("POWER", &power.to_string());
+        text.replace("MULTIPLE", &multiple.to_string())
     };
     terminal.write("most.json", &model(8, 1));
     terminal.done("show most.json --cost");

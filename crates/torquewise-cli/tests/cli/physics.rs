@@ -4,8 +4,8 @@ use crate::spoilt::{Table, noise};
 use crate::terminal::{Terminal, numbers};
 use serde_json::{Value, json};
 
-/// A fitted model with what a change makes of its file.
-fn changed(change: impl FnOnce(&mut Value)) -> Terminal {
+/// A fitted model, and as `changed.json` what a change makes of its file.
+pub(crate) fn changed(change: impl FnOnce(&mut Value)) -> Terminal {
     let terminal = Terminal::with_model();
     let mut model: Value = serde_json::from_str(&terminal.read("model.json")).unwrap();
     change(&mut model);

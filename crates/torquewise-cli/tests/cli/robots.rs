@@ -7,30 +7,7 @@ use torquewise::model::{Model, Torque, from_json};
 
 /// Two joints and a tool, as a URDF has them; the tool may be heavier.
 pub(crate) fn robot(tool: f64) -> String {
-    let inertial = |mass: f64, z: f64| {
-        format!(
-            "<inertial><origin xyz=\"0 0.02 {z}\"/><mass value=\"{mass}\"/><inertia ixx=\"0.05\" \
-             ixy=\"0\" ixz=\"0\" iyy=\"0.05\" iyz=\"0\" izz=\"0.02\"/></inertial>"
-        )
-    };
-    let joint = |name: &str, parent: &str, child: &str, z: f64, axis: &str| {
-        format!(
-            "<joint name=\"{name}\" type=\"revolute\"><parent link=\"{parent}\"/><child \
-             link=\"{child}\"/><origin xyz=\"0 0 {z}\" rpy=\"0 0.2 0\"/><axis xyz=\"{axis}\"/>\
-             <limit lower=\"-2\" upper=\"2\" effort=\"100\" velocity=\"2\"/></joint>\n"
-        )
-    };
-    format!(
-        "<robot name=\"pair\"><!-- kept -->\n<link name=\"base\"/>\n{}<link name=\"upper\">{}</link>\n\
-         {}<link name=\"fore\">{}</link>\n<joint name=\"flange\" type=\"fixed\"><parent \
-         link=\"fore\"/><child link=\"tool\"/><origin xyz=\"0 0 0.3\"/></joint>\n<link \
-         name=\"tool\"><inertial><mass value=\"{tool}\"/><inertia ixx=\"1e-4\" ixy=\"0\" \
-         ixz=\"0\" iyy=\"1e-4\" iyz=\"0\" izz=\"1e-4\"/></inertial></link>\n</robot>\n",
-        joint("shoulder", "base", "upper", 0.4, "0 1 0"),
-        inertial(4.0, 0.2),
-        joint("elbow", "upper", "fore", 0.5, "1 0 0.1"),
-        inertial(2.0, 0.1),
-    )
+    include_str!("pair.urdf").replace("TOOL", &tool.to_string())
 }
 
 /// The arm, a log of it, and a model that was told where its axes lie.
