@@ -250,7 +250,6 @@ fn a_load_that_is_taken_up_within_a_log_is_told() {
 
     let said = terminal.run("fit log.csv -o model.json");
 
-    assert_eq!(said.code, 3, "{said:?}");
     assert_warns(&said, &["stretch 1 and stretch 2 disagree about the gravity of joint1"]);
 }
 
