@@ -46,20 +46,16 @@ fn slow_errors(found: &Reconstruction, test: &Motion) -> Vec<f64> {
 }
 
 #[test]
-fn friction_at_rest_and_reversal_is_remembered() {
+fn friction_at_rest_and_reversal_is_remembered_and_reads_as_it_was_planted() {
     let (train, test) = (log(60.0, 1), log(20.0, 7));
 
-    let with = slow_errors(&fit(&train, &chain(FrictionKind::Auto)), &test);
+    let found = fit(&train, &chain(FrictionKind::Auto));
+    let with = slow_errors(&found, &test);
     let without = slow_errors(&fit(&train, &chain(FrictionKind::Stribeck)), &test);
 
     let halved = with.iter().zip(&without).all(|(with, without)| *with <= 0.5 * without);
     assert!(halved, "{with:?} with memory, {without:?} without");
-}
-
-#[test]
-fn friction_reads_as_it_was_planted() {
-    let model = fit(&log(60.0, 1), &chain(FrictionKind::Auto)).model;
-    let joints = ShaftFriction::all(&model);
+    let joints = ShaftFriction::all(&found.model);
     let is_near = |found: Option<Estimated>, planted: f64, part: f64| {
         found.is_some_and(|found| (found.value / planted - 1.0).abs() < part)
     };

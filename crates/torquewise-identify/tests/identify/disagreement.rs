@@ -7,21 +7,7 @@ use torquewise_sim::{Arm, MotionKind};
 
 /// Three links; the hand weighs so much.
 fn arm(hand: f64) -> Arm {
-    let link = |name: &str, a: f64, alpha: f64, mass: f64, com: f64| {
-        format!(
-            "[[joints]]\nname = \"{name}\"\na = {a:?}\nalpha = {alpha:?}\nd = 0.1\n\
-             mass = {mass:?}\ncom = [{com:?}, 0.0, 0.0]\n\
-             inertia = [0.02, 0.1, 0.1, 0.0, 0.0, 0.0]\n"
-        )
-    };
-    let quarter = std::f64::consts::FRAC_PI_2;
-    Arm::from_dh_toml(&format!(
-        "name = \"hand\"\n{}{}{}",
-        link("column", 0.0, quarter, 5.0, 0.0),
-        link("boom", 0.5, 0.0, 6.0, -0.2),
-        link("hand", 0.3, 0.0, hand, -0.1),
-    ))
-    .unwrap()
+    Arm::from_dh_toml(&include_str!("hand.toml").replace("HAND", &format!("{hand:?}"))).unwrap()
 }
 
 fn log(hand: f64, seconds: f64, kind: MotionKind, seed: u64) -> Motion {

@@ -1,5 +1,5 @@
 //! Limits → plan → torque of the reference arm → model: it predicts what it has not seen.
-use crate::support::{executed, fit, outside, percent, reference_arm, states_of};
+use crate::support::{assert_predicts, executed, fit, outside, reference_arm, states_of};
 use torquewise_identify::Plan;
 use torquewise_motion::Pattern;
 use torquewise_sim::excite::{ExcitationPlan, Wishes, excite, limits};
@@ -19,7 +19,6 @@ fn the_model_of_a_planned_log_predicts_sines_it_has_not_seen() {
         let found = fit(&logs[..], &Plan::default());
 
         assert_eq!(found.patterns.present, Pattern::ALL, "creeping: {slow_sweeps}");
-        let errors = percent(&found.model, &outside(&arm));
-        assert!(errors.iter().all(|&percent| percent < 1e-4), "{errors:?}");
+        assert_predicts(&found.model, &outside(&arm), 1e-4);
     }
 }

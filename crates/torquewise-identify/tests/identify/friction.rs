@@ -1,7 +1,7 @@
 //! From three recordings of an arm with friction to its terms and its friction curve, stepwise.
 
 use crate::support::{
-    State, executed, fit, motion, normals, percent, reference_arm, states_of, with_torque,
+    State, assert_predicts, executed, fit, motion, normals, reference_arm, states_of, with_torque,
 };
 use crate::truth;
 use rand::{RngExt, SeedableRng};
@@ -125,9 +125,7 @@ fn the_product_library_finds_friction_of_its_own_joint_only() {
     let library = LibraryKind::Product { gravity_order: 2, trig_order: 3 };
     let found = learned(library, FrictionKind::Stribeck);
 
-    let states = sines(&arm, 10.0, 5);
-    let percent = percent(&found.model, &rubbing(&arm, &states, 0.0));
-    assert!(percent.iter().all(|&percent| percent < 2.0), "{percent:?}");
+    assert_predicts(&found.model, &rubbing(&arm, &sines(&arm, 10.0, 5), 0.0), 2.0);
     let is_alone = |shaft: &[f64]| shaft.iter().filter(|share| **share != 0.0).count() == 1;
     assert!(found.model.friction.iter().all(|w| is_alone(&w.term.shaft)));
 }

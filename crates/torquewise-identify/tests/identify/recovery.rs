@@ -1,7 +1,9 @@
 //! From simulated log to the terms and coefficients it was simulated with.
 
 use crate::shared::shared;
-use crate::support::{fit, motion, noisy, outside, percent, reference_arm, threads_leave_no_trace};
+use crate::support::{
+    assert_predicts, fit, motion, noisy, outside, percent, reference_arm, threads_leave_no_trace,
+};
 use crate::truth;
 use std::collections::BTreeMap;
 use torquewise_identify::{LibraryOptions, Plan, score};
@@ -31,7 +33,7 @@ fn without_noise_the_true_terms_and_coefficients_are_recovered() {
         // The condition of the rows is about 1e3, that of the projection less.
         assert!((coefficient - truth[term]).abs() < 1e-10, "{}", term.name());
     }
-    assert!(percent(&found.model, &outside(&arm)).iter().all(|&percent| percent < 1e-6));
+    assert_predicts(&found.model, &outside(&arm), 1e-6);
 }
 
 #[test]
@@ -74,8 +76,7 @@ fn the_product_library_is_exact_without_noise_close_with_it_and_not_filled_by_a_
 
     // The truth has 74 terms; some fifteen strokes cannot tell 774 candidates apart.
     assert!(found.model.form.n_coefficients() < 120, "{}", found.model.form.n_coefficients());
-    let errors = percent(&found.model, &test);
-    assert!(errors.iter().all(|&percent| percent < 10.0), "{errors:?}");
+    assert_predicts(&found.model, &test, 10.0);
 }
 
 #[test]
@@ -144,8 +145,7 @@ fn a_log_without_patterns_is_fitted_in_one_step_with_a_warning() {
     let found = fit(&log, &Plan::default());
 
     assert!(!found.warnings.is_empty());
-    let test = motion(&arm, MotionKind::Sines, 5.0, 100.0, 4);
-    assert!(percent(&found.model, &test).iter().all(|&percent| percent < 1e-6));
+    assert_predicts(&found.model, &motion(&arm, MotionKind::Sines, 5.0, 100.0, 4), 1e-6);
 }
 
 #[test]
@@ -174,7 +174,6 @@ fn random_states_of_the_reference_arm_predict_held_out_states() {
 
     let found = fit(&train, &Plan::default());
 
-    let errors = percent(&found.model, &test);
     assert_eq!(found.model.form.n_coefficients(), 23);
-    assert!(errors.iter().all(|&percent| percent < 1e-7), "{errors:?}");
+    assert_predicts(&found.model, &test, 1e-7);
 }

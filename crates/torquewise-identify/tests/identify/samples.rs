@@ -53,7 +53,7 @@ fn drawn_models_are_physical_and_scatter_as_the_covariance_says() {
 }
 
 #[test]
-fn the_equations_of_a_drawn_model_are_those_of_its_chain() {
+fn the_equations_of_a_drawn_model_are_those_of_its_chain_and_without_one_there_is_none() {
     let model = learned();
     let test = motion(MotionKind::Sines, 4.0, 9);
     let apart = |model: &Model| {
@@ -66,11 +66,6 @@ fn the_equations_of_a_drawn_model_are_those_of_its_chain() {
         // What its equations leave out is as small as of the model itself.
         assert!(apart(&drawn) < 3.0 * apart(&model), "{} {}", apart(&drawn), apart(&model));
     }
-}
-
-#[test]
-fn a_model_of_a_library_has_nothing_to_draw_from() {
-    let model = Model { chain: None, ..learned() };
-
-    assert!(samples(&model, 1, 0).unwrap_err().to_string().contains("covariance"));
+    let library = Model { chain: None, ..model };
+    assert!(samples(&library, 1, 0).unwrap_err().to_string().contains("covariance"));
 }

@@ -95,6 +95,13 @@ pub(crate) fn percent(model: &Model, test: &Motion) -> Vec<f64> {
     joints.into_iter().map(|joint| joint.nrmse_percent).collect()
 }
 
+/// Whether a model misses less than so many percent of the torque of each joint.
+#[track_caller]
+pub(crate) fn assert_predicts(model: &Model, test: &Motion, most: f64) {
+    let errors = percent(model, test);
+    assert!(errors.iter().all(|&percent| percent < most), "{errors:?}");
+}
+
 /// Whether a fit gives the same bits at one and three threads.
 pub(crate) fn threads_leave_no_trace(log: &Motion, plan: &Plan) -> bool {
     let [one, three] = [1, 3].map(|threads| {
