@@ -145,24 +145,10 @@ pub fn seeds(reader: &str) -> Result<Vec<Seed>> {
             .map(|name| text(&format!("profiles/{name}.toml")))
             .collect::<Result<_>>()?,
         "dh" => vec![text("crates/torquewise-sim/src/arms/planar-2.toml")?],
-        "friction" => vec![Seed::whole(FRICTION.into())],
+        "friction" => vec![Seed::whole(include_str!("friction.toml").into())],
         _ => vec![text("examples/three-joint.urdf")?],
     })
 }
-
-const FRICTION: &str = "\
-width = 0.01
-[joint1]
-coulomb = 4.0
-stiction = 6.0
-speed = 0.1
-viscous = 2.0
-backward = { coulomb = 3.0, stiction = 4.0, speed = 0.1, viscous = 1.0 }
-[joint2]
-coulomb = 1.0
-stiffness = 100
-damping = 1
-";
 
 /// A file of the repository.
 fn text(path: &str) -> Result<Seed> {

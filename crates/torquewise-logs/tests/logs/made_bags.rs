@@ -58,15 +58,7 @@ pub(crate) fn write(file: &Path, topics: &[(&str, &str)], messages: &[Made]) {
 
 fn write_db3(file: &Path, topics: &[(&str, &str)], messages: &[Made]) {
     let bag = Connection::open(file).unwrap();
-    bag.execute_batch(
-        "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,
-           serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL);
-         CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL,
-           timestamp INTEGER NOT NULL, data BLOB NOT NULL);
-         CREATE INDEX timestamp_idx ON messages (timestamp ASC);
-         BEGIN",
-    )
-    .unwrap();
+    bag.execute_batch(include_str!("bag.sql")).unwrap();
     for (name, kind) in topics {
         let insert = "INSERT INTO topics(name, type, serialization_format, offered_qos_profiles)
             VALUES (?1, ?2, 'cdr', '')";

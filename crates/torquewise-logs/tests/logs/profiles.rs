@@ -1,28 +1,26 @@
 //! Logs as robots write them: a profile turns their columns into signals in SI units.
-use crate::{Files, with};
+use crate::{Files, file_of, with};
 use std::f64::consts::PI;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use tempfile::TempPath;
 use torquewise_logs::{LogError, Logs, Options, Profile};
 use torquewise_motion::{Motion, Raw, Signal};
 
-impl Files {
-    fn add_rows(
-        &self,
-        name: &str,
-        header: &str,
-        rows: usize,
-        row: impl Fn(usize) -> String,
-    ) -> PathBuf {
-        let lines: String = (0..rows).map(|k| row(k) + "\n").collect();
-        self.add(name, &format!("{header}\n{lines}"))
-    }
+/// A log of so many rows under a header; gone once it is dropped.
+fn made(header: &str, rows: usize, row: impl Fn(usize) -> String) -> TempPath {
+    file_of(".csv", text(header, rows, row).as_bytes())
 }
 
-fn open(file: &PathBuf, profile: &str) -> Result<Logs, LogError> {
-    Logs::open_with(std::slice::from_ref(file), &with(profile))
+fn text(header: &str, rows: usize, row: impl Fn(usize) -> String) -> String {
+    let lines: String = (0..rows).map(|k| row(k) + "\n").collect();
+    format!("{header}\n{lines}")
 }
 
-fn read(file: &PathBuf, profile: &str) -> Vec<Motion> {
+fn open(file: &Path, profile: &str) -> Result<Logs, LogError> {
+    Logs::open_with(&[file.to_owned()], &with(profile))
+}
+
+fn read(file: &Path, profile: &str) -> Vec<Motion> {
     open(file, profile).unwrap().read_all().unwrap()
 }
 
@@ -38,7 +36,7 @@ fn raw_blocks(logs: &Logs) -> Vec<(usize, Raw)> {
 }
 
 /// The message of an error and what to do.
-fn refused(file: &PathBuf, profile: &str) -> String {
+fn refused(file: &Path, profile: &str) -> String {
     let error = open(file, profile).and_then(|logs| logs.read_all()).unwrap_err();
     let help = miette::Diagnostic::help(&error).map(|help| help.to_string());
     format!("{error}: {}", help.unwrap_or_default())
@@ -48,29 +46,10 @@ const EPSILON: f64 = 1e-12;
 
 #[test]
 fn units_scales_and_signs_are_applied_to_each_joint() {
-    let files = Files::new();
     let header = "time, pos1, pos2 ,rpm1,rpm2,- i a,- i b";
-    let log = files.add_rows("a.csv", header, 20, |k| format!("{k},{k},90,60,-30,2,3"));
-    let profile = r#"
-        t = { column = "time", unit = "ms" }
-        [q]
-        columns = "pos"
-        unit = "deg"
-        scale = [1.0, -2.0]
-        offset = [0.5, 0.0]
-        [dq]
-        columns = "rpm"
-        unit = "rpm"
-        [tau]
-        columns = ["- i a", "- i b"]
-        unit = "A"
-        gear = [100, 50]
-        torque_constant = [0.1, -0.2]
-        scale = 0.5
-        offset = 1.0
-    "#;
+    let log = made(header, 20, |k| format!("{k},{k},90,60,-30,2,3"));
 
-    let motion = &read(&log, profile)[0];
+    let motion = &read(&log, include_str!("units.toml"))[0];
 
     assert!((motion.t()[19] - 0.019).abs() < EPSILON);
     assert!((motion.q()[(18, 0)] - (18.0 * PI / 180.0 + 0.5)).abs() < EPSILON);
@@ -84,9 +63,8 @@ fn units_scales_and_signs_are_applied_to_each_joint() {
 #[test]
 fn a_coupled_wrist_is_uncoupled_and_its_torque_transposed() {
     // q_motor = R q with R = [[45, 0], [32, 32]], so tau = Rᵀ y.
-    let files = Files::new();
     let (q5, q6) = (|k: usize| 0.01 * k as f64, |k: usize| 0.3 - 0.02 * k as f64);
-    let log = files.add_rows("a.csv", "t,m1,m2,y1,y2", 20, |k| {
+    let log = made("t,m1,m2,y1,y2", 20, |k| {
         let motors = (45.0 * q5(k), 32.0 * q5(k) + 32.0 * q6(k));
         format!("{},{:?},{:?},2,3", k, motors.0, motors.1)
     });
@@ -108,8 +86,7 @@ fn a_coupled_wrist_is_uncoupled_and_its_torque_transposed() {
 
 #[test]
 fn a_joint_that_is_left_out_still_counts_in_couplings() {
-    let files = Files::new();
-    let log = files.add_rows("a.csv", "t,m1,m2", 20, |k| format!("{k},1,{k}"));
+    let log = made("t,m1,m2", 20, |k| format!("{k},1,{k}"));
     let profile = r#"
         joints = ["base", "tip"]
         leave_out = ["base"]
@@ -123,15 +100,14 @@ fn a_joint_that_is_left_out_still_counts_in_couplings() {
 
 #[test]
 fn a_file_without_a_clock_takes_the_rate_which_a_profile_may_say_alone() {
-    let files = Files::new();
-    let log = files.add_rows("a.csv", "Joint_1", 40, |k| k.to_string());
+    let log = made("Joint_1", 40, |k| k.to_string());
 
     let motion = &read(&log, "rate = 1000.0\nrows = [[11, 40]]\nq = { columns = \"Joint_\" }")[0];
     let without = refused(&log, "q = { columns = \"Joint_\" }");
 
     assert_eq!((motion.n_rows(), motion.t()[0], motion.q()[(0, 0)]), (30, 0.01, 10.0));
     assert!(without.contains("has no clock, found Joint_1") && without.contains("rate = …"));
-    let log = files.add("a.csv", "q1,q2,tau1,tau2\n0,1,2,3\n1,2,3,4\n");
+    let log = file_of(".csv", b"q1,q2,tau1,tau2\n0,1,2,3\n1,2,3,4\n");
 
     let logs = open(&log, "rate = 250.0").unwrap();
 
@@ -142,8 +118,7 @@ fn a_file_without_a_clock_takes_the_rate_which_a_profile_may_say_alone() {
 
 #[test]
 fn ranges_are_trajectories() {
-    let files = Files::new();
-    let log = files.add_rows("a.csv", "t,q1", 100, |k| format!("{:?},{k}", 5.0 + 0.1 * k as f64));
+    let log = made("t,q1", 100, |k| format!("{:?},{k}", 5.0 + 0.1 * k as f64));
     let firsts = |profile: &str| -> Vec<(usize, f64)> {
         read(&log, profile).iter().map(|part| (part.n_rows(), part.q()[(0, 0)])).collect()
     };
@@ -159,10 +134,10 @@ fn ranges_are_trajectories() {
 #[test]
 fn files_beside_a_log_give_columns_and_have_the_same_rows_and_clock() {
     let files = Files::new();
-    let log = files.add_rows("pos.csv", "t,a", 30, |k| format!("0.{k:02},{k}"));
-    files.add_rows("cur.csv", "t,a", 30, |k| format!("0.{k:02},{}", 2 * k));
-    files.add_rows("short.csv", "a", 28, |k| k.to_string());
-    files.add_rows("late.csv", "t,a", 30, |k| format!("0.{:02},0", if k == 9 { 10 } else { k }));
+    let log = files.add("pos.csv", &text("t,a", 30, |k| format!("0.{k:02},{k}")));
+    files.add("cur.csv", &text("t,a", 30, |k| format!("0.{k:02},{}", 2 * k)));
+    files.add("short.csv", &text("a", 28, |k| k.to_string()));
+    files.add("late.csv", &text("t,a", 30, |k| format!("0.{:02},0", if k == 9 { 10 } else { k })));
     let profile = |name: &str| {
         format!(
             "beside = {{ c = \"{name}\" }}\nt = {{ column = \"t\" }}\nq = {{ columns = [\"a\"] }}\n\
@@ -185,8 +160,7 @@ fn files_beside_a_log_give_columns_and_have_the_same_rows_and_clock() {
 
 #[test]
 fn repeated_stamps_and_holes_are_dropped_with_a_profile_and_counted() {
-    let files = Files::new();
-    let log = files.add_rows("a.csv", "t,q1", 60, |k| match k {
+    let log = made("t,q1", 60, |k| match k {
         10 => "0.09,10".into(),
         11 => "0.02,11".into(),
         20 => "0.20,nan".into(),
@@ -196,9 +170,9 @@ fn repeated_stamps_and_holes_are_dropped_with_a_profile_and_counted() {
 
     let logs = open(&log, "q = { columns = \"q\" }").unwrap();
     let parts = logs.read_all().unwrap();
-    let strict = Logs::open(std::slice::from_ref(&log)).unwrap().read_all();
+    let strict = Logs::open(&[log.to_path_buf()]).unwrap().read_all();
     let repair = Options { repair: true, ..Options::default() };
-    let repaired = Logs::open_with(std::slice::from_ref(&log), &repair).unwrap();
+    let repaired = Logs::open_with(&[log.to_path_buf()], &repair).unwrap();
 
     // Seven lost rows in a row are a gap.
     assert_eq!(parts.iter().map(Motion::n_rows).collect::<Vec<_>>(), [27, 23]);
@@ -213,12 +187,11 @@ fn repeated_stamps_and_holes_are_dropped_with_a_profile_and_counted() {
 
 #[test]
 fn a_raw_reading_keeps_missing_signals_missing_and_cuts_at_gaps() {
-    let files = Files::new();
-    let log = files.add_rows("a.csv", "t,q1,tau1", 2_100, |k| {
+    let log = made("t,q1,tau1", 2_100, |k| {
         let jitter = 1e-3 * ((k * k) % 7) as f64;
         format!("{:?},{k},{}", 0.01 * k as f64 + jitter + f64::from(k >= 2_000), -(k as f64))
     });
-    let logs = Logs::open(&[log]).unwrap();
+    let logs = Logs::open(&[log.to_path_buf()]).unwrap();
 
     let blocks = raw_blocks(&logs);
 
@@ -232,8 +205,7 @@ fn a_raw_reading_keeps_missing_signals_missing_and_cuts_at_gaps() {
 
 #[test]
 fn columns_that_are_not_there_are_named_with_what_there_is() {
-    let files = Files::new();
-    let log = files.add("a.csv", "t, pos1, pos2, pos1\n0,1,2,3\n");
+    let log = file_of(".csv", b"t, pos1, pos2, pos1\n0,1,2,3\n");
 
     let missing = refused(&log, "q = { columns = [\"pos2\", \"pos3\"] }");
     let twice = refused(&log, "q = { columns = \"pos\" }");
@@ -250,9 +222,8 @@ fn columns_that_are_not_there_are_named_with_what_there_is() {
 
 #[test]
 fn clocks_that_count_from_a_date_count_from_the_first_row() {
-    let files = Files::new();
     let nanoseconds = |k: usize| 1_700_000_000_000_000_000_u64 + 4_000_000 * k as u64;
-    let log = files.add_rows("a.csv", "stamp,q1", 20, |k| format!("{},{k}", nanoseconds(k)));
+    let log = made("stamp,q1", 20, |k| format!("{},{k}", nanoseconds(k)));
 
     let t = "t = { column = \"stamp\", unit = \"ns\" }\nq = { columns = \"q\" }";
     let motion = &read(&log, t)[0];
