@@ -13,7 +13,7 @@ impl Arm {
     /// Joint torque that makes the arm move \[N·m\], n: τ = M(q) q̈ + C(q, q̇) q̇ + G(q).
     ///
     /// Source: the recursion of Luh, Walker and Paul (1980). Checked against:
-    /// `tests/dynamics/oracles.rs`, `tests/dynamics/identities.rs`.
+    /// `tests/sim/oracles.rs`, `tests/sim/identities.rs`.
     pub fn inverse_dynamics(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
         let mut tau = vec![0.0; self.n_joints()];
         self.load(MotionState { q, dq, ddq }, &mut Moved::default(), &mut tau);
@@ -44,7 +44,7 @@ impl Arm {
 
     /// Joint-space inertia M(q) \[kg·m²\], n×n, symmetric: what τ answers to q̈.
     ///
-    /// Source: Walker and Orin (1982). Checked against: `tests/dynamics/identities.rs`.
+    /// Source: Walker and Orin (1982). Checked against: `tests/sim/identities.rs`.
     pub fn mass_matrix(&self, q: &[f64]) -> Mat<f64> {
         self.check_lengths(&[("q", q)]);
         let mut moved = Moved::default();
@@ -66,7 +66,7 @@ impl Arm {
 
     /// Acceleration \[rad/s²\], n, that a torque causes: M(q) q̈ = τ − C(q, q̇) q̇ − G(q).
     ///
-    /// Source: Cholesky. Checked against: `tests/dynamics/identities.rs`.
+    /// Source: Cholesky. Checked against: `tests/sim/identities.rs`.
     ///
     /// # Errors
     /// [`SimError::JointCount`] for a slice of another length than n;
@@ -96,7 +96,7 @@ impl Arm {
 
     /// Potential energy V(q) = −Σ mass · gravity · height vector \[J\], 0 at the world's origin.
     ///
-    /// Checked against: `tests/dynamics/identities.rs`.
+    /// Checked against: `tests/sim/identities.rs`.
     pub fn potential_energy(&self, q: &[f64]) -> f64 {
         self.check_lengths(&[("q", q)]);
         self.kinematics.potential_energy(q, &self.inertial)

@@ -1,8 +1,13 @@
-//! Plants under a steady torque against closed forms and identities: energy, sticking, creeping.
+//! Plants under a steady torque against closed forms and identities: energy, sticking, creeping;
+//! against inverse dynamics; and with bristles in a closed loop.
 
 use crate::control::integrate::Integrator;
-use crate::control::plant::Plant;
-use crate::{Arm, Friction, Stribeck};
+use crate::control::{
+    Gains, Knowledge, Law, Periodic, Plant, mean_inertia, periodic, record, track,
+};
+use crate::{Arm, Friction, SimError, Stribeck};
+use torquewise_model::{Form, FrictionLaw, FrictionTerm, Model, Torque, Weighted};
+use torquewise_motion::{Path, Signal};
 
 const RUBS: Stribeck = Stribeck { coulomb: 4.0, stiction: 6.0, speed: 0.1, viscous: 3.0 };
 
@@ -102,21 +107,73 @@ fn a_sharper_reversal_changes_little() {
     }
 }
 
+#[test]
+fn an_arm_with_larger_rotors_is_slower_to_move() {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let geared = Plant::ideal(arm.clone().with_rotors(&[1.0, 2.0, 3.0]).unwrap());
+    let (q, dq, ddq) = ([0.1, 0.2, 0.3], [0.5; 3], [1.0, -1.0, 2.0]);
+
+    let [bare, more] = [arm.inverse_dynamics(&q, &dq, &ddq), geared.needed_torque(&q, &dq, &ddq)];
+
+    for (i, rotor) in [1.0, 2.0, 3.0].into_iter().enumerate() {
+        assert!((more[i] - bare[i] - rotor * ddq[i]).abs() < 1e-12);
+    }
+    assert!(arm.clone().with_rotors(&[1.0]).is_err());
+    assert!(arm.with_rotors(&[1.0, -1.0, 0.0]).is_err());
+}
+
+#[test]
+fn a_recording_follows_its_velocities_and_holds_the_torque_they_need() {
+    let plant = rubbing(Arm::builtin("puma560-3").unwrap());
+    let wanted = periodic(&plant.arm, &Periodic { seconds: 5.0, ..Periodic::default() }).unwrap();
+
+    let log = record(&plant, &wanted, 60.0).unwrap();
+
+    let (mut wrong, mut size) = (0.0, 0.0);
+    for row in 1000..5000 {
+        let at = |x: faer::MatRef<'_, f64>| x.row(row).iter().copied().collect::<Vec<_>>();
+        let (q, dq, ddq) = (at(wanted.q()), at(wanted.dq()), at(wanted.ddq()));
+        for (i, tau) in plant.needed_torque(&q, &dq, &ddq).into_iter().enumerate() {
+            assert!((log.of(Signal::Q)[i][row] - q[i]).abs() < 0.05, "joint {i} at row {row}");
+            wrong += (log.of(Signal::Tau)[i][row] - tau).powi(2);
+            size += tau * tau;
+        }
+    }
+    // The drives follow with an error of some mrad, and reverse a little later.
+    assert!((wrong / size).sqrt() < 0.1, "{}", (wrong / size).sqrt());
+}
+
+#[test]
+fn parts_of_different_arms_are_refused() {
+    let arm = Arm::builtin("planar-2").unwrap();
+    let plant = Plant { friction: Friction::none(3), ..Plant::ideal(arm.clone()) };
+    let mut slow = Plant::ideal(arm);
+    slow.drive.delay = f64::NAN;
+
+    assert!(matches!(plant.check(), Err(SimError::JointCount { .. })));
+    assert!(matches!(slow.check(), Err(SimError::Setting { .. })));
+}
+
 /// Dry friction of each joint \[N·m\], the same at rest and in motion.
 const DRY: [f64; 3] = [8.0, 10.0, 4.0];
 /// Of the bristles \[N·m/rad\].
 const STIFFNESS: f64 = 200.0;
 
-#[test]
-fn bristles_hold_a_load_below_the_breakaway_torque() {
+/// An arm whose bristles are damped so.
+fn bristled(damping: f64) -> Plant {
     let arm = Arm::builtin("puma560-3").unwrap();
-    // Damped, or they would swing past what the load asks for.
     let row = |(name, dry): (&String, f64)| {
-        format!("[{name}]\ncoulomb = {dry}\nstiffness = {STIFFNESS}\ndamping = 60.0\n")
+        format!("[{name}]\ncoulomb = {dry}\nstiffness = {STIFFNESS}\ndamping = {damping:?}\n")
     };
     let text: String = arm.joints().iter().zip(DRY).map(row).collect();
     let friction = Friction::from_toml(&text, arm.joints()).unwrap();
-    let plant = Plant { friction, ..Plant::ideal(arm) };
+    Plant { friction, ..Plant::ideal(arm) }
+}
+
+#[test]
+fn bristles_hold_a_load_below_the_breakaway_torque() {
+    // Damped, or they would swing past what the load asks for.
+    let plant = bristled(60.0);
     let q = [0.3, 0.2, -0.4];
     let held = plant.arm.gravity_torque(&q);
     let pushed: Vec<f64> = held.iter().zip(DRY).map(|(held, dry)| held + 0.3 * dry).collect();
@@ -128,5 +185,69 @@ fn bristles_hold_a_load_below_the_breakaway_torque() {
         // Bent as far as the load asks for, and gravity has hardly changed: no creep.
         let moved = (now[joint] - q[joint]).abs();
         assert!(moved < 2.0 * DRY[joint] / STIFFNESS, "joint {joint} moved {moved} rad");
+    }
+}
+
+/// The arm itself, and its friction by one law for each joint.
+struct Known {
+    plant: Plant,
+    friction: Torque,
+}
+
+impl Known {
+    fn by(law: impl Fn(f64) -> FrictionLaw) -> Self {
+        let weighted = |(joint, &dry): (usize, &f64)| {
+            Weighted::new(FrictionTerm::of_joint(DRY.len(), joint, law(dry)), dry)
+        };
+        let plant = bristled(0.0);
+        let friction = DRY.iter().enumerate().map(weighted).collect();
+        let (joints, form) = (plant.arm.joints().to_vec(), Form::Torque(vec![vec![]; DRY.len()]));
+        let model = Model { joints, form, friction, ..Model::default() };
+        Self { friction: Torque::new(&model), plant }
+    }
+
+    /// Largest tracking error of each joint once the motion is periodic \[rad\].
+    fn peak_error(&self) -> Vec<f64> {
+        let wanted = periodic(&self.plant.arm, &Periodic::default()).unwrap();
+        let inertia = mean_inertia(&self.plant, &wanted).unwrap();
+        let gains = Gains::critically_damped(15.0, &inertia);
+        track(&self.plant, Law::Controller2, self, &gains, &wanted).unwrap().peak_error(8.0)
+    }
+}
+
+impl Knowledge for Known {
+    fn n_joints(&self) -> usize {
+        DRY.len()
+    }
+
+    fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, SimError> {
+        self.plant.rigid(q, dq, ddq)
+    }
+
+    fn path(&self) -> Path {
+        self.friction.path()
+    }
+
+    fn friction(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError> {
+        Ok(self.friction.friction_after(path, dq)?)
+    }
+
+    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError> {
+        self.friction(path, dq)
+    }
+
+    fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, SimError> {
+        self.plant.inertia(q)
+    }
+}
+
+#[test]
+fn memory_of_the_path_takes_out_the_error_of_reversals() {
+    // Bristles that slip at f_c bend over f_c / σ₀: one element of Dahl.
+    let with = Known::by(|dry| FrictionLaw::Dahl { travel: dry / STIFFNESS }).peak_error();
+    let without = Known::by(|_| FrictionLaw::Coulomb { width: 0.002 }).peak_error();
+
+    for (joint, (with, without)) in with.iter().zip(&without).enumerate() {
+        assert!(*with < 0.2 * without, "joint {joint}: {with} rad, without {without} rad");
     }
 }

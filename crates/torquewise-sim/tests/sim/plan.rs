@@ -1,5 +1,4 @@
 //! Plans: within all limits at every instant, at rest at both ends, the same for the same seed.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use faer::MatRef;
 use std::collections::BTreeSet;

@@ -1,3 +1,0 @@
-//! Plans within their limits, and what is learned from them.
-
-mod plan;
