@@ -2,16 +2,9 @@ use super::*;
 use torquewise_motion::Signals;
 
 fn motion(t: &[f64]) -> Motion {
-    let zeros = || Mat::<f64>::zeros(t.len(), 1);
-    Motion::new(Signals {
-        joints: vec!["joint1".into()],
-        t: t.to_vec(),
-        q: zeros(),
-        dq: zeros(),
-        ddq: zeros(),
-        tau: None,
-    })
-    .unwrap()
+    let joints = vec!["joint1".into()];
+    let [q, dq, ddq] = [(); 3].map(|()| Mat::zeros(t.len(), 1));
+    Motion::new(Signals { joints, t: t.to_vec(), q, dq, ddq, tau: None }).unwrap()
 }
 
 fn rows_of(blocks: &[HeldOut]) -> Vec<usize> {
@@ -68,8 +61,7 @@ fn very_many_logs_are_held_out_some_together() {
 fn a_region_is_held_out_with_the_rows_beside_it() {
     // Two dwells, apart.
     let q = Mat::from_fn(200, 1, |row, _| if row < 100 { 0.0 } else { 1.0 } + 1e-3 * row as f64);
-    let Signals { t, dq, ddq, joints, .. } = motion(&vec![0.0; 200]).into_signals();
-    let motion = Motion::new(Signals { t, dq, ddq, joints, q, tau: None }).unwrap();
+    let motion = Motion::new(Signals { q, ..motion(&[0.0; 200]).into_signals() }).unwrap();
 
     let blocks = regions(&motion, 3);
 

@@ -4,19 +4,18 @@ use crate::{findings, fitted};
 use torquewise_model::{FrictionLaw, FrictionTerm, Weighted};
 use torquewise_report::{Findings, fit_report};
 
-/// The report of a fit with this friction put in its place.
-fn report(friction: &[Weighted<FrictionTerm>]) -> String {
-    let (found, diagnosis) = fitted(10.0, |found| found.model.friction = friction.to_vec());
+/// The report of a fit in which the second joint rubs by a law, if by any.
+fn report(law: Option<FrictionLaw>) -> String {
+    let term = |law| FrictionTerm::of_joint(2, 1, law);
+    let rubs = |law| Weighted { std_error: 0.01, ..Weighted::new(term(law), 0.7) };
+    let friction: Vec<_> = law.into_iter().map(rubs).collect();
+    let (found, diagnosis) = fitted(10.0, |found| found.model.friction.clone_from(&friction));
     fit_report(&Findings { test: Some(&diagnosis), ..findings(&found, &diagnosis) }).unwrap()
 }
 
 #[test]
 fn friction_is_drawn_written_and_weighed() {
-    let law = FrictionLaw::Coulomb { width: 0.0 };
-    let term = FrictionTerm::of_joint(2, 1, law);
-    let dry = Weighted { term, coefficient: 0.7, std_error: 0.01, inclusion: None };
-
-    let (without, with) = (report(&[]), report(&[dry]));
+    let (without, with) = (report(None), report(Some(FrictionLaw::Coulomb { width: 0.0 })));
 
     let [before, after] = [&without, &with].map(|html| html.matches("\"friction\"").count());
     // One curve for the joint that rubs, in the log, in the other motion and among the parts of its
@@ -36,11 +35,7 @@ fn friction_is_drawn_written_and_weighed() {
 
 #[test]
 fn friction_that_remembers_is_drawn_as_a_loop_beside_the_log() {
-    let law = FrictionLaw::Dahl { travel: 0.01 };
-    let term = FrictionTerm::of_joint(2, 1, law);
-    let element = Weighted { term, coefficient: 0.7, std_error: 0.01, inclusion: None };
-
-    let html = report(&[element]);
+    let html = report(Some(FrictionLaw::Dahl { travel: 0.01 }));
 
     let of_loop = html.split("\"position [rad]\"").find(|chart| chart.contains("model, backward"));
     let measured = of_loop.unwrap().split("\"mark\":\"rings\"").nth(1).unwrap();

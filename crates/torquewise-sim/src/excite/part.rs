@@ -215,11 +215,11 @@ fn room_of(travel: f64, limits: &Bounds) -> Option<[f64; 2]> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use rand::SeedableRng;
 
-    const LIMITS: [Bounds; 3] = [
+    pub(in crate::excite) const LIMITS: [Bounds; 3] = [
         Bounds { position: [-3.0, 1.0], velocity: 1.0, acceleration: 2.0 },
         Bounds { position: [0.2, 0.5], velocity: 2.0, acceleration: 9.0 },
         Bounds { position: [-1.0, 1.0], velocity: 0.7, acceleration: 1.4 },

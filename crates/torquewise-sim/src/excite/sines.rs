@@ -166,18 +166,16 @@ fn harmonics(seconds: f64, limits: &Bounds) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::excite::part::tests::LIMITS;
     use rand::SeedableRng;
-
-    const LIMITS: [Bounds; 2] = [
-        Bounds { position: [-3.0, 1.0], velocity: 1.0, acceleration: 2.0 },
-        Bounds { position: [0.2, 0.5], velocity: 2.0, acceleration: 9.0 },
-    ];
 
     #[test]
     fn some_limit_is_used_to_the_share_that_was_drawn() {
-        let sines = Sines::draw(8.0, &LIMITS, &mut ChaCha8Rng::seed_from_u64(3));
+        let two = &LIMITS[..2];
 
-        for (i, limits) in LIMITS.iter().enumerate() {
+        let sines = Sines::draw(8.0, two, &mut ChaCha8Rng::seed_from_u64(3));
+
+        for (i, limits) in two.iter().enumerate() {
             let states: Vec<State> =
                 (0..2000).map(|k| sines.state_at(8.0 * f64::from(k) / 2000.0)).collect();
             let peak = |of: fn(&State) -> &[f64]| {
