@@ -109,7 +109,8 @@ impl Terminal {
         self.fails(2, line, words);
     }
 
-    fn fails(&self, code: i32, line: &str, words: &[&str]) {
+    /// The same with this code to exit with.
+    pub(crate) fn fails(&self, code: i32, line: &str, words: &[&str]) {
         let before = self.files();
         let said = self.run(line);
         assert_eq!((said.code, said.stdout.as_str()), (code, ""), "{line}: {said:?}");

@@ -58,14 +58,8 @@ fn the_node_compiles_against_the_names_it_uses() {
 /// As CMake finds an installed package: what it offers is a target of its own name.
 fn stand_in_config(package: &str) -> String {
     match package {
-        "ament_cmake" => "function(ament_package)\n  install(FILES package.xml DESTINATION \
-                          share/${PROJECT_NAME})\nendfunction()\n"
-            .into(),
-        _ => format!(
-            "add_library({package}::{package} INTERFACE IMPORTED)\n\
-             target_include_directories({package}::{package} INTERFACE \
-             ${{CMAKE_CURRENT_LIST_DIR}}/..)\nset({package}_TARGETS {package}::{package})\n"
-        ),
+        "ament_cmake" => include_str!("ament_cmake.cmake").into(),
+        _ => include_str!("stand_in.cmake").replace("PACKAGE", package),
     }
 }
 

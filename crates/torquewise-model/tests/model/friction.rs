@@ -2,6 +2,7 @@
 
 #![expect(clippy::float_cmp, reason = "the same bits are meant")]
 
+use crate::two_joints;
 use torquewise_model::checks::driving_friction;
 use torquewise_model::model::Candidate;
 use torquewise_model::{
@@ -23,12 +24,7 @@ pub(crate) fn model(friction: Vec<Weighted<FrictionTerm>>) -> Model {
         weighted(coriolis, -0.4),
         weighted(gravity, 3.3),
     ];
-    Model {
-        joints: vec!["hip".into(), "knee".into()],
-        form: Form::Torque(vec![first, vec![weighted(one.times_ddq(1), 0.5)]]),
-        friction,
-        ..Model::default()
-    }
+    two_joints(Form::Torque(vec![first, vec![weighted(one.times_ddq(1), 0.5)]]), friction)
 }
 
 /// The model with a step before that found the same but for this friction.

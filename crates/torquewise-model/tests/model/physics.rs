@@ -1,5 +1,6 @@
 //! M(q) by itself, where it is weakest, and friction that drives its shaft.
 
+use crate::two_joints;
 use std::f64::consts::PI;
 use torquewise_model::checks::{driving_friction, weakest_state};
 use torquewise_model::{
@@ -8,13 +9,8 @@ use torquewise_model::{
 };
 
 fn model(form: Form, friction: Vec<Weighted<FrictionTerm>>) -> Model {
-    Model {
-        joints: vec!["one".into(), "two".into()],
-        form,
-        friction,
-        training: Training { dq_peak: vec![2.0, 3.0], ..Training::default() },
-        ..Model::default()
-    }
+    let training = Training { dq_peak: vec![2.0, 3.0], ..Training::default() };
+    Model { training, ..two_joints(form, friction) }
 }
 
 /// M₁₁ = 2 + 3 cos q₂, M₁₂ = 0.5 cos q₂ sin q₁, M₂₂ = 1, and some gravity.

@@ -1,5 +1,6 @@
 //! A rigid chain as parameters: its derivatives, its covariance, what can be a body.
 
+use crate::two_joints;
 use faer::Mat;
 use torquewise_model::momentum_observer::MomentumObserver;
 use torquewise_model::{
@@ -148,14 +149,9 @@ fn only_bodies_that_can_be_are_feasible() {
 }
 
 fn model(chain: RigidChain) -> Model {
-    let terms = chain.energy_terms().unwrap();
-    Model {
-        joints: vec!["one".into(), "two".into()],
-        form: Form::Energy(terms.into_iter().map(|(term, c)| Weighted::new(term, c)).collect()),
-        chain: Some(chain),
-        friction: friction(),
-        ..Model::default()
-    }
+    let terms = chain.energy_terms().unwrap().into_iter();
+    let form = Form::Energy(terms.map(|(term, c)| Weighted::new(term, c)).collect());
+    Model { chain: Some(chain), ..two_joints(form, friction()) }
 }
 
 #[test]

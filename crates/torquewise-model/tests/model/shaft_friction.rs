@@ -1,5 +1,6 @@
 //! From planted laws of friction to the parameters they were planted with, and their errors.
 
+use crate::two_joints;
 use faer::Mat;
 use torquewise_model::print::{friction_tables, text};
 use torquewise_model::selection::Selection;
@@ -29,12 +30,7 @@ fn under_load(weighted: &Weighted<FrictionTerm>) -> Weighted<FrictionTerm> {
 }
 
 fn model(friction: Vec<Weighted<FrictionTerm>>) -> Model {
-    Model {
-        joints: vec!["hip".into(), "knee".into()],
-        form: Form::Torque(vec![vec![], vec![]]),
-        friction,
-        ..Model::default()
-    }
+    two_joints(Form::Torque(vec![vec![], vec![]]), friction)
 }
 
 fn only(model: &Model) -> FrictionParameters {

@@ -1,0 +1,3 @@
+function(ament_package)
+  install(FILES package.xml DESTINATION share/${PROJECT_NAME})
+endfunction()
