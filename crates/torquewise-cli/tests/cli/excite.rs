@@ -9,8 +9,7 @@ const QUICK: &str = "--standstill 15 --uniform 40 --variable 30 --tries 3 --rate
 
 #[test]
 fn recordings_are_written_as_logs_and_as_trajectories_with_a_figure() {
-    let terminal = Terminal::new();
-    terminal.write("two.urdf", URDF);
+    let terminal = Terminal::holding("two.urdf", URDF);
 
     let text = terminal.done(&format!("excite two.urdf -o plan {QUICK}"));
 
@@ -31,8 +30,7 @@ fn recordings_are_written_as_logs_and_as_trajectories_with_a_figure() {
 
 #[test]
 fn limits_of_the_file_are_kept_and_reported() {
-    let terminal = Terminal::new();
-    terminal.write("two.urdf", URDF);
+    let terminal = Terminal::holding("two.urdf", URDF);
 
     let line = format!("excite two.urdf -o plan {QUICK} --range elbow=-0.5:1 --slow-sweeps");
     let found = terminal.json(&format!("{line} --max-acceleration 3,4"));
@@ -57,8 +55,7 @@ fn limits_of_the_file_are_kept_and_reported() {
 
 #[test]
 fn what_cannot_be_planned_is_refused_and_leaves_no_folder() {
-    let terminal = Terminal::new();
-    terminal.write("two.urdf", URDF);
+    let terminal = Terminal::holding("two.urdf", URDF);
     terminal.write("file", "");
 
     let cases = [

@@ -5,6 +5,9 @@ use crate::spoilt::{Table, noise};
 use crate::terminal::{Terminal, numbers};
 use serde_json::{Value, json};
 
+/// Friction of both joints, most of it dry.
+pub(crate) const DRY: &str = "[joint1]\ncoulomb = 4.0\nviscous = 2.0\n[joint2]\ncoulomb = 2.0\n";
+
 /// The fitted model of a log without friction, with friction and a choice written into its file.
 fn with_friction() -> Terminal {
     let rubbing: Value = serde_json::from_str(include_str!("rubbing.json")).unwrap();
@@ -41,8 +44,7 @@ fn friction_that_was_not_asked_for_is_learned() {
 /// A filter blurs the torque at reversals: raw torque tells how sharp they are.
 #[test]
 fn dry_friction_of_a_filtered_log_is_as_sharp_as_it_was() {
-    let terminal = Terminal::new();
-    terminal.write("dry.toml", "[joint1]\ncoulomb = 4.0\nviscous = 2.0\n[joint2]\ncoulomb = 2.0\n");
+    let terminal = Terminal::holding("dry.toml", DRY);
     for seed in [1, 2] {
         let plan = format!("planar-2 --motion sines --seconds 60 --rate 200 --seed {seed}");
         terminal.done(&format!("simulate {plan} --friction dry.toml -o log{seed}.csv"));

@@ -8,8 +8,7 @@ use serde_json::Value;
 /// Logs of the arm, bare and with 1.5 kg on its tool, as currents of motors of these gains, and a model
 /// of the bare arm that takes them for torques.
 fn in_amperes([shoulder, elbow]: [f64; 2]) -> Terminal {
-    let terminal = Terminal::new();
-    terminal.write("loaded.urdf", &robot(1.6));
+    let terminal = Terminal::holding("loaded.urdf", &robot(1.6));
     terminal.write("arm.urdf", &robot(0.1));
     for (file, seconds, seed) in [("arm", 60, 1), ("loaded", 40, 3)] {
         let motion = format!("--seconds {seconds} --rate 50 --case 2 --seed {seed}");

@@ -1,5 +1,6 @@
 //! Several logs together, wrong torques, and files that are refused before they do harm.
 
+use crate::friction::DRY;
 use crate::spoilt::{Table, assert_warns};
 use crate::terminal::Terminal;
 
@@ -26,8 +27,7 @@ fn a_torque_that_was_cut_off_is_named() {
 
 #[test]
 fn a_torque_that_was_cut_off_is_no_other_unit() {
-    let terminal = Terminal::new();
-    terminal.write("dry.toml", "[joint1]\ncoulomb = 4.0\nviscous = 2.0\n[joint2]\ncoulomb = 2.0\n");
+    let terminal = Terminal::holding("dry.toml", DRY);
     let plan = "planar-2 --motion sines --seconds 60 --rate 100 --seed 2 --friction dry.toml";
     terminal.done(&format!("simulate {plan} -o log.csv"));
     let cut = Table::of(&terminal, "log.csv").with("tau1", |_, tau, _| tau.clamp(-4.0, 4.0));
@@ -41,9 +41,8 @@ fn a_torque_that_was_cut_off_is_no_other_unit() {
 
 #[test]
 fn units_that_a_profile_leaves_open_are_told_with_their_cure() {
-    let terminal = Terminal::new();
     let table = Table::recorded();
-    terminal.write("ms.csv", &table.clone().scaled(&["t"], 1e3).text());
+    let terminal = Terminal::holding("ms.csv", &table.clone().scaled(&["t"], 1e3).text());
     let cure = "t = { column = \"t\", unit = \"ms\" }";
     terminal.refused("fit ms.csv -o m.json", &["has steps of 10.0 s", cure]);
     terminal.write("fast.csv", &table.clone().scaled(&["t"], 90.0).text());
@@ -137,12 +136,11 @@ fn a_torque_that_overflows_is_an_error() {
 /// A term of all powers that are taken is written at once; beyond, none is expanded.
 #[test]
 fn powers_that_would_fill_the_memory_are_refused_at_once() {
-    let terminal = Terminal::new();
     let model = |power: u8, multiple: i8| {
         let text = include_str!("powers.json").replace("POWER", &power.to_string());
         text.replace("MULTIPLE", &multiple.to_string())
     };
-    terminal.write("most.json", &model(8, 1));
+    let terminal = Terminal::holding("most.json", &model(8, 1));
     terminal.done("show most.json --cost");
     let said = terminal.run("export most.json --to c -o most.c --force --strict");
     assert!(said.code == 3 && said.stderr.contains("M(q) has the eigenvalue"), "{said:?}");
@@ -169,8 +167,7 @@ fn a_joint_of_a_long_name_is_refused_and_nothing_is_left() {
 
 #[test]
 fn what_a_decoder_makes_of_a_damaged_file_is_one_error_and_no_more_is_printed() {
-    let terminal = Terminal::new();
-    terminal.write("a.parquet", "PAR1\0\0\0\0PAR1");
+    let terminal = Terminal::holding("a.parquet", "PAR1\0\0\0\0PAR1");
     // No run may print that anything panicked.
     terminal.refused("inspect a.parquet", &["a.parquet"]);
 }

@@ -124,8 +124,7 @@ fn bounds_hold_the_torque_of_another_motion() {
 
 #[test]
 fn what_dry_friction_may_hold_at_rest_widens_bounds_and_does_not_count() {
-    let terminal = Terminal::new();
-    terminal.write("log.csv", &Table::recorded().text());
+    let terminal = Terminal::holding("log.csv", &Table::recorded().text());
     terminal.run("fit log.csv -o arm.json");
     let pose = terminal.json("predict arm.json --q 0.3,-0.8");
     let gravity = numbers(&pose["tau"]);

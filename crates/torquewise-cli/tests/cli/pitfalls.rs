@@ -77,8 +77,7 @@ fn what_spoils_a_log_is_told() {
 
 #[test]
 fn headers_and_rows_with_a_space_after_each_comma_are_read() {
-    let terminal = Terminal::new();
-    terminal.write("log.csv", &Table::arm().text_by(", "));
+    let terminal = Terminal::holding("log.csv", &Table::arm().text_by(", "));
 
     assert_eq!(terminal.json("inspect log.csv")["rows"], 2_000);
 }
@@ -99,8 +98,7 @@ fn the_suggested_profile_takes_what_was_measured() {
 
     assert_tells(&said, &["columns = \"pos_meas\"", "columns = \"tau_meas\""]);
     assert_warns(&said, &["first rows of the columns were looked at"]);
-    let terminal = Terminal::new();
-    terminal.write("log.csv", &table.text());
+    let terminal = Terminal::holding("log.csv", &table.text());
     let profile = terminal.run("inspect log.csv").stdout;
     assert_eq!(profile, said.stdout, "all prose is on standard error");
     terminal.write("p.toml", &profile);
@@ -111,13 +109,12 @@ fn the_suggested_profile_takes_what_was_measured() {
 
 #[test]
 fn repeated_stamps_and_a_restarted_clock_are_left_out_and_told() {
-    let terminal = Terminal::new();
     let mut table = Table::recorded();
     let again = table.rows[500].clone();
     table.rows.insert(501, again);
     let restarted = table.rows[..300].to_vec();
     table.rows.extend(restarted);
-    terminal.write("log.csv", &table.text());
+    let terminal = Terminal::holding("log.csv", &table.text());
 
     terminal.refused("inspect log.csv", &["row 2002", "does not follow"]);
     let said = terminal.run("inspect log.csv --repair --strict");
@@ -147,8 +144,7 @@ fn needs_repair() -> Table {
 
 #[test]
 fn what_was_repaired_in_a_log_is_a_note_and_stays_with_the_model() {
-    let terminal = Terminal::new();
-    terminal.write("log.csv", &needs_repair().text());
+    let terminal = Terminal::holding("log.csv", &needs_repair().text());
     terminal.write("sound.csv", &Table::recorded().text());
     let note = "left out: 1 row with the time stamp of the row before; repaired: 3 spikes \
                 replaced (q 2, tau 1), 1 gap bridged (the longest 40.0 ms), 1 longer gap at \
@@ -176,7 +172,6 @@ fn what_was_repaired_in_a_log_is_a_note_and_stays_with_the_model() {
 
 #[test]
 fn motor_currents_need_gears_and_constants_and_a_wrong_sign_is_told() {
-    let terminal = Terminal::new();
     // Motors that turn 50 times as fast as their joints, the second one backward; N·m/A.
     let (gears, constants) = ([50.0, -40.0], [0.1, 0.08]);
     let mut table = Table::recorded();
@@ -184,7 +179,7 @@ fn motor_currents_need_gears_and_constants_and_a_wrong_sign_is_told() {
         let [q, dq, tau] = ["q", "dq", "tau"].map(|signal| format!("{signal}{}", joint + 1));
         table = table.scaled(&[&q, &dq], gear).scaled(&[&tau], 1.0 / (gear * constant));
     }
-    terminal.write("log.csv", &table.text());
+    let terminal = Terminal::holding("log.csv", &table.text());
     let profile = |constants: &str| {
         format!(
             "[t]\ncolumn = \"t\"\n[q]\ncolumns = \"q\"\nscale = [0.02, -0.025]\n\
@@ -227,8 +222,7 @@ fn a_fit_in_a_wider_band_than_its_search_is_not_called_a_poor_refit() {
         table = table.with(&format!("q{joint}"), |row, q, _| q + 6e-5 * noise(row + 7 * joint));
         table = table.without(&[&format!("dq{joint}"), &format!("ddq{joint}")]);
     }
-    let terminal = Terminal::new();
-    terminal.write("log.csv", &table.text());
+    let terminal = Terminal::holding("log.csv", &table.text());
 
     let said = terminal.run("fit log.csv -o model.json");
 
@@ -245,8 +239,7 @@ fn a_load_that_is_taken_up_within_a_log_is_told() {
         .with("t", |row, t, _| if row < half { t } else { t + 5.0 })
         .with("tau1", |row, tau, q| tau + of_load(row, q[1]) + of_load(row, q[1] + q[2]))
         .with("tau2", |row, tau, q| tau + of_load(row, q[1] + q[2]));
-    let terminal = Terminal::new();
-    terminal.write("log.csv", &table.text());
+    let terminal = Terminal::holding("log.csv", &table.text());
 
     let said = terminal.run("fit log.csv -o model.json");
 
@@ -255,8 +248,7 @@ fn a_load_that_is_taken_up_within_a_log_is_told() {
 
 #[test]
 fn a_torque_that_never_changes_is_told() {
-    let terminal = Terminal::new();
-    terminal.write("off.csv", &Table::arm().with("tau2", |_, _, _| 0.0).text());
+    let terminal = Terminal::holding("off.csv", &Table::arm().with("tau2", |_, _, _| 0.0).text());
 
     let said = terminal.run("fit off.csv -o model.json --strict");
 
@@ -267,7 +259,6 @@ fn a_torque_that_never_changes_is_told() {
 
 #[test]
 fn a_counterbalance_is_found_and_one_that_is_known_of_is_a_term() {
-    let terminal = Terminal::new();
     let table = Table::recorded();
     let q = table.place("q1");
     let said = |found: &serde_json::Value, key: &str| {
@@ -279,7 +270,7 @@ fn a_counterbalance_is_found_and_one_that_is_known_of_is_a_term() {
     let spring = |_: usize, tau: f64, row: &[f64]| {
         tau - 15.0 * (2.0 * row[q]).sin() - 9.0 * (3.0 * row[q]).cos()
     };
-    terminal.write("log.csv", &table.clone().with("tau1", spring).text());
+    let terminal = Terminal::holding("log.csv", &table.clone().with("tau1", spring).text());
     assert_eq!(said(&terminal.json("fit log.csv -o model.json"), "chosen"), "spring");
 
     let spring = |_: usize, tau: f64, row: &[f64]| tau - 0.6 * (2.0 * row[q]).sin();

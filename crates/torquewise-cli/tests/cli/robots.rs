@@ -12,8 +12,7 @@ pub(crate) fn robot(tool: f64) -> String {
 
 /// The arm, a log of it, and a model that was told where its axes lie.
 fn fitted() -> Terminal {
-    let terminal = Terminal::new();
-    terminal.write("arm.urdf", &robot(0.1));
+    let terminal = Terminal::holding("arm.urdf", &robot(0.1));
     terminal.done("simulate arm.urdf -o log.csv --seconds 40 --rate 50 --case 2 --seed 1");
     terminal.done("fit log.csv --urdf arm.urdf -o arm.json");
     terminal
@@ -23,13 +22,12 @@ fn fitted() -> Terminal {
 ///
 /// - `mount`: roll, pitch and yaw of its base
 fn fitted_as_on_a_floor(mount: &str) -> (Terminal, String) {
-    let terminal = Terminal::new();
     let floor = robot(0.1);
     let mount = format!(
         "<link name=\"world\"/><joint name=\"mount\" type=\"fixed\"><parent link=\"world\"/>\
          <child link=\"base\"/><origin rpy=\"{mount}\"/></joint></robot>"
     );
-    terminal.write("mounted.urdf", &floor.replace("</robot>", &mount));
+    let terminal = Terminal::holding("mounted.urdf", &floor.replace("</robot>", &mount));
     terminal.write("floor.urdf", &floor);
     let motion = "--seconds 40 --rate 50 --case 2";
     terminal.done(&format!("simulate mounted.urdf -o log.csv {motion} --seed 1"));

@@ -107,8 +107,7 @@ impl Table {
     }
 
     pub(crate) fn inspected(&self) -> Said {
-        let terminal = Terminal::new();
-        terminal.write("log.csv", &self.text());
+        let terminal = Terminal::holding("log.csv", &self.text());
         terminal.run("inspect log.csv --strict")
     }
 }

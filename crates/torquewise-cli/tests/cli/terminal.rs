@@ -24,6 +24,13 @@ impl Terminal {
         Self { folder: TempDir::new().unwrap() }
     }
 
+    /// With a file of this text.
+    pub(crate) fn holding(name: &str, text: &str) -> Self {
+        let terminal = Self::new();
+        terminal.write(name, text);
+        terminal
+    }
+
     /// With `log.csv`, two joints that go through all patterns.
     pub(crate) fn with_log() -> Self {
         static LOG: OnceLock<String> = OnceLock::new();

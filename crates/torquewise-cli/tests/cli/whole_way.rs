@@ -68,8 +68,7 @@ fn scoring_the_predicted_torque_by_hand_gives_what_evaluate_says() {
 
 #[test]
 fn the_log_of_a_model_is_predicted_within_its_range() {
-    let terminal = Terminal::new();
-    terminal.write("log.csv", &Table::recorded().text());
+    let terminal = Terminal::holding("log.csv", &Table::recorded().text());
     terminal.done("fit log.csv -o model.json");
 
     let said = terminal.run("predict model.json log.csv -o torque.csv");
@@ -129,11 +128,10 @@ fn rows_are_labelled_as_they_truly_move() {
 
 #[test]
 fn a_recorded_arm_comes_from_a_file() {
-    let terminal = Terminal::new();
     let joint = "a = 0.5\nalpha = 0.0\nd = 0.0\nmass = 2.0\ncom = [-0.2, 0.0, 0.0]\n\
                  inertia = [0.01, 0.02, 0.03, 0.0, 0.0, 0.0]\n";
     let table = format!("name = 'one'\n[[joints]]\nname = 'pivot'\n{joint}");
-    terminal.write("one.toml", &table);
+    let terminal = Terminal::holding("one.toml", &table);
 
     let log = terminal.json("simulate one.toml -o log.parquet --seconds 2 --rate 100");
 
