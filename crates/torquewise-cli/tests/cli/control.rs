@@ -1,7 +1,7 @@
 //! A model in the loop: files, words, numbers, and what is refused.
 
 use crate::spoilt::assert_warns;
-use crate::terminal::{Terminal, numbers};
+use crate::terminal::{Terminal, assert_says, numbers};
 
 const FRICTION: &str = "[joint1]\ncoulomb = 2.0\nstiction = 3.0\nspeed = 0.1\nviscous = 1.0\n\
     [joint2]\ncoulomb = 0.5\nviscous = 0.2\n";
@@ -38,10 +38,8 @@ fn every_controller_is_told_and_drawn() {
          --report page.html --rotor 0.1,0.05"
     ));
 
-    let names = ["pid", "computed_torque", "hand_guiding", "controller2_perfect"];
-    for word in names.iter().chain(&["joint2 [mrad]", "joint1 hand [N·m]", "report: page.html"]) {
-        assert!(text.contains(word), "{word}: {text}");
-    }
+    assert_says(&text, &["pid", "computed_torque", "hand_guiding", "controller2_perfect"]);
+    assert_says(&text, &["joint2 [mrad]", "joint1 hand [N·m]", "report: page.html"]);
     let log = terminal.read("log.csv");
     let header: Vec<&str> = log.lines().next().unwrap().split(',').collect();
     // t, two desired positions, and position, error and torque of 2 joints by 7 controllers.

@@ -1,6 +1,6 @@
 //! Recordings planned: files, limits and words.
 
-use crate::terminal::{Terminal, each, numbers};
+use crate::terminal::{Terminal, assert_says, each, numbers};
 
 /// Two joints of a URDF: one from −1 to 2 rad at 1.5 rad/s, one without end at 2 rad/s.
 const URDF: &str = include_str!("two.urdf");
@@ -13,9 +13,8 @@ fn recordings_are_written_as_logs_and_as_trajectories_with_a_figure() {
 
     let text = terminal.done(&format!("excite two.urdf -o plan {QUICK}"));
 
-    for words in ["shoulder", "elbow", "Collisions are not checked", "condition", "random"] {
-        assert!(text.contains(words), "{words}: {text}");
-    }
+    let words = ["shoulder", "elbow", "Collisions are not checked", "condition", "random"];
+    assert_says(&text, &words);
     for name in ["standstill", "uniform", "variable"] {
         let log = terminal.read(&format!("plan/{name}.csv"));
         assert!(log.starts_with("# joints: shoulder,elbow\nt,q1,q2,dq1,dq2,ddq1,ddq2\n0.0,"));

@@ -1,7 +1,7 @@
 //! Reports, figures and experiments: what is written, and that it tells what was found.
 
 use crate::spoilt::Table;
-use crate::terminal::{Terminal, each, numbers, texts};
+use crate::terminal::{Terminal, assert_says, each, numbers, texts};
 use serde_json::Value;
 
 #[test]
@@ -23,11 +23,8 @@ fn a_report_stands_beside_the_model_and_names_its_terms() {
     assert!(report.starts_with("<!doctype html>"), "{}", &report[..60]);
     let foot = "-o model.json --report report.html";
     let version = concat!("torquewise ", env!("CARGO_PKG_VERSION"), ". Report: 20");
-    for words in
-        ["Torque model from log.csv", "standstill", "<math", "physical checks", foot, version]
-    {
-        assert!(report.contains(words), "{words}");
-    }
+    assert_says(&report, &["Torque model from log.csv", "standstill", "<math", "physical checks"]);
+    assert_says(&report, &[foot, version]);
     assert!(!report.contains("src=\"http") && !report.contains("href=\"http"), "no network");
 }
 
@@ -49,14 +46,12 @@ fn a_model_can_be_judged_by_another_log_at_once() {
     let other = Table::of(&terminal, "test.csv").scaled(&["tau2"], 1.6).text();
     terminal.write("test.csv", &other);
     let said = terminal.done("fit log.csv -o model.json --test test.csv --report report.html");
-    for words in [
+    let words = [
         "verdict: usable: test torque of joint2 is missed by more than 30 % of its spread",
         "test error 0.00 to 41.25 % of the spread",
-    ] {
-        assert!(said.contains(words), "{words}: {said}");
-        let evaluated = terminal.done("evaluate model.json test.csv");
-        assert!(evaluated.contains(words), "{words}: {evaluated}");
-    }
+    ];
+    assert_says(&said, &words);
+    assert_says(&terminal.done("evaluate model.json test.csv"), &words);
     // What a test says of a model goes wherever the model does.
     let other = Table::of(&terminal, "test.csv").scaled(&["tau2"], -1.0).text();
     terminal.write("turned.csv", &other);
@@ -141,8 +136,7 @@ fn the_experiments_leave_report_results_and_figures() {
     assert_eq!(studies.iter().map(judged).sum::<usize>(), 10);
     let report = terminal.read("out/report.html");
     for claim in found["claims"].as_array().unwrap() {
-        let words = claim["claim"].as_str().unwrap();
-        assert!(report.contains(words), "{words}");
+        assert_says(&report, &[claim["claim"].as_str().unwrap()]);
     }
     let figures = found["figures"].as_array().unwrap();
     assert!(figures.len() > 8, "{figures:?}");

@@ -1,6 +1,6 @@
 //! A log as a table that tests spoil, as public logs of real arms are.
 
-use crate::terminal::{Said, Terminal};
+use crate::terminal::{Said, Terminal, assert_says};
 
 #[derive(Clone)]
 pub(crate) struct Table {
@@ -121,14 +121,10 @@ pub(crate) fn noise(row: usize) -> f64 {
 /// Whether it was said with a warning, by a line with `--strict`.
 pub(crate) fn assert_warns(said: &Said, words: &[&str]) {
     assert_eq!(said.code, 3, "{said:?}");
-    for word in words {
-        assert!(said.stderr.contains(word), "{word:?}: {}", said.stderr);
-    }
+    assert_says(&said.stderr, words);
 }
 
 pub(crate) fn assert_tells(said: &Said, words: &[&str]) {
     assert!(matches!(said.code, 0 | 3), "{said:?}");
-    for word in words {
-        assert!(said.stdout.contains(word), "{word:?}: {}", said.stdout);
-    }
+    assert_says(&said.stdout, words);
 }

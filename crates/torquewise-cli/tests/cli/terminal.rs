@@ -129,6 +129,14 @@ impl Terminal {
     }
 }
 
+/// Whether a text has all of `words`.
+#[track_caller]
+pub(crate) fn assert_says(text: &str, words: &[&str]) {
+    for word in words {
+        assert!(text.contains(word), "{word:?}: {text}");
+    }
+}
+
 pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
 }
