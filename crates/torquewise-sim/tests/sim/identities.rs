@@ -128,14 +128,7 @@ fn gravity_torque_is_the_gradient_of_potential_energy() {
 
 #[test]
 fn a_massless_last_link_is_named_when_it_should_accelerate_and_another_joint_count_is_refused() {
-    let link = |name, mass| {
-        format!(
-            "[[joints]]\nname = '{name}'\na = 0.5\nalpha = 0.0\nd = 0.0\nmass = {mass}\n\
-             com = [0.0, 0.0, 0.0]\ninertia = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]\n"
-        )
-    };
-    let text = format!("name = 'bare'\n{}{}", link("a", "1.0"), link("b", "0.0"));
-    let arm = Arm::from_dh_toml(&text).unwrap();
+    let arm = Arm::from_dh_toml(include_str!("bare.toml")).unwrap();
 
     let error = arm.forward_dynamics(&[0.1, 0.2], &[0.0, 0.0], &[1.0, 1.0]).unwrap_err();
 
