@@ -7,10 +7,8 @@ use std::process::{Command, Stdio};
 #[test]
 fn wrong_usage_exits_with_two_and_leaves_nothing() {
     let terminal = Terminal::with_log();
-    let before = terminal.files();
 
     for line in [
-        "",
         "fly",
         "fit log.csv",
         "fit -o model.json",
@@ -29,11 +27,11 @@ fn wrong_usage_exits_with_two_and_leaves_nothing() {
         "compare log.csv",
         "completions tcsh5",
     ] {
-        let said = terminal.run(line);
-        assert_eq!((said.code, said.stdout.as_str()), (2, ""), "{line}: {said:?}");
-        assert!(said.stderr.contains("error: ") || line.is_empty(), "{line}: {said:?}");
+        terminal.misused(line, &[]);
     }
-    assert_eq!(terminal.files(), before);
+    let said = terminal.run("");
+    assert_eq!((said.code, said.stdout.as_str()), (2, ""), "{said:?}");
+    assert_eq!(terminal.files(), ["log.csv"]);
 }
 
 #[test]
@@ -52,10 +50,7 @@ fn help_version_and_completions_for_every_shell_are_results() {
 
 #[test]
 fn a_program_without_the_page_says_who_has_it() {
-    let said = Terminal::new().run("serve --no-browser");
-
-    assert_eq!((said.code, said.stdout.as_str()), (1, ""), "{said:?}");
-    assert!(said.stderr.contains("pip install torquewise"), "{said:?}");
+    Terminal::new().refused("serve --no-browser", &["pip install torquewise"]);
 }
 
 #[test]
