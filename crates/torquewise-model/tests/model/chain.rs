@@ -73,10 +73,6 @@ fn motion(model: &Model) -> Motion {
     Motion::new(Signals { joints, t, q, dq, ddq, tau: None }).unwrap()
 }
 
-fn largest(difference: &Mat<f64>) -> f64 {
-    difference.norm_max()
-}
-
 #[test]
 fn a_chain_moves_as_its_energies_say() {
     for model in [model(), coupled(), slid()].into_iter().chain([1, 2, 4, 5].map(odd)) {
@@ -95,14 +91,14 @@ fn moves_as_its_energies_say(model: &Model) {
     let (own, expected) = (chain.parts(&motion).unwrap(), terms.parts(&motion).unwrap());
 
     // Terms are left out below 1e-12 of the largest.
-    let least = 1e-12 * largest(&own.total()).max(10.0);
-    assert!(largest(&(&own.inertia - &expected.inertia)) < least);
-    assert!(largest(&(&own.coriolis - &expected.coriolis)) < least);
-    assert!(largest(&(&own.gravity - &expected.gravity)) < least);
-    assert!(largest(&(&own.total() - &chain.over(&motion).unwrap())) < least);
+    let least = 1e-12 * own.total().norm_max().max(10.0);
+    assert!((&own.inertia - &expected.inertia).norm_max() < least);
+    assert!((&own.coriolis - &expected.coriolis).norm_max() < least);
+    assert!((&own.gravity - &expected.gravity).norm_max() < least);
+    assert!((&own.total() - &chain.over(&motion).unwrap()).norm_max() < least);
     let q = &[0.3, -1.2, 2.1, 0.7, -0.4][..model.n_joints()];
     let (own, expected) = (chain.mass_matrix(q).unwrap(), terms.mass_matrix(q).unwrap());
-    assert!(largest(&(&own - &expected)) < least);
+    assert!((&own - &expected).norm_max() < least);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! From models to torque, text and back: two-link arm in closed form, files whole and broken.
 
+use crate::as_torques;
 use crate::friction::weighted;
 use torquewise_model::print::{latex, text, with_error};
 use torquewise_model::selection::Selection;
@@ -80,19 +81,8 @@ fn the_model_is_physics_and_a_tampered_one_is_not() {
         .collect();
 
     let sound = check(&model, &states).unwrap();
-    let torques = Form::Torque(
-        model
-            .equations()
-            .into_iter()
-            .map(|sum| {
-                let one = |(c, term): (f64, Term)| {
-                    let factor = if term.kind() == Kind::Coriolis { 1.1 } else { 1.0 };
-                    weighted(term, factor * c)
-                };
-                sum.into_iter().map(one).collect()
-            })
-            .collect(),
-    );
+    let changed = |c: f64, term: &Term| if term.kind() == Kind::Coriolis { 1.1 * c } else { c };
+    let torques = as_torques(&model, changed);
     let tampered = check(&Model { form: torques, ..model }, &states).unwrap();
 
     assert!(sound.passed(), "{sound:?}");

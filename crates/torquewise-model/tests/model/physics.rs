@@ -1,6 +1,6 @@
 //! M(q) by itself, where it is weakest, and friction that drives its shaft.
 
-use crate::two_joints;
+use crate::{as_torques, two_joints};
 use std::f64::consts::PI;
 use torquewise_model::checks::{driving_friction, weakest_state};
 use torquewise_model::{
@@ -31,10 +31,7 @@ fn energies() -> Form {
 #[test]
 fn the_mass_matrix_is_the_torque_per_unit_acceleration_in_either_form() {
     let of_energies = model(energies(), vec![]);
-    let equations = of_energies.equations().into_iter();
-    let sums =
-        equations.map(|sum| sum.into_iter().map(|(c, term)| Weighted::new(term, c)).collect());
-    let of_torques = model(Form::Torque(sums.collect()), vec![]);
+    let of_torques = model(as_torques(&of_energies, |c, _| c), vec![]);
 
     for model in [of_energies, of_torques] {
         let torque = Torque::new(&model);
