@@ -254,4 +254,4 @@ impl Blocks {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

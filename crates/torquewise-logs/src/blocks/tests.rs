@@ -31,7 +31,8 @@ fn swing(t: &[f64], with_dq: bool) -> String {
     text
 }
 
-fn even(rows: u32) -> Vec<f64> {
+/// Times 10 ms apart.
+pub(crate) fn even(rows: u32) -> Vec<f64> {
     (0..rows).map(|row| 0.01 * f64::from(row)).collect()
 }
 

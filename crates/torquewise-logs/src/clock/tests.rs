@@ -1,6 +1,7 @@
 //! Clocks with known faults: each is found and mended, and a sound clock is left alone.
 
 use super::{ClockLane, ClockRepair, Raw, Signal};
+use crate::blocks::tests::even;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use torquewise_motion::Repairs;
@@ -14,10 +15,6 @@ fn block(t: Vec<f64>, sampled: &[f64]) -> Raw {
     let tau = q.iter().map(|q| 2.0 * q).collect();
     let signals = [Some(vec![q]), None, None, Some(vec![tau])];
     Raw { joints: vec!["joint1".into()], t, signals }
-}
-
-fn even(rows: u32) -> Vec<f64> {
-    (0..rows).map(|row| STEP * f64::from(row)).collect()
 }
 
 /// Even times, each off by up to 0.4 steps.
