@@ -196,8 +196,7 @@ fn messages_out_of_order_are_sorted_by_stamp() {
     made.swap(30, 33);
     made.iter_mut().zip(0..).for_each(|(made, row)| made.received = hundredths(row));
     each_storage(&made, |file| {
-        let logs = open(file, &Options::default()).unwrap();
-        let swing = &logs.read_all().unwrap()[0];
+        let swing = &read(file)[0];
 
         assert!((0..50).map(f64::from).eq(swing.q().col(0).iter().copied()));
     });

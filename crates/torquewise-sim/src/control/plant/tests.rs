@@ -5,7 +5,7 @@ use crate::control::integrate::Integrator;
 use crate::control::{
     Gains, Knowledge, Law, Periodic, Plant, mean_inertia, periodic, record, track,
 };
-use crate::{Arm, Friction, SimError, Stribeck};
+use crate::{Arm, Friction, SimError, State, Stribeck};
 use torquewise_model::{Form, FrictionLaw, FrictionTerm, Model, Torque, Weighted};
 use torquewise_motion::{Path, Signal};
 
@@ -131,8 +131,7 @@ fn a_recording_follows_its_velocities_and_holds_the_torque_they_need() {
 
     let (mut wrong, mut size) = (0.0, 0.0);
     for row in 1000..5000 {
-        let at = |x: faer::MatRef<'_, f64>| x.row(row).iter().copied().collect::<Vec<_>>();
-        let (q, dq, ddq) = (at(wanted.q()), at(wanted.dq()), at(wanted.ddq()));
+        let State { q, dq, ddq } = State::of(&wanted, row);
         for (i, tau) in plant.needed_torque(&q, &dq, &ddq).into_iter().enumerate() {
             assert!((log.of(Signal::Q)[i][row] - q[i]).abs() < 0.05, "joint {i} at row {row}");
             wrong += (log.of(Signal::Tau)[i][row] - tau).powi(2);
