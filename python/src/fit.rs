@@ -10,11 +10,10 @@ use serde_json::Map;
 use std::path::PathBuf;
 use std::sync::Arc;
 use torquewise::evaluate::evaluate_prepared;
-use torquewise::log::{Prepared, Rows};
 use torquewise::motion::bounded_file;
 use torquewise::page::{LogFile, Origin, page};
 use torquewise::urdf::known_geometry;
-use torquewise::{Fit as Run, FitOptions, FitResult};
+use torquewise::{Fit as Run, FitOptions, FitResult, Prepared, Rows};
 
 /// A model, how it was found, and how far to trust it; see :func:`torquewise.fit`.
 #[pyclass(module = "torquewise", frozen)]

@@ -12,10 +12,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use torquewise::identify::{find_patterns, survey};
 use torquewise::inspect::missing_patterns;
-use torquewise::log::Rows;
 use torquewise::logs::{self, Frame, Logs, Options, Profile};
 use torquewise::motion::{Motion, Pattern, Recording};
-use torquewise::{Filter, FitOptions};
+use torquewise::{Filter, FitOptions, Rows};
 
 /// Logs of one arm; see :func:`torquewise.read_log`.
 #[pyclass(module = "torquewise", frozen, subclass)]

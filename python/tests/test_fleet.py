@@ -175,6 +175,14 @@ def test_a_file_that_changes_during_a_run_is_left_out(logs, tmp_path):
     assert second.sums is None and "changed since" in second.bad[0].reason
 
 
+def test_copies_are_named(tmp_path):
+    paths = [make(tmp_path / f"{name}.parquet", 1) for name in "ab"]
+    parts = [fleet.summarise([path], fleet.Plan(OPTIONS), None, {}) for path in paths]
+
+    with pytest.raises(torquewise.FitError, match="b.parquet is a copy of .*a.parquet"):
+        fleet.merge(*parts)
+
+
 def test_a_killed_worker_changes_nothing(cluster, client, logs, one):
     done = threading.Event()
     killed = []

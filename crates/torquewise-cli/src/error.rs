@@ -87,6 +87,10 @@ impl CliError {
         let mut messages = vec![self.to_string()];
         let mut cause = match self {
             Self::Library(error) => error.source(),
+            Self::In { source, .. } => {
+                messages.extend(source.causes());
+                None
+            }
             other => other.source(),
         };
         while let Some(own) = cause {

@@ -4,9 +4,8 @@ use crate::arguments::{parsed, parsed_unless_auto};
 use crate::{Result, read_model};
 use clap::Args;
 use std::path::PathBuf;
-use torquewise::log::{Prepared, Rows};
 use torquewise::logs::{Options, Profile};
-use torquewise::{Filter, Log};
+use torquewise::{Filter, Log, Prepared, Rows};
 
 /// How the columns of a file become signals, and how these are conditioned.
 #[derive(Args, Clone, Debug)]

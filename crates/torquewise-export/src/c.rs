@@ -1,10 +1,7 @@
 //! A program as one file of C99: no allocation, no library but `math.h`.
 
-use crate::graph::Function;
-use crate::program::Role;
-use crate::template::filled;
 use crate::text::{Body, Language, number, signal_of, values};
-use crate::{ExportError, Precision, Program, Result};
+use crate::{ExportError, Function, Precision, Program, Result, Role, filled};
 use minijinja::context;
 use std::fmt::Write;
 

@@ -1,7 +1,6 @@
 //! Cost of a call: counted operations, and about how long they take.
 
-use crate::graph::{Function, Graph, Id, Node};
-use crate::{Program, Quantity, Result};
+use crate::{Function, Graph, Id, Node, Program, Quantity, Result};
 use std::fmt;
 use torquewise_model::Model;
 

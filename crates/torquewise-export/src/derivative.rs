@@ -4,7 +4,7 @@
 //! about thrice the energy (Griewank and Walther, *Evaluating Derivatives*, 2008, ch. 3); terms
 //! differentiated one by one would cost n times as much.
 
-use crate::graph::{Graph, Id, Input, Node};
+use crate::{Graph, Id, Input, Node};
 use std::collections::BTreeMap;
 
 /// What moves while all else is held fixed.

@@ -1,9 +1,8 @@
 //! A program as an FMI 2.0 unit for model exchange and co-simulation, sources and binary.
 
 use crate::c::{C, check_name, inclusion};
-use crate::template::filled;
 use crate::text::Language;
-use crate::{Precision, Program, Quantity, Result, to_c};
+use crate::{Precision, Program, Quantity, Result, filled, to_c};
 use minijinja::context;
 use std::io::{Cursor, Write};
 use zip::ZipWriter;

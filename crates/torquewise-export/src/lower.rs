@@ -4,7 +4,7 @@
 //! sin(a + b) = sin a cos b + cos a sin b. Derivatives are taken before this, where the sine of a
 //! sum is still one function.
 
-use crate::graph::{Graph, Id, Node};
+use crate::{Graph, Id, Node};
 use std::collections::HashMap;
 
 /// The same nodes in a graph that holds nothing else.

@@ -1,8 +1,8 @@
 //! Derived from M(q), C(q, q̇)q̇ and G(q): Coriolis matrix, M⁻¹, accelerations, observer.
 
 use crate::derivative::{Along, rates};
-use crate::graph::{Function, Graph, Id, Input};
 use crate::parts::{Parts, products};
+use crate::{Function, Graph, Id, Input};
 
 /// C(q, q̇) by Christoffel symbols, row by row, n·n: half the slope of C(q, q̇)q̇ by q̇, which is of
 /// second order in q̇; Ṁ − 2C is skew where M is symmetric.

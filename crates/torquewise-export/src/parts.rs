@@ -1,12 +1,11 @@
 //! The parts of a model as nodes: M(q), C(q, q̇)q̇, G(q), F(q, q̇).
 
 use crate::derivative::{Along, rates, slopes};
-use crate::graph::{Function, Graph, Id, Input};
 use crate::polynomial::{Monomial, Order, angles, motions, polynomial};
+use crate::{Function, Graph, Id, Input};
 use std::collections::BTreeMap;
-use torquewise_model::term::Sum;
 use torquewise_model::{
-    Direction, EnergyTerm, FrictionLaw, FrictionTerm, Kind, Place, Term, Weighted,
+    Direction, EnergyTerm, FrictionLaw, FrictionTerm, Kind, Place, Sum, Term, Weighted,
 };
 
 /// What a model computes but for friction, as nodes.

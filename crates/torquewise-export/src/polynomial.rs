@@ -1,6 +1,6 @@
 //! Sums of terms as nodes: which factors are drawn out, and in which order.
 
-use crate::graph::{Graph, Id, Input};
+use crate::{Graph, Id, Input};
 use std::collections::BTreeMap;
 use torquewise_model::{Term, Trig};
 

@@ -1,11 +1,10 @@
 //! The functions that every exported file holds, in few operations.
 
-use crate::graph::{Function, Graph, Id, Node};
 use crate::lower::lowered;
 use crate::momentum::{Factors, coriolis_matrix, momentum};
 use crate::parts::{elements, friction, next_states, sums};
 use crate::ways::{frictionless, gravity_of};
-use crate::{Cost, ExportError, Result};
+use crate::{Cost, ExportError, Function, Graph, Id, Node, Result};
 use torquewise_model::{Form, Model, Training, number, to_json};
 
 /// What a function of an exported file computes.

@@ -1,10 +1,7 @@
 //! A program as one file of Python that needs the standard library alone.
 
-use crate::graph::Function;
-use crate::program::Role;
-use crate::template::filled;
 use crate::text::{Body, Language, number, values};
-use crate::{Precision, Program, Result};
+use crate::{Function, Precision, Program, Result, Role, filled};
 use std::fmt::Write;
 
 pub(crate) struct Python;

@@ -5,7 +5,7 @@
 //! of U serve force and moment as well (Khalil and Kleinfinger, 1987).
 
 use crate::base_chain::{BaseChain, BaseLink};
-use crate::graph::{Graph, Id, Input};
+use crate::{Graph, Id, Input};
 
 type Vector = [Id; 3];
 

@@ -1,8 +1,7 @@
 //! A ROS 2 package: a feed-forward node, and one that publishes external torque.
 
 use crate::c::{check_name, inclusion};
-use crate::template::filled;
-use crate::{Precision, Program, Result, to_c};
+use crate::{Precision, Program, Result, filled, to_c};
 use minijinja::context;
 
 /// The files of the package: path within it and text.

@@ -1,10 +1,7 @@
 //! A program as one file of Rust without `std`: sine and cosine by a trait.
 
-use crate::graph::Function;
-use crate::program::Role;
-use crate::template::filled;
 use crate::text::{Angle, Body, Language, number, values};
-use crate::{Precision, Program, Result};
+use crate::{Function, Precision, Program, Result, Role, filled};
 use minijinja::context;
 
 struct Rust(Precision);

@@ -1,8 +1,6 @@
 //! Functions as statements, in the signs that C, Rust and Python share, for the templates.
 
-use crate::graph::{Function, Graph, Id, Input, Node};
-use crate::program::Role;
-use crate::{Cost, Precision, Program};
+use crate::{Cost, Function, Graph, Id, Input, Node, Precision, Program, Role};
 use minijinja::{Value, context};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 

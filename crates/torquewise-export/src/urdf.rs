@@ -2,8 +2,7 @@
 
 use crate::near::near;
 use crate::robot::{Losses, Robot};
-use crate::template::filled;
-use crate::{ExportError, Result};
+use crate::{ExportError, Result, filled};
 use nalgebra::Vector3;
 use serde_json::{Map, Value, json};
 use torquewise_model::Model;

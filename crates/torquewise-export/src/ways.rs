@@ -4,13 +4,12 @@
 //! whichever is cheaper, for each function on its own. Of other models the terms are what they are.
 
 use crate::base_chain::BaseChain;
-use crate::graph::{Graph, Id};
 use crate::harmonics::summed;
 use crate::lower::lowered;
 use crate::parts::{Grouping, Parts, from_energies, from_equations, sums};
 use crate::polynomial::Order;
 use crate::recursion::{Motion, Recursion};
-use crate::{Cost, Result};
+use crate::{Cost, Graph, Id, Result};
 use std::collections::BTreeMap;
 use torquewise_model::{Drive, EnergyTerm, Form, Model, Weighted};
 

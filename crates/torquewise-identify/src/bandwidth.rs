@@ -1,12 +1,10 @@
 //! Cut-off of the filter and delay of the torque: where a learned chain predicts held-out raw torque
 //! best (E12) (E19).
 
-use crate::estimate::Linearisation;
 use crate::reconstruct::surveyed;
-use crate::reconstruction::{Progress, Watch};
 use crate::rounds::{Request, Searched};
-use crate::unseen::{BLOCKS, Errors, Unseen, even_blocks};
-use crate::{Method, Plan, summarise};
+use crate::unseen::{BLOCKS, Errors};
+use crate::{Linearisation, Method, Plan, Progress, Unseen, Watch, even_blocks, summarise};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use torquewise_model::Choice;

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 use torquewise_model::harmonic::{factors_of, waves_of};
-use torquewise_model::term::Factor;
-use torquewise_model::{EnergyTerm, ModelError, RigidChain, Term, Trig};
+use torquewise_model::{EnergyTerm, Factor, ModelError, RigidChain, Term, Trig};
 use torquewise_regression::atom::Wave;
 
 /// Energy terms with their coefficients, equal terms added up.

@@ -1,8 +1,8 @@
 //! Block cross-validation of one chain specification.
 
-use crate::drive_terms::{DriveTerm, Gravity};
+use crate::drive_terms::Gravity;
 use crate::learn::residual_rms;
-use crate::unseen::geometric_mean;
+use crate::{DriveTerm, geometric_mean};
 use rayon::prelude::*;
 use torquewise_rigid::search::SearchWatch;
 use torquewise_rigid::{Chain, ChainRows, Search, refine};

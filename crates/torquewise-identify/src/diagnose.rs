@@ -1,8 +1,7 @@
 //! Diagnosis of a model: its residuals, and which terms carry the torque.
 
-use crate::states::state_of;
 use crate::turning::Turning;
-use crate::{Scores, score};
+use crate::{Scores, score, state_of};
 use faer::Mat;
 use std::collections::VecDeque;
 use torquewise_model::print::weighted_friction;

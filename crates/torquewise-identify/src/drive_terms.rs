@@ -1,6 +1,7 @@
 //! Columns of the drive terms: friction, rotors, springs.
 
-use crate::states::{States, along};
+use crate::States;
+use crate::states::along;
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 use torquewise_model::{

@@ -2,13 +2,13 @@
 
 use crate::basis::{Energies, Wanted, joint_sums};
 use crate::drift::drifts;
-use crate::drive_terms::DriveTerm;
-use crate::estimate::{Linearisation, Sizes, Solved};
+use crate::estimate::Solved;
 use crate::prune::prune;
-use crate::reconstruction::{Progress, Watch};
 use crate::torque_kind::{hardly_weighs, torque_kind};
-use crate::unseen::{HeldOut, HeldTo, Unseen, both_ways, geometric_mean};
-use crate::{Reconstruction, Warning, weightless};
+use crate::{
+    DriveTerm, HeldOut, HeldTo, Linearisation, Progress, Reconstruction, Sizes, Unseen, Warning,
+    Watch, both_ways, geometric_mean, weightless,
+};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

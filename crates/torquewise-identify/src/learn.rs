@@ -1,10 +1,10 @@
 //! A chain learned from a sample of a log: geometry, inertia and friction (E8).
 
-use crate::chain_spec::{ChainSpec, error, record_worth, trial};
-use crate::drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, chain_rows, columns};
-use crate::reconstruction::{Progress, Watch};
-use crate::unseen::geometric_mean;
-use crate::{ChainOptions, FrictionKind};
+use crate::chain_spec::error;
+use crate::{
+    AT_REST, ChainOptions, ChainSpec, DriveTerm, FrictionKind, Progress, WEIGHT_AT_REST, Watch,
+    chain_rows, columns, geometric_mean, record_worth, trial,
+};
 pub(crate) use gravity::against_axes;
 use kinds::upright;
 use offers::Offer;

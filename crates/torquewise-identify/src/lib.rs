@@ -43,18 +43,25 @@ pub mod bandwidth;
 pub mod payload;
 pub mod verdict;
 
+pub(crate) use chain_spec::{ChainSpec, record_worth, trial};
 pub use diagnose::{Diagnosis, diagnose};
 pub use disagreement::{Disagreement, disagreements};
+pub(crate) use drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, chain_rows, columns};
+pub(crate) use estimate::{Linearisation, Sizes};
+pub(crate) use fitted::Fitted;
 pub use learn::kinds::first_look;
 pub use plan::{ChainOptions, FrictionKind, LibraryOptions, Method, Plan, Refine, Regression};
 pub use reconstruct::{Solution, reconstruct, solve};
 pub use reconstruction::Reconstruction;
+pub(crate) use reconstruction::{Progress, Watch};
 pub use samples::samples;
 pub use score::{Scores, score};
+pub(crate) use states::{States, state_of};
 pub use summary::{Summary, summarise};
 pub use torque_kind::weightless;
 pub use torquewise_stepwise::progress::UNWATCHED;
 pub use torquewise_stepwise::{
     IdentifyError, LibraryKind, PatternPlan, Patterns, Survey, find_patterns, survey,
 };
+pub(crate) use unseen::{HeldOut, HeldTo, Unseen, both_ways, even_blocks, geometric_mean, spread};
 pub use warning::Warning;

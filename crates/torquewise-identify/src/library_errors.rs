@@ -1,8 +1,6 @@
 //! Held-out error of the terms of a library.
 
-use crate::drive_terms::DriveTerm;
-use crate::states::{States, state_of};
-use crate::unseen::{HeldOut, Unseen, both_ways};
+use crate::{DriveTerm, HeldOut, States, Unseen, both_ways, state_of};
 use faer::Mat;
 use torquewise_model::{Form, FrictionTerm, Model, Term, Weighted};
 use torquewise_motion::Motion;

@@ -184,7 +184,7 @@ impl Payload {
             inertia: std::array::from_fn(|k| central[4 + k]),
             rows: pass.rows,
             disagreement,
-            lighter: pass.lighter(of_arm.as_ref()),
+            lighter: pass.lighter(of_arm.as_ref(), &model.training.unseen_rms()),
             elsewhere: Pass::better(passes, link).map(|link| name(link).clone()),
             residual_without: rms(&pass.squares),
             residual_with: rms(&with.squares),

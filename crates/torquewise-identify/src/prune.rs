@@ -1,6 +1,6 @@
 //! The few energy terms that the torque of a chain needs, on states like those of the log.
 
-use crate::states::States;
+use crate::States;
 use faer::{ColRef, Mat};
 use rayon::prelude::*;
 use torquewise_model::{EnergyTerm, Place};

@@ -1,14 +1,13 @@
 //! The fit: sums of the logs, then the steps of the paper or a learned chain.
 
 use crate::estimate::refined_by_rollouts;
-use crate::fitted::Fitted;
 use crate::learn::against_axes;
-use crate::reconstruction::{Progress, Watch};
 use crate::rounds::{Request, Searched};
 use crate::summary::Pass;
 use crate::torque_sign::SignTest;
 use crate::{
-    ChainOptions, Method, Plan, Reconstruction, Refine, Summary, Warning, score, summarise,
+    ChainOptions, Fitted, Method, Plan, Progress, Reconstruction, Refine, Summary, Warning, Watch,
+    score, summarise,
 };
 use std::ops::ControlFlow;
 use torquewise_motion::Recording;

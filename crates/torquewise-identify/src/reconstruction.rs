@@ -1,16 +1,14 @@
 //! The result of a fit: what was found, how, and the warnings.
 
 use crate::clipped::clipped;
-use crate::estimate::Linearisation;
 use crate::excitation::{LEAST_RANGE, commanded_by};
 use crate::library_errors::held_out_rms;
 use crate::residual_shape::shapes;
 use crate::rough::doubtful;
 use crate::torque_kind::has_gravity;
 use crate::torque_sign::{SignTest, at_a_glance, left_by_axes, swapped};
-use crate::unseen::geometric_mean;
-use crate::verdict::grave;
-use crate::{Warning, weightless};
+use crate::verdict::{grave, unheld_part};
+use crate::{Linearisation, Warning, geometric_mean, score, weightless};
 use torquewise_model::{Model, RigidChain, Torque, Training};
 use torquewise_stepwise::fit::{Dropped, LibraryFit};
 use torquewise_stepwise::{IdentifyError, NoiseFloor, Patterns, Survey, thinned};
@@ -43,7 +41,7 @@ pub struct Reconstruction {
 const INERTIA_ROWS: usize = 100;
 /// Part of the spread of a torque.
 const MUCH: f64 = 0.2;
-/// A torque that is missed by less than this part is not cut off.
+/// A torque that is missed by less than this part is not cut off, and what holds it not worth a word.
 const LITTLE: f64 = 0.05;
 /// Beside a joint whose torque shows no friction of its own, one that is missed by more than this part
 /// may be of the wrong sign too; of so many joints at most all signs are tried.
@@ -86,13 +84,14 @@ impl Reconstruction {
         watch: Watch<'_>,
         chain: impl FnOnce(&Survey) -> Result<SignTest, IdentifyError>,
     ) -> Result<(), IdentifyError> {
+        self.note_rest_and_commands()?;
         let training = &self.model.training;
-        if !self.warnings.iter().any(|own| matches!(own, Warning::Commanded { .. })) {
-            self.warnings.extend(commanded_by(&self.survey, training));
-        }
+        let part = |joint: &String| unheld_part(&self.warnings, joint);
+        let unheld: Vec<f64> = self.survey.joints.iter().map(part).collect();
         let beyond = |part: f64| -> Vec<usize> {
             let left = training.residual_rms.iter().zip(&training.torque_std).enumerate();
-            left.filter(|(_, (rms, std))| **rms > part * **std).map(|(joint, _)| joint).collect()
+            let left = left.map(|(joint, (rms, std))| (joint, unheld[joint] * rms, std));
+            left.filter(|(_, rms, std)| *rms > part * **std).map(|(joint, ..)| joint).collect()
         };
         let missed = beyond(MUCH);
         let clipped: Vec<(usize, f64)> = (beyond(LITTLE).into_iter())
@@ -140,6 +139,24 @@ impl Reconstruction {
         if !is_doubted && grave(&self.warnings).is_empty() {
             let missed: Vec<usize> = missed.into_iter().filter(moves).collect();
             self.warnings.extend(shapes(&self.model, &self.survey.sample, &missed)?);
+        }
+        Ok(())
+    }
+
+    /// Notes what friction may hold at rest, and doubts torques that are commands.
+    fn note_rest_and_commands(&mut self) -> Result<(), IdentifyError> {
+        let joints = score(&self.model, &self.survey.sample)?.joints.into_iter();
+        let held = joints.filter(|joint| joint.rmse > LITTLE * joint.std);
+        let held = held.filter_map(|joint| Some((joint.name.clone(), joint.unheld_part()?)));
+        let held: Vec<(String, f64)> = held.collect();
+        self.warnings.extend((!held.is_empty()).then_some(Warning::Held { joints: held }));
+        let is_commanded = |own: &Warning| matches!(own, Warning::Commanded { .. });
+        if !self.warnings.iter().any(is_commanded) {
+            self.warnings.extend(commanded_by(&self.survey, &self.model)?);
+        }
+        if self.warnings.iter().any(is_commanded) {
+            // What is but gravity is not without it.
+            self.warnings.retain(|own| *own != Warning::Weightless);
         }
         Ok(())
     }

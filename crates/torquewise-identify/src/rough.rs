@@ -1,7 +1,7 @@
 //! A rough linear model of each joint, good for any arm: does its torque follow its motion, and show
 //! its friction?
 
-use crate::unseen::spread;
+use crate::spread;
 use faer::linalg::solvers::Solve;
 use faer::{Col, ColRef, Mat, Side};
 use torquewise_motion::Motion;

@@ -3,13 +3,10 @@
 //! A [`Request`] is all that the next pass needs. It can be saved, so that the logs of a pass may
 //! be read apart and their sums merged.
 
-use crate::drive_terms::AT_REST;
-use crate::estimate::{Linearisation, Passes, Sizes, refine, weights};
-use crate::fitted::Fitted;
+use crate::estimate::{Passes, refine, weights};
 use crate::learn::{LAST_ROWS, Learned, learn};
-use crate::reconstruction::{Progress, Watch};
 use crate::regions::Regions;
-use crate::{ChainOptions, Warning};
+use crate::{AT_REST, ChainOptions, Fitted, Linearisation, Progress, Sizes, Warning, Watch};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use torquewise_model::{Choice, GeometryFound};

@@ -2,7 +2,7 @@
 //! physical. What a simulator randomises a robot by, and what errors are propagated with.
 
 use crate::basis::Wanted;
-use crate::states::state_of;
+use crate::state_of;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -21,6 +21,16 @@ pub struct JointScore {
     pub unheld_rmse: f64,
 }
 
+/// Friction at rest explains most of an error where it leaves less than this part of it.
+pub const MOSTLY: f64 = 0.7;
+
+impl JointScore {
+    /// The part of the RMSE that dry friction at rest cannot make up for, where it makes up for most.
+    pub fn unheld_part(&self) -> Option<f64> {
+        (self.unheld_rmse < MOSTLY * self.rmse).then(|| self.unheld_rmse / self.rmse)
+    }
+}
+
 /// Scores of all joints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scores {

@@ -4,8 +4,7 @@ use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::sync::OnceLock;
-use torquewise_model::term::Factor;
-use torquewise_model::{EnergyTerm, FrictionTerm, Place, Trig};
+use torquewise_model::{EnergyTerm, Factor, FrictionTerm, Place, Trig};
 use torquewise_motion::Motion;
 use torquewise_motion::motion::Memory;
 

@@ -2,10 +2,9 @@
 
 use crate::estimate::add_up;
 use crate::framed::{damaged, framed, unframed};
-use crate::reconstruction::{Progress, Watch};
 use crate::rounds::Request;
 use crate::settings::SumSettings;
-use crate::{Method, Plan};
+use crate::{Method, Plan, Progress, Watch};
 use serde::{Deserialize, Serialize};
 use torquewise_model::Choice;
 use torquewise_motion::Recording;

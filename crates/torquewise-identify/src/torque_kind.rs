@@ -1,10 +1,10 @@
 //! What the torque columns are: without gravity, or with a gain for each joint (E27).
 
-use crate::estimate::Linearisation;
-use crate::reconstruction::Watch;
 use crate::torque_sign::at_a_glance;
-use crate::unseen::{CHOICE_ROWS, HeldOut, Unseen, both_ways, geometric_mean, spread};
-use crate::{Warning, first_look};
+use crate::unseen::CHOICE_ROWS;
+use crate::{
+    HeldOut, Linearisation, Unseen, Warning, Watch, both_ways, first_look, geometric_mean, spread,
+};
 use faer::{Mat, MatRef};
 use std::ops::Range;
 use torquewise_model::{Kind, Model, Term, Torque};

@@ -1,11 +1,12 @@
 //! Torques of the wrong sign, and torques in each other's place: put right, a chain of rigid bodies
 //! explains those of all joints far better.
 
-use crate::drive_terms::{DriveTerm, chain_rows, columns, mirrored};
-use crate::estimate::{Linearisation, Sizes};
+use crate::drive_terms::mirrored;
 use crate::learn::searching;
-use crate::reconstruction::Watch;
-use crate::unseen::{HeldTo, Unseen, even_blocks, geometric_mean, spread};
+use crate::{
+    DriveTerm, HeldTo, Linearisation, Sizes, Unseen, Watch, chain_rows, columns, even_blocks,
+    geometric_mean, spread,
+};
 use faer::Mat;
 use rayon::prelude::*;
 use torquewise_motion::Motion;

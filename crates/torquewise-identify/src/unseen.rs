@@ -1,7 +1,8 @@
 //! Held-out error of a chain, by blocks of time and regions.
 
+use crate::Linearisation;
 use crate::drift::logs;
-use crate::estimate::{LEAST_RESIDUAL, Linearisation};
+use crate::estimate::LEAST_RESIDUAL;
 use crate::regions::Regions;
 use faer::linalg::solvers::Solve;
 use faer::{ColRef, Mat, Side};

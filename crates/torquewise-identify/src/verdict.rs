@@ -1,8 +1,7 @@
 //! The verdict: may the model be used, and why.
 
-use crate::unseen::geometric_mean;
 use crate::warning::{list, never_move};
-use crate::{Reconstruction, Warning};
+use crate::{Reconstruction, Warning, geometric_mean};
 use torquewise_model::{GeometryFound, Model, Training};
 use torquewise_stepwise::held_out::mean;
 
@@ -104,12 +103,15 @@ fn graded(mut because: Vec<String>, doubts: Vec<String>, judged: &[Judged<'_>]) 
     Verdict { grade, because }
 }
 
-/// Errors of the joints that move, if any does, and whose torque changes, on the rows that judge: those
-/// held out, and all where a refit left more.
+/// Errors of the joints that move, if any does, and whose torque changes, without what friction may hold
+/// at rest, on the rows that judge: those held out, and all where a refit left more.
 fn errors(found: &Reconstruction) -> [Judged<'_>; 2] {
     let (training, still) = (&found.model.training, found.survey.constant_joints());
     let all_rest = found.survey.stands_still();
+    let unheld = |error: f64, joint: &str| error * unheld_part(&found.warnings, joint);
     let named = |errors: Vec<f64>| {
+        let errors = errors.into_iter().zip(&found.model.joints);
+        let errors = errors.map(|(error, joint)| unheld(error, joint));
         let named = found.model.joints.iter().zip(errors).zip(&training.torque_std).enumerate();
         let counts = |joint, std: f64| std > 0.0 && (all_rest || !still.contains(&joint));
         let named = named.filter(|(joint, (_, std))| counts(*joint, **std));
@@ -122,6 +124,15 @@ fn errors(found: &Reconstruction) -> [Judged<'_>; 2] {
     let mut fitted = named(left.filter(|_| is_refit).collect());
     fitted.retain(|(_, error)| error.is_finite());
     [("held-out", held_out), ("fitted", fitted)]
+}
+
+/// The part of what a model misses of a joint that friction at rest does not explain.
+pub(crate) fn unheld_part(warnings: &[Warning], joint: &str) -> f64 {
+    let held = warnings.iter().find_map(|own| match own {
+        Warning::Held { joints } => joints.iter().find(|(name, _)| name == joint),
+        _ => None,
+    });
+    held.map_or(1.0, |(_, part)| *part)
 }
 
 /// What makes a model useless whatever the error on its own log.
@@ -141,6 +152,9 @@ pub(crate) fn grave(warnings: &[Warning]) -> Vec<String> {
         }
         Warning::Commanded { joint, .. } => {
             Some(format!("the torque of {joint} is a command, no measurement"))
+        }
+        Warning::Velocity { joints } => {
+            Some(format!("the torque of {} is the velocity", list(joints)))
         }
         Warning::Disagreement(_) => Some("logs disagree in what gravity does".to_owned()),
         Warning::Units { joint, what: ["positions", ..], .. } => {

@@ -1,8 +1,7 @@
 //! Warnings: what the user should know, in words.
 
-use crate::Disagreement;
 use crate::residual_shape::ResidualPlace;
-use crate::unseen::geometric_mean;
+use crate::{Disagreement, geometric_mean};
 use std::fmt;
 use torquewise_motion::Pattern;
 use torquewise_stepwise::Survey;
@@ -31,8 +30,8 @@ pub enum Warning {
     Unexplained { library: String, joint: String, residual: f64 },
     /// Joints seem to slide, as `rrpr`, and were fitted as such that turn.
     Sliding { kinds: String },
-    /// A joint that moved by little may as well slide as turn, and is taken to turn.
-    Kind { joint: String },
+    /// A joint that may as well slide as turn: what it is taken to do.
+    Kind { joint: String, slides: bool },
     /// A joint turns through too small a range \[rad\].
     Range { joint: String, range: f64 },
     /// Joints that move too slowly: the speed that they hardly ever exceed \[rad/s\].
@@ -56,8 +55,13 @@ pub enum Warning {
     Gains { joints: Vec<String>, gains: Vec<[f64; 2]> },
     /// A torque that follows from the position but for a share.
     Commanded { joint: String, residual: f64 },
+    /// Torques that are the velocities of their joints.
+    Velocity { joints: Vec<String> },
     /// A torque that does not follow the motion at all: the share that no rough model explains.
     Unrelated { joint: String, residual: f64 },
+    /// Joints that dry friction may hold at rest with any torque up to breakaway: names, and the part of
+    /// what a model misses of each that this does not explain, where it explains most.
+    Held { joints: Vec<(String, f64)> },
     /// Logs that were fitted together differ in what gravity does.
     Disagreement(Disagreement),
     /// By what part of itself the friction of a joint grows from the beginning of long logs to their
@@ -97,7 +101,7 @@ const NOTHING: f64 = 1e-3;
 impl Warning {
     /// Whether it is a note: no reason to doubt the model.
     pub fn is_remark(&self) -> bool {
-        matches!(self, Self::PatternMissing(_) | Self::Dependent { .. })
+        matches!(self, Self::PatternMissing(_) | Self::Dependent { .. } | Self::Held { .. })
     }
 
     pub(crate) fn of_library(survey: &Survey, fit: &LibraryFit) -> Vec<Self> {
@@ -212,11 +216,14 @@ impl fmt::Display for Warning {
                  learn a chain instead",
                 100.0 * residual
             ),
-            Self::Kind { joint } => write!(
-                f,
-                "{joint} moved by so little that it may as well slide as turn, and is taken to turn: if it \
-                 slides, masses, payloads and robot files are wrong until its kind is said"
-            ),
+            Self::Kind { joint, slides } => {
+                let [taken, other] = if *slides { ["slide", "turn"] } else { ["turn", "slide"] };
+                write!(
+                    f,
+                    "{joint} is taken to {taken}, as the log does not tell: if it {other}s, masses, payloads \
+                     and robot files are wrong until its kind is said"
+                )
+            }
             Self::Range { joint, range } => write!(
                 f,
                 "{joint} turns through {range:.2} rad only: gravity and inertia that depend on its \
@@ -253,12 +260,26 @@ impl fmt::Display for Warning {
                  does the rest? Record measured torque of a driven arm",
                 100.0 * residual
             ),
+            Self::Velocity { joints } => write!(
+                f,
+                "the torque of {} is the velocity: are columns exchanged? Check names, or the profile",
+                list(joints)
+            ),
             Self::Unrelated { joint, residual } => write!(
                 f,
                 "the torque of {joint} does not follow its motion, {:.0} % of it is something \
                  else: is its motor on, and its sensor fine enough? Leave it out or drive it",
                 100.0 * residual
             ),
+            Self::Held { joints } => {
+                let names: Vec<String> = joints.iter().map(|(joint, _)| joint.clone()).collect();
+                write!(
+                    f,
+                    "at rest dry friction may hold {} with any torque up to that at which it breaks \
+                     away: what it may hold does not count in the verdict",
+                    list(&names)
+                )
+            }
             Self::Clipped { joint, share } => write!(
                 f,
                 "the torque of {joint} is at one of its ends in {:.0} % of its motion, as if it \
@@ -361,7 +382,7 @@ impl fmt::Display for Warning {
             ),
             Self::Units { joint, what: [what, taken, may_be], largest } => write!(
                 f,
-                "{joint} reaches {largest:.0}: {what} are taken in {taken}; are these {may_be}?"
+                "{joint} reaches {largest:.0}: {what}, or their source, are in {taken}; are these {may_be}?"
             ),
         }
     }

@@ -1,7 +1,6 @@
 //! Rows of a log joined with those of further files.
 
-use crate::rows::Rows;
-use crate::{LogError, Result, RowPlace};
+use crate::{LogError, Result, RowPlace, Rows};
 use std::path::PathBuf;
 
 /// Clocks may differ by this \[s\], and by a few roundings of a long time.

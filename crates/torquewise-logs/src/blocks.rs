@@ -13,6 +13,21 @@ use torquewise_motion::{
 /// A position that goes on by less \[rad\] before, as and after it jumps by a whole turn was wrapped.
 const MOST_STEP: f64 = 1.0;
 
+/// Rows in a row that repeat a position: beyond, an arm stands still.
+const MOST_HELD: usize = 10_000;
+/// Where a joint came meanwhile as far as its speeds in the last steps lead to, but for these factors, its
+/// device did not answer: at least as far as in this time \[s\], and this \[rad, m\].
+const LAST_STEPS: usize = 5;
+const GOES_ON: [f64; 2] = [0.3, 3.0];
+const LONG: f64 = 0.2;
+const LEAST_STEP: f64 = 1e-3;
+
+/// A position jumps where it steps by this \[rad, m\], and farther and faster than in any of so many rows
+/// before and after, by this factor.
+const LEAST_JUMP: f64 = 0.02;
+const JUMPS: f64 = 5.0;
+const AROUND: usize = 32;
+
 /// The blocks of one log file.
 ///
 /// `columns` holds a stretch of the current trajectory and, after its end, rows of the next one:
@@ -34,6 +49,8 @@ pub(crate) struct Blocks {
     /// The first value that was absurd: row of the file, name and value.
     pub(crate) first_absurd: Option<(u64, String, f64)>,
     columns: Vec<Vec<f64>>,
+    /// Rows that repeat the last one of `columns`, until what follows tells whether the arm stood still.
+    held: Vec<(Vec<f64>, Origin)>,
     /// Turns that were added to the position of each joint \[rad\], and rows since its file or part began.
     turns: Vec<f64>,
     run: usize,
@@ -60,6 +77,7 @@ impl Blocks {
             first_absurd: None,
             reach: if is_completed && !complete { HALF_WINDOW } else { 0 },
             columns,
+            held: Vec::new(),
             turns: vec![0.0; joints.len()],
             run: 0,
             done: 0,
@@ -92,7 +110,7 @@ impl Blocks {
         // The window of a row near the end moves inwards, so it reaches up to twice as far back. The
         // last time stamp stays, for the next one is compared with it.
         let done = self.done + rows;
-        self.done = done.min(self.reach.saturating_mul(2)).max(1);
+        self.done = done.min(self.reach.saturating_mul(2).max(AROUND + 1)).max(1);
         self.forget(done - self.done);
         self.known -= done - self.done;
         Ok(Some((self.trajectory, block)))
@@ -103,12 +121,14 @@ impl Blocks {
         if self.ended {
             return Ok(());
         }
-        let wanted = self.done + BLOCK_ROWS + self.reach + NEAR + 1;
+        let wanted = self.done + BLOCK_ROWS + self.reach + NEAR + AROUND + 1;
         let mut row = vec![0.0; self.columns.len()];
         while self.columns[0].len() < wanted && !self.at_end_of_file {
-            match self.rows.next(&mut row)? {
-                Some(origin) => self.push(&row, origin)?,
-                None => self.at_end_of_file = true,
+            if let Some(origin) = self.rows.next(&mut row)? {
+                self.take(&row, origin)?;
+            } else {
+                self.at_end_of_file = true;
+                self.release();
             }
         }
         self.screen();
@@ -116,15 +136,43 @@ impl Blocks {
         if self.known == 0 && !t.is_empty() {
             self.known = 1;
         }
-        let usual = self.usual_step.get_or_insert_with(|| UsualStep::new(t));
-        while self.known < t.len() && !self.ended {
-            let another = self.origins[self.known].part != self.origins[self.known - 1].part;
-            let gap = !another && usual.is_gap(t[self.known] - t[self.known - 1]);
-            self.rows.report.repairs.splits += u64::from(gap);
-            self.ended = another || gap;
+        let mut usual = self.usual_step.take().unwrap_or_else(|| UsualStep::new(t));
+        let end = t.len().saturating_sub(if self.at_end_of_file { 0 } else { AROUND });
+        while self.known < end && !self.ended {
+            let row = self.known;
+            let step = self.columns[0][row] - self.columns[0][row - 1];
+            let another = self.origins[row].part != self.origins[row - 1].part;
+            let gap = !another && usual.is_gap(step);
+            let matters = !another && !gap && (self.reach > 0 || !self.screens);
+            let jump = matters.then(|| self.jump(row)).flatten();
+            if let Some((joint, by)) = jump {
+                let first = (self.origins[row].number, self.joints[joint].clone(), by);
+                self.rows.report.jumps += 1;
+                self.rows.report.first_jump.get_or_insert(first);
+            }
+            self.rows.report.repairs.splits += u64::from(gap || jump.is_some());
+            self.ended = another || gap || jump.is_some();
             self.known += usize::from(!self.ended);
         }
+        self.usual_step = Some(usual);
         Ok(())
+    }
+
+    /// The joint whose position jumps to a row, and by what, if one does.
+    fn jump(&self, row: usize) -> Option<(usize, f64)> {
+        let (t, first) = (&self.columns[0], self.rows.mapping.slot(Signal::Q)?);
+        let (begin, end) = (row.saturating_sub(AROUND).max(1), (row + AROUND).min(t.len()));
+        let joints = self.columns[first..first + self.joints.len()].iter().enumerate();
+        joints.map(|(joint, q)| (joint, q, q[row] - q[row - 1])).find_map(|(joint, q, by)| {
+            let size = |row: usize| (q[row] - q[row - 1]).abs();
+            let speed = |row: usize| size(row) / (t[row] - t[row - 1]);
+            let is_less =
+                |other: usize| JUMPS * size(other) < by.abs() && JUMPS * speed(other) < speed(row);
+            let is_jump = by.abs() > LEAST_JUMP
+                && row + 1 < t.len()
+                && (begin..end).all(|other| other == row || is_less(other));
+            is_jump.then_some((joint, by))
+        })
     }
 
     /// Leaves out rows with absurd values, of signals to be filtered the impossible alone; but for the
@@ -158,11 +206,80 @@ impl Blocks {
         self.screened = end - gone.len();
     }
 
-    fn push(&mut self, row: &[f64], origin: Origin) -> Result<()> {
-        let t = row[0];
-        if let Some(&before) = self.columns[0].last().filter(|before| **before >= t) {
-            return Err(LogError::TimeOrder { place: self.rows.place(), t, before });
+    /// Leaves out rows of zeros alone, far from the one before, and rows that repeat that where the next
+    /// shows that the arm moved on.
+    fn take(&mut self, row: &[f64], origin: Origin) -> Result<()> {
+        let last = self.held.last().map(|(row, _)| &row[0]).or(self.columns[0].last());
+        if let Some(&before) = last.filter(|before| **before >= row[0]) {
+            return Err(LogError::TimeOrder { place: self.rows.place(), t: row[0], before });
         }
+        if row[1..].iter().all(|x| *x == 0.0) && self.is_away() {
+            self.rows.report.repairs.absurd += 1;
+            self.first_absurd.get_or_insert((origin.number, "every value".to_owned(), 0.0));
+            return Ok(());
+        }
+        let is_repeat = self.origins.last().is_some_and(|last| last.part == origin.part)
+            && self.steps_to(row).all(|step| step == 0.0);
+        if is_repeat && self.held.len() < MOST_HELD {
+            self.held.push((row.to_vec(), origin));
+            return Ok(());
+        }
+        if self.moved_on(row) {
+            let report = &mut self.rows.report;
+            report.repairs.held_rows += self.held.len() as u64;
+            report.first_held = report.first_held.or(self.held.first().map(|(_, own)| own.number));
+            self.held.clear();
+        }
+        self.release();
+        self.push(row, origin);
+        Ok(())
+    }
+
+    /// Whether a joint was away from zero in all of the last four rows, farther than it steps: zeros are no
+    /// positions then, but packets that were lost.
+    fn is_away(&self) -> bool {
+        let first = self.rows.mapping.slot(Signal::Q).unwrap_or(self.columns.len());
+        self.columns[first..].iter().take(self.joints.len()).any(|q| {
+            let [.., a, b, c, d] = q[..] else { return false };
+            let least = LEAST_JUMP.max(JUMPS * (d - c).abs());
+            [a, b, c, d].iter().all(|q| q.abs() > least)
+        })
+    }
+
+    /// How far each joint is in a row from where it last was.
+    fn steps_to(&self, row: &[f64]) -> impl Iterator<Item = f64> {
+        let first = self.rows.mapping.slot(Signal::Q);
+        let slots = first.into_iter().flat_map(|first| first..first + self.joints.len());
+        slots
+            .zip(&self.turns)
+            .filter_map(|(slot, turns)| Some(row[slot] + turns - self.columns[slot].last()?))
+    }
+
+    /// Whether a joint is in a row where its last speeds lead to, though it stood still in the held rows.
+    fn moved_on(&self, row: &[f64]) -> bool {
+        let (t, slot) = (&self.columns[0], self.rows.mapping.slot(Signal::Q));
+        let (Some(slot), Some(first)) = (slot, t.len().checked_sub(LAST_STEPS + 1)) else {
+            return false;
+        };
+        let seconds = row[0] - t[t.len() - 1];
+        if self.held.is_empty() || !UsualStep::new(&t[first..]).is_gap(seconds) {
+            return false;
+        }
+        self.steps_to(row).zip(&self.columns[slot..]).any(|(step, q)| {
+            let speed = |row: usize| ((q[row + 1] - q[row]) / (t[row + 1] - t[row])).abs();
+            let fastest = (first..t.len() - 1).map(speed).fold(0.0, f64::max);
+            let least = LEAST_STEP.max(GOES_ON[0] * fastest * seconds.min(LONG));
+            (least..GOES_ON[1] * fastest * seconds).contains(&step.abs())
+        })
+    }
+
+    fn release(&mut self) {
+        for (row, origin) in std::mem::take(&mut self.held) {
+            self.push(&row, origin);
+        }
+    }
+
+    fn push(&mut self, row: &[f64], origin: Origin) {
         self.columns.iter_mut().zip(row).for_each(|(column, value)| column.push(*value));
         if self.origins.last().is_some_and(|before| before.part != origin.part) {
             self.turns.fill(0.0);
@@ -171,7 +288,6 @@ impl Blocks {
         self.run += 1;
         self.unwrap_last();
         self.origins.push(origin);
-        Ok(())
     }
 
     /// Takes a whole turn out of the positions of the last rows, once two more follow the one that was

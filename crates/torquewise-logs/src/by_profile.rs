@@ -1,11 +1,8 @@
 //! The mapping of columns that a profile says.
 
-use crate::error::{listed, shown};
-use crate::mapping::{Mapping, Slot, Time};
 use crate::profile::unit::{factor, time_factor};
 use crate::profile::{Columns, PerJoint, SignalColumns};
-use crate::rows::Rows;
-use crate::{LogError, Profile, Result, joints};
+use crate::{LogError, Mapping, Profile, Result, Rows, Slot, Time, joints, listed, shown};
 use std::path::Path;
 use torquewise_motion::Signal;
 

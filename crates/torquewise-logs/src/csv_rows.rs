@@ -1,10 +1,8 @@
 //! Rows of a CSV file, one line at a time.
 
-use crate::error::shown;
-use crate::joints::{self, CSV_COMMENT};
+use crate::joints;
 use crate::lines::{Lines, MAX_LINE, split};
-use crate::rows::Rows;
-use crate::{LogError, Result, RowPlace};
+use crate::{CSV_COMMENT, LogError, Result, RowPlace, Rows, shown};
 use std::io::BufRead;
 use std::ops::Range;
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 #![expect(missing_docs, reason = "each message explains its fields")]
 
 #[cfg(feature = "formats")]
-use crate::format::Format;
+use crate::Format;
 #[cfg(feature = "formats")]
 use std::cell::Cell;
 use std::error::Error;

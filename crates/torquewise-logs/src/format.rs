@@ -1,7 +1,6 @@
 //! The format of a log file, by its extension.
 
-use crate::error::shown;
-use crate::{LogError, Result};
+use crate::{LogError, Result, shown};
 use std::path::Path;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

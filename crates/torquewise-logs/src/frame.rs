@@ -1,7 +1,6 @@
 //! Tables in memory that another program holds, read where they lie.
 
-use crate::rows::Rows;
-use crate::{LogError, Result, RowPlace};
+use crate::{LogError, Result, RowPlace, Rows};
 use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

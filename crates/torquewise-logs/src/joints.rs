@@ -1,7 +1,6 @@
 //! Joint names → text → joint names: how a log file keeps them.
 
-use crate::error::shown;
-use crate::{LogError, Result};
+use crate::{LogError, Result, shown};
 use std::path::Path;
 use torquewise_motion::unfit_joint_name;
 

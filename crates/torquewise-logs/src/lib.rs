@@ -70,14 +70,23 @@ pub mod table;
 
 pub use accelerations::LEAST_GAIN;
 pub use conditioned::ConditionedLogs;
+#[cfg(feature = "formats")]
+pub(crate) use error::guarded;
 pub use error::{LogError, Result, RowPlace};
+pub(crate) use error::{listed, shown};
+pub(crate) use format::Format;
 pub use format::{is_bag, is_log};
 pub use frame::Frame;
+pub(crate) use joints::CSV_COMMENT;
+#[cfg(feature = "formats")]
+pub(crate) use joints::PARQUET_KEY;
 pub use log_input::{HeldBytes, LogInput};
 pub use logs::Logs;
+pub(crate) use mapping::{Mapping, Slot, Time};
 #[cfg(feature = "formats")]
 pub use preview::preview;
 pub use profile::Profile;
+pub(crate) use rows::Rows;
 pub use signal_rows::ReadReport;
 pub use sink::{Column, Values};
 pub use source::Options;

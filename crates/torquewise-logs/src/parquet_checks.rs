@@ -2,9 +2,8 @@
 //!
 //! Source: Apache Parquet format, parquet.thrift, 2.11; Apache Thrift, compact protocol encoding.
 
-use crate::format::Format;
 use crate::log_input::Opened;
-use crate::{LogError, Result};
+use crate::{Format, LogError, Result};
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 

@@ -1,12 +1,9 @@
 //! Rows of a Parquet file, some of each row group at a time.
 
-use crate::error::guarded;
-use crate::format::Format;
-use crate::joints::{self, PARQUET_KEY};
+use crate::joints;
 use crate::log_input::Opened;
 use crate::parquet_checks::{self, MOST_PAGE_BYTES};
-use crate::rows::Rows;
-use crate::{LogError, LogInput, Result, RowPlace};
+use crate::{Format, LogError, LogInput, PARQUET_KEY, Result, RowPlace, Rows, guarded};
 use parquet::basic::{ConvertedType, LogicalType, Type};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;

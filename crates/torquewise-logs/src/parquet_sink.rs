@@ -1,8 +1,7 @@
 //! A table as a Parquet file, one row group at a time.
 
-use crate::joints::PARQUET_KEY;
 use crate::sink::{Sink, write_error};
-use crate::{Column, LogError, Values};
+use crate::{Column, LogError, PARQUET_KEY, Values};
 use parquet::basic::{Compression, LogicalType, Repetition, Type};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::{ParquetError, Result};

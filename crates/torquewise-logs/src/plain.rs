@@ -1,9 +1,7 @@
 //! The mapping of a plain log: t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in SI units; joints may be
 //! counted from 0.
 
-use crate::error::shown;
-use crate::mapping::{Mapping, Slot};
-use crate::{LogError, Result};
+use crate::{LogError, Mapping, Result, Slot, shown};
 use std::collections::BTreeMap;
 use std::path::Path;
 use torquewise_motion::Signal;

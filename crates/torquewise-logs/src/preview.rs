@@ -1,8 +1,7 @@
 //! The first rows of a log as they stand in it, for whoever has to say what its columns mean.
 
-use crate::rows::Rows;
 use crate::source::named_rows;
-use crate::{LogInput, Result};
+use crate::{LogInput, Result, Rows};
 use serde::Serialize;
 
 const MOST_COLUMNS: usize = 200;

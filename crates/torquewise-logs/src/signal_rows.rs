@@ -1,8 +1,6 @@
 //! Rows of signals: t, q, dq, ddq and tau in SI units, repaired if wanted.
 
-use crate::mapping::{Mapping, Time};
-use crate::rows::Rows;
-use crate::{LogError, Result, RowPlace};
+use crate::{LogError, Mapping, Result, RowPlace, Rows, Time};
 use torquewise_motion::Repairs;
 
 /// Clocks that begin later than this \[s\] count from a date; such times are counted from the first
@@ -23,6 +21,12 @@ pub struct ReadReport {
     pub repairs: Repairs,
     /// The first row that was earlier than one before, 1 for the first row of its file.
     pub first_back: Option<u64>,
+    /// The first row of those left out since they repeat the one before, though the arm moved on.
+    pub first_held: Option<u64>,
+    /// Jumps of positions, at which the log was split.
+    pub jumps: u64,
+    /// The first of them: row, joint, and how far \[rad, m\].
+    pub first_jump: Option<(u64, String, f64)>,
 }
 
 pub(crate) struct SignalRows {
@@ -169,5 +173,8 @@ impl ReadReport {
         self.rows += other.rows;
         self.repairs.add(&other.repairs);
         self.first_back = self.first_back.or(other.first_back);
+        self.first_held = self.first_held.or(other.first_held);
+        self.jumps += other.jumps;
+        self.first_jump = self.first_jump.take().or_else(|| other.first_jump.clone());
     }
 }

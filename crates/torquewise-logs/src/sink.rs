@@ -1,8 +1,7 @@
 //! Columns of a table, and where their values go: a temporary file that takes its place when it is
 //! whole.
 
-use crate::joints::CSV_COMMENT;
-use crate::{LogError, Result};
+use crate::{CSV_COMMENT, LogError, Result};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use torquewise_motion::whole_file::Output;

@@ -7,16 +7,13 @@ use crate::bag::{BagRows, Survey};
 use crate::beside::{ClockColumn, SideBySide};
 use crate::by_profile::by_profile;
 use crate::csv_rows::CsvRows;
-use crate::format::Format;
 use crate::frame::FrameRows;
-use crate::mapping::{Mapping, Time};
 #[cfg(feature = "formats")]
 use crate::parquet_rows::ParquetRows;
 use crate::plain::plain;
 use crate::profile::unit::{of_step, time_factor};
-use crate::rows::Rows;
 use crate::signal_rows::SignalRows;
-use crate::{Frame, LogError, LogInput, Profile, Result, joints};
+use crate::{Format, Frame, LogError, LogInput, Mapping, Profile, Result, Rows, Time, joints};
 use std::fs;
 use std::io::{BufReader, Read};
 use std::path::Path;

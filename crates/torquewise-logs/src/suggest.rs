@@ -4,9 +4,8 @@ mod guess;
 mod measure;
 mod text;
 
-use crate::format::Format;
 use crate::source::named_rows;
-use crate::{LogError, LogInput, Profile, Result};
+use crate::{Format, LogError, LogInput, Profile, Result};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use torquewise_motion::Signal;

@@ -1,10 +1,9 @@
 //! Columns of values, and motion, as CSV or Parquet, written whole or not at all.
 
-use crate::format::Format;
 #[cfg(feature = "formats")]
 use crate::parquet_sink::ParquetSink;
 use crate::sink::{CsvSink, Sink};
-use crate::{Column, LogError, Result, Values, joints};
+use crate::{Column, Format, LogError, Result, Values, joints};
 use std::path::{Path, PathBuf};
 use torquewise_motion::{Motion, Signal};
 

@@ -1,7 +1,7 @@
 //! Torque of kinetic and potential energy: the terms of M(q) and V(q), differentiated (E4).
 
-use crate::Term;
-use crate::term::{Sum, collect};
+use crate::term::collect;
+use crate::{Sum, Term};
 use serde::{Deserialize, Serialize};
 
 /// Where in the energy a function stands.

@@ -1,7 +1,6 @@
 //! Products of sines and cosines as sums of sines and cosines of summed angles.
 
-use crate::term::Factor;
-use crate::{Term, Trig};
+use crate::{Factor, Term, Trig};
 use std::ops::Range;
 use torquewise_regression::atom::{Phase, Wave};
 

@@ -38,5 +38,5 @@ pub use friction::{Direction, FrictionLaw, FrictionTerm};
 pub use model::{Choice, Form, GeometryFound, Model, Stage, Training, Weighted};
 pub use number::number;
 pub use rigid_chain::{Drive, JointKind, JointKinds, LinkFrame, RigidChain, RobotNames};
-pub use term::{Kind, Term, Trig};
+pub use term::{Factor, Kind, Sum, Term, Trig};
 pub use torque::{Parts, Torque};

@@ -1,9 +1,8 @@
 //! The model: terms and weights, as plain data.
 
-use crate::term::Sum;
 use crate::verdict::{Grade, Verdict};
 pub use crate::weighted::Weighted;
-use crate::{EnergyTerm, FrictionTerm, JointKinds, ModelError, RigidChain, Term};
+use crate::{EnergyTerm, FrictionTerm, JointKinds, ModelError, RigidChain, Sum, Term};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use torquewise_motion::Repairs;

@@ -1,7 +1,6 @@
 //! Sums of terms as products ready to evaluate, each sine and cosine once.
 
-use crate::term::{Factor, Sum};
-use crate::{Kind, Term};
+use crate::{Factor, Kind, Sum, Term};
 use torquewise_regression::atom::Numbering;
 
 /// One term with its functions looked up by place.

@@ -17,7 +17,8 @@ pub struct Repairs {
     pub not_finite: u64,
     /// Rows left out since a value was absurd: far beyond its neighbours.
     pub absurd: u64,
-    /// Rows left out since they repeated the row before: the logger was faster than its device.
+    /// Rows left out since they repeated the row before: the device was slower than its logger, or did
+    /// not answer.
     pub held_rows: u64,
     /// Rows left out since their trajectory was too short for the filter.
     pub too_short: u64,
@@ -98,7 +99,7 @@ impl fmt::Display for Repairs {
             (self.earlier_stamps, "row", "with an earlier time stamp than a row before"),
             (self.not_finite, "row", "without a number"),
             (self.absurd, "row", "with a value far beyond its neighbours"),
-            (self.held_rows, "row", "held by a logger faster than its device"),
+            (self.held_rows, "row", "that repeat the one before, though the joints move"),
             (self.too_short, "row", "of trajectories too short for the filter"),
         ]);
         let spikes: u64 = self.spikes.values().sum();

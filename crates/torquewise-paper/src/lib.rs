@@ -28,6 +28,7 @@ mod study {
 mod page;
 
 pub use error::PaperError;
+pub(crate) use error::{Result, within};
 pub use page::page;
 pub use results::{Cell, Claim, ClaimVerdict, Figure, ResultTable, Results, Spread, Study, Timed};
 pub use scenario::Settings;

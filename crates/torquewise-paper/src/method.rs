@@ -3,7 +3,7 @@
 use torquewise_identify::{LibraryOptions, Regression};
 use torquewise_regression::Selector;
 use torquewise_regression::select::lasso::Lasso;
-use torquewise_report::html::Colour;
+use torquewise_report::Colour;
 
 /// A coefficient larger than this counts as active in the paper.
 pub(crate) const ACTIVE: f64 = 0.1;

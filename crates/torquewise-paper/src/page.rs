@@ -1,7 +1,8 @@
 //! The results as one HTML page.
 
 use crate::{Claim, ClaimVerdict, PaperError, Results, Study};
-use torquewise_report::html::{Heading, Item, Label, Page, Section, Table};
+use torquewise_report::html::Page;
+use torquewise_report::{Heading, Item, Label, Section, Table};
 
 /// The page as one HTML text that needs no other file and no network.
 ///

@@ -4,9 +4,7 @@ use crate::{PaperError, Settings};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Display;
-use torquewise_report::html::number::significant;
-use torquewise_report::html::{Chart, Heading, Label};
-use torquewise_report::{chart_figure, html};
+use torquewise_report::{Chart, Heading, Label, chart_figure, html, significant};
 
 /// All experiments.
 ///

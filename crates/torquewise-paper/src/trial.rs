@@ -1,9 +1,8 @@
 //! Trials: one reconstruction each, its cost, its terms and its error on another motion.
 
-use crate::error::{Result, within};
 use crate::method::ACTIVE;
 use crate::scenario::{Scenario, outside};
-use crate::{Cell, Spread};
+use crate::{Cell, Result, Spread, within};
 use cpu_time::ThreadTime;
 use faer::Mat;
 use std::ops::ControlFlow;
@@ -13,7 +12,7 @@ use std::time::Duration;
 use torquewise_identify::{Plan, reconstruct, score};
 use torquewise_model::{EnergyTerm, Form, Model, Stage, Torque, Weighted};
 use torquewise_motion::Motion;
-use torquewise_report::html::Colour;
+use torquewise_report::Colour;
 use torquewise_stepwise::Progress as Work;
 
 /// A row of a table: what stands at its head, and what is tried.

@@ -1,8 +1,7 @@
 //! A library in coordinates, as sparse sums over numbered atoms.
 
-use crate::Result;
 use crate::atom::{Atom, Monomial, Numbering, Wave};
-use crate::error::expect;
+use crate::{Result, expect};
 
 /// One candidate: a sum of atoms, empty where the column is zero in an equation.
 pub type AtomSum = Vec<Atom>;

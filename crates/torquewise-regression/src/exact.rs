@@ -1,7 +1,6 @@
 //! Exact sums: fixed point of 192 bits, the same bits in whatever order numbers are added.
 
-use crate::error::expect;
-use crate::{Result, SparseError};
+use crate::{Result, SparseError, expect};
 use serde::{Deserialize, Serialize};
 
 /// Sums of floating-point numbers without rounding.

@@ -21,6 +21,7 @@ pub mod select;
 pub mod kmeans;
 
 pub use design::{AtomSum, Design};
+pub(crate) use error::expect;
 pub use error::{Result, SparseError};
 pub use normal_equations::{KeptColumns, NormalEquations, ascending};
 pub use normal_sums::{Alike, BlockSums, NormalSums};

@@ -1,8 +1,7 @@
 //! Normal equations YᵀY and Yᵀy: all that least squares can know of rows, and what it makes of them.
 
 use crate::cholesky::{self, Solution};
-use crate::error::expect;
-use crate::{Result, SparseError};
+use crate::{Result, SparseError, expect};
 use faer::Mat;
 
 /// Relative residual energy that rounding alone leaves in normal equations.

@@ -1,12 +1,11 @@
 //! Normal equations of a design from blocks of rows, by the cheaper of two routes, in exact sums:
 //! the same bits whatever the split, order or threads.
 
-use crate::error::expect;
 use crate::exact::ExactSums;
 use crate::moments::{MomentPlan, gather, responses_of};
 use crate::normal_equations::mirror_lower;
 use crate::products::{add_gram, add_product};
-use crate::{Design, NormalEquations, Result, Samples};
+use crate::{Design, NormalEquations, Result, Samples, expect};
 use faer::Mat;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

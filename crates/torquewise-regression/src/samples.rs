@@ -1,8 +1,7 @@
 //! Values of waves, monomials and columns, one block of rows at a time.
 
 use crate::atom::{Monomial, Phase, Wave};
-use crate::error::expect;
-use crate::{Design, Result};
+use crate::{Design, Result, expect};
 use faer::Mat;
 use pulp::Arch;
 use std::collections::BTreeMap;

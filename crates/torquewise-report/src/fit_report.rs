@@ -1,7 +1,7 @@
 //! The report of a fit: what was found in a log, and how far to trust it.
 
-use crate::html::{Page, Section};
-use crate::{Origin, ReportError, Result};
+use crate::html::Page;
+use crate::{Origin, ReportError, Result, Section};
 use torquewise_export::Cost;
 use torquewise_identify::verdict::Verdict;
 use torquewise_identify::{Diagnosis, Reconstruction};

@@ -15,9 +15,16 @@ mod torques;
 pub mod fit_report;
 
 pub use error::{ReportError, Result};
+pub(crate) use fit_report::clock::Clock;
 pub use fit_report::clock::pattern_bands;
 pub use fit_report::origin::{LogFile, Origin};
 pub use fit_report::{Findings, fit_report};
+pub(crate) use html::markup::{safe, script_json};
+pub use html::number::{count, significant};
+pub use html::{
+    Axis, Bars, Chart, Colour, Guide, Heading, Item, Label, Mark, Section, Series, Stretches,
+    Table, Tone,
+};
 pub use orders::order_charts;
 #[cfg(not(target_family = "wasm"))]
 pub use still::chart_figure;

@@ -1,6 +1,6 @@
 //! Charts of orders: held-out residual against the order of each library (Fig. 5).
 
-use crate::html::{Axis, Chart, Colour, Guide, Mark, Series};
+use crate::{Axis, Chart, Colour, Guide, Mark, Series};
 use torquewise_stepwise::orders::{OrderCurve, OrderPoint};
 
 /// One chart per library: the residual of the worst joint against the order.

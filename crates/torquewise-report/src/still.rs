@@ -1,8 +1,7 @@
 //! Charts as a still picture: an SVG drawn by plotters, words kept as words.
 
 use crate::html::thin::{picked, rows_of, sorted};
-use crate::html::{Axis, Chart, Colour, Guide, Mark, Series};
-use crate::{ReportError, Result};
+use crate::{Axis, Chart, Colour, Guide, Mark, ReportError, Result, Series};
 use plotters::chart::SeriesAnno;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};

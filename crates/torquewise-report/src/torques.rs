@@ -1,6 +1,6 @@
 //! The torque that a motion takes beside what models predict of it, over time.
 
-use crate::html::{Axis, Chart, Colour, Mark, Series};
+use crate::{Axis, Chart, Colour, Mark, Series};
 use faer::{Mat, MatRef};
 use torquewise_motion::{Motion, MotionError};
 

@@ -2,8 +2,7 @@
 
 mod choices;
 
-use crate::error::expect;
-use crate::{Coupling, JointKinds, Result};
+use crate::{Coupling, JointKinds, Result, expect};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI};

@@ -21,6 +21,7 @@ pub mod tangent;
 pub mod usual_arm;
 
 pub use coupling::Coupling;
+pub(crate) use error::expect;
 pub use error::{ChainError, Result};
 pub use geometry::{Geometry, PER_BASE, Placement};
 pub use joint::{Functions, JointKind, JointKinds};

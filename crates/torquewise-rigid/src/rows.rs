@@ -1,9 +1,8 @@
 //! Rows of the regression that a chain is learned from: motion, torque, drive columns.
 
-use crate::error::expect;
 use crate::inertial_fit::{JointColumns, columns_at};
 use crate::recursion::{Lanes, MOST_JOINTS, N_LANES};
-use crate::{ChainError, Geometry, Kinematics, Result};
+use crate::{ChainError, Geometry, Kinematics, Result, expect};
 use faer::{Mat, MatRef};
 use std::sync::Arc;
 use torquewise_regression::products::picked;
@@ -11,7 +10,7 @@ use torquewise_regression::products::picked;
 /// A spread of torque about its mean \[N·m\]; zero where it is rounding, as where torque never changes.
 pub fn spread_above_rounding(std: f64, mean: f64) -> f64 {
     /// Below this part of the mean.
-    const ROUNDING: f64 = 1e-9;
+    const ROUNDING: f64 = 1e-6;
     if std > ROUNDING * mean.abs() { std } else { 0.0 }
 }
 

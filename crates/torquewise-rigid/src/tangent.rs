@@ -1,9 +1,8 @@
 //! Residual of a chain, and its derivative by each parameter (E11).
 
-use crate::error::expect;
 use crate::inertial_fit::weighted_columns;
 use crate::levenberg_marquardt::changes;
-use crate::{Chain, ChainRows, Result};
+use crate::{Chain, ChainRows, Result, expect};
 use faer::Mat;
 
 /// The torque of rows, linearised at a chain.

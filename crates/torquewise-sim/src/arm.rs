@@ -1,9 +1,8 @@
 //! Arms: names, placements, axes and bodies of joints in a row, checked once.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
-use crate::error::check_joints;
-use crate::spatial::{Pose, is_positive_semidefinite, placement, pose};
-use crate::{Body, Result, SimError, check_between};
+use crate::spatial::is_positive_semidefinite;
+use crate::{Body, Pose, Result, SimError, check_between, check_joints, placement, pose};
 use nalgebra::{Unit, Vector3};
 use std::f64::consts::PI;
 use torquewise_motion::unfit_joint_name;

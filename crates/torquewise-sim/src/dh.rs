@@ -2,8 +2,8 @@
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::{Joint, STANDARD_GRAVITY, check_body, check_finite};
-use crate::spatial::{dh_row, shifted_turned};
-use crate::{Arm, Body, JointLimits, Result, SimError};
+use crate::spatial::dh_row;
+use crate::{Arm, Body, JointLimits, Result, SimError, shifted_turned};
 use serde::Deserialize;
 use std::f64::consts::PI;
 use torquewise_rigid::JointKind;

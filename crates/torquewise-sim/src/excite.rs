@@ -20,7 +20,7 @@
 pub mod limits;
 mod sines;
 mod segment;
-mod part;
+pub(crate) mod part;
 mod library;
 pub mod information;
 pub mod recording;

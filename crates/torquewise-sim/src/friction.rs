@@ -5,8 +5,7 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 
 /// f(v) = \[f_c + (f_s − f_c) exp(−(v/v_s)²)\] sign(v) + f_v v, method.md (17), for one direction.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stribeck {
     /// f_c \[N·m\], 0 or more: dry friction of fast motion.
     pub coulomb: f64,
@@ -15,7 +14,6 @@ pub struct Stribeck {
     /// v_s \[rad/s\], above 0: where the one turns into the other.
     pub speed: f64,
     /// f_v \[N·m·s/rad\], 0 or more.
-    #[serde(default)]
     pub viscous: f64,
 }
 
@@ -89,7 +87,29 @@ struct Row {
     stiffness: Option<f64>,
     #[serde(default)]
     damping: f64,
-    backward: Option<Stribeck>,
+    backward: Option<Backward>,
+}
+
+/// What is not said is as forward.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Backward {
+    coulomb: Option<f64>,
+    stiction: Option<f64>,
+    speed: Option<f64>,
+    viscous: Option<f64>,
+}
+
+impl Backward {
+    fn beside(&self, forward: Stribeck) -> Stribeck {
+        let coulomb = self.coulomb.unwrap_or(forward.coulomb);
+        Stribeck {
+            coulomb,
+            stiction: self.stiction.unwrap_or(forward.stiction.max(coulomb)),
+            speed: self.speed.unwrap_or(forward.speed),
+            viscous: self.viscous.unwrap_or(forward.viscous),
+        }
+    }
 }
 
 impl Friction {
@@ -110,8 +130,8 @@ impl Friction {
 
     /// Reads friction from TOML: a table for each joint that rubs, under its name.
     ///
-    /// Each holds `coulomb` \[N·m\], and optionally `stiction` \[N·m\], `speed` \[rad/s\],
-    /// `viscous` \[N·m·s/rad\] and `backward`, a whole curve of its own for the other direction.
+    /// Each holds `coulomb` \[N·m\], and optionally `stiction` \[N·m\], `speed` \[rad/s\], 1 by default,
+    /// `viscous` \[N·m·s/rad\] and `backward`, a table of what is another in the other direction.
     /// `stiffness` \[N·m/rad\] and `damping` \[N·m·s/rad\] make dry friction that of LuGre, which
     /// turns over along a way.
     /// Above the tables, `width` \[rad/s\] may say how sharply friction reverses.
@@ -133,6 +153,12 @@ impl Friction {
     pub fn from_toml(text: &str, joints: &[String]) -> Result<Self> {
         let mut table: Table = toml::from_str(text)
             .map_err(|source| SimError::FrictionTable { source: Box::new(source) })?;
+        let stray = |(_, row): &(&String, &Row)| row.damping != 0.0 && row.stiffness.is_none();
+        if let Some((joint, row)) = table.joints.iter().find(stray) {
+            let what = format!("damping of joint `{joint}`");
+            let expected = "none where no stiffness of bristles is given";
+            return Err(SimError::Setting { what, found: row.damping, expected });
+        }
         let laws = |name| {
             let Some(row) = table.joints.remove(name) else { return ([Stribeck::NONE; 2], None) };
             let Row { coulomb, viscous, damping, .. } = row;
@@ -140,7 +166,8 @@ impl Friction {
             let speed = row.speed.unwrap_or(Stribeck::NONE.speed);
             let forward = Stribeck { coulomb, stiction, speed, viscous };
             let bristles = row.stiffness.map(|stiffness| Bristles { stiffness, damping });
-            ([forward, row.backward.unwrap_or(forward)], bristles)
+            let backward = row.backward.map_or(forward, |own| own.beside(forward));
+            ([forward, backward], bristles)
         };
         let (curves, bristles) = joints.iter().map(laws).unzip();
         if let Some((joint, _)) = table.joints.pop_first() {
@@ -272,7 +299,7 @@ mod tests {
         assert!((friction.torque(0, -2.0) + 8.0).abs() < 1e-12);
         assert!((friction.torque(0, 5e-3) - 6.0).abs() < 0.01);
         assert!(friction.torque(0, 0.0).abs() < f64::MIN_POSITIVE);
-        let text = "[b]\ncoulomb = 1.0\n[b.backward]\ncoulomb = 2.0\nstiction = 2.0\nspeed = 1.0";
+        let text = "[b]\ncoulomb = 1.0\n[b.backward]\ncoulomb = 2.0";
 
         let both = Friction::from_toml(text, &joints()).unwrap();
 
@@ -290,6 +317,7 @@ mod tests {
             "[b]\ncoulomb = 1.0\nviscous = inf",
             "width = 0.0\n[b]\ncoulomb = 1.0",
             "[b]\ncoulomb = 1.0\nstiffness = 0.0",
+            "[b]\ncoulomb = 1.0\ndamping = 2.0",
             "[b]\ncoulomb = 0.0\nstiffness = 400.0",
             "[b]\ncoulomb = 1.0\nstiffness = 10.0\ndamping = -1.0",
         ];

@@ -1,7 +1,6 @@
 //! White Gaussian noise at a given signal-to-noise ratio.
 
-use crate::random::normal;
-use crate::{Result, check_between};
+use crate::{Result, check_between, normal};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;

@@ -1,7 +1,6 @@
 //! Torque, mass matrix, energy and acceleration of rigid bodies and their rotors.
 
-use crate::error::check_joints;
-use crate::{Arm, Result, SimError};
+use crate::{Arm, Result, SimError, check_joints};
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::linalg::solvers::Solve;
 use faer::{ColRef, Mat, Side};

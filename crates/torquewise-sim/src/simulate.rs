@@ -1,10 +1,9 @@
 //! A log free of noise whose truth is known.
 
-use crate::error::check_joints;
 use crate::friction::Bent;
 use crate::state::motion;
 use crate::trajectory::Trajectory;
-use crate::{Arm, Friction, MotionPlan, Result};
+use crate::{Arm, Friction, MotionPlan, Result, check_joints};
 use faer::Mat;
 use std::ops::Range;
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadResult, Recording, Visit};

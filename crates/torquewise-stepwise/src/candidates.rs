@@ -1,7 +1,6 @@
 //! The terms offered, as columns of a regression, and the step that offers each.
 
-use crate::plan::MOST_CANDIDATES;
-use crate::{IdentifyError, LibraryKind, Regression};
+use crate::{IdentifyError, LibraryKind, MOST_CANDIDATES, Regression};
 use torquewise_model::harmonic::waves_of;
 use torquewise_model::library::{
     Degree, energy_library, energy_library_size, product_library, product_library_size,

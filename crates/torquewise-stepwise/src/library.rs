@@ -3,12 +3,10 @@
 use crate::model_selection::choose_laws;
 use crate::noise::NoiseSum;
 use crate::patterns::LEAST_SHARE;
-use crate::plan::LibraryOptions;
 use crate::progress::Watch;
-use crate::rows::{PatternSums, clear_of_reversals, samples_of};
 use crate::{
-    Candidates, FrictionKind, IdentifyError, LibraryKind, NoiseFloor, PatternPlan, Patterns,
-    Progress, Regression, survey,
+    Candidates, FrictionKind, IdentifyError, LibraryKind, LibraryOptions, NoiseFloor, PatternPlan,
+    PatternSums, Patterns, Progress, Regression, clear_of_reversals, samples_of, survey,
 };
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;

@@ -2,10 +2,11 @@
 
 use crate::friction::{FrictionLibrary, REVERSAL, WIDTHS, WORTH, reversal_label};
 use crate::held_out::{BLOCKS, CvScore, mean, record_worth, split};
-use crate::plan::{LibraryOptions, MOST_CANDIDATES};
-use crate::rows::{clear_of_reversals, samples_of};
 use crate::step::{self, Step, of_joint};
-use crate::{Candidates, FrictionKind, IdentifyError, LibraryKind, Regression, Survey};
+use crate::{
+    Candidates, FrictionKind, IdentifyError, LibraryKind, LibraryOptions, MOST_CANDIDATES,
+    Regression, Survey, clear_of_reversals, samples_of,
+};
 use rayon::prelude::*;
 use torquewise_model::library::energy_library_size;
 use torquewise_model::{Choice, FrictionTerm, JointKind};

@@ -2,8 +2,7 @@
 //! paper).
 
 use crate::candidates::{SIGNALS, columns_of_energies, columns_of_terms};
-use crate::rows::{PatternSums, samples_of};
-use crate::{IdentifyError, PatternPlan, find_patterns, step, survey};
+use crate::{IdentifyError, PatternPlan, PatternSums, find_patterns, samples_of, step, survey};
 use faer::Mat;
 use rayon::prelude::*;
 use serde::Serialize;

@@ -4,12 +4,12 @@ use crate::active_set::ActiveSet;
 use crate::fit::{LibraryFit, dropped, model_terms};
 use crate::library::{LibrarySums, SummedLibrary};
 use crate::model_selection::{ModelSelection, select_model};
-use crate::plan::LibraryOptions;
 use crate::progress::Watch;
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
 use crate::step::{self, Step, plan_steps};
 use crate::{
-    Candidates, IdentifyError, NoiseFloor, Progress, Regression, StepReport, Survey, find_patterns,
+    Candidates, IdentifyError, LibraryOptions, NoiseFloor, Progress, Regression, StepReport,
+    Survey, find_patterns,
 };
 use rayon::prelude::*;
 use std::collections::BTreeSet;

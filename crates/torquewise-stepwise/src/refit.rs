@@ -1,10 +1,11 @@
 //! Coefficients, standard errors and inclusion of the kept terms, all fitted together (E6) (E7).
 
 use crate::active_set::ActiveSet;
-use crate::plan::LibraryOptions;
-use crate::rows::{clear_of_reversals, cut, samples_of};
+use crate::rows::cut;
 use crate::step::{of_joint, unexplained, weighted_problem};
-use crate::{Candidates, IdentifyError, NoiseFloor, Survey};
+use crate::{
+    Candidates, IdentifyError, LibraryOptions, NoiseFloor, Survey, clear_of_reversals, samples_of,
+};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -7,10 +7,9 @@ use serde_json::{Value, json};
 use torquewise::evaluate::{evaluate_prepared, prepare};
 use torquewise::exported::{ExportOptions, Target, export, function_name};
 use torquewise::inspect::inspect;
-use torquewise::log::Rows;
 use torquewise::logs::{LogError, LogInput, Logs, Options, Profile, preview, suggest};
 use torquewise::model::from_json;
-use torquewise::{Diagnostic, Error, Filter, Fit, FitOptions, Log, Observer};
+use torquewise::{Diagnostic, Error, Filter, Fit, FitOptions, Log, Observer, Rows};
 
 /// Rows of a column that are shown before anything is fitted.
 const PREVIEW_ROWS: usize = 2_000;

@@ -1,11 +1,10 @@
 //! A fit as the page shows it.
 
 use serde_json::{Value, json};
-use torquewise::log::Prepared;
 use torquewise::model::selection::Selection;
 use torquewise::model::{print, to_json};
 use torquewise::page::{LogFile, Origin, page};
-use torquewise::{Error, FitResult, Observer};
+use torquewise::{Error, FitResult, Observer, Prepared};
 
 /// Verdict, errors, warnings, report, equations and the text of the model file.
 pub(crate) fn fitted(

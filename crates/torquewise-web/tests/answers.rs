@@ -5,8 +5,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 use torquewise::logs::LogInput;
-use torquewise::observe::NOBODY;
-use torquewise::{Fit, Log};
+use torquewise::{Fit, Log, NOBODY};
 use torquewise_web::answer::{Answer, answer};
 use torquewise_web::request::FileAt;
 

@@ -1,8 +1,7 @@
 //! Stepwise reconstruction beside one-shot SINDy, on the same logs.
 
 use crate::fit::fit_plan;
-use crate::observe::{NOBODY, Watched};
-use crate::{FitOptions, FitResult, Observer, Result};
+use crate::{FitOptions, FitResult, NOBODY, Observer, Result, Watched};
 use serde::{Serialize, Serializer};
 use serde_json::json;
 use torquewise_identify::{LibraryOptions, Method, Scores, score};

@@ -1,15 +1,13 @@
 //! How well a model predicts the torque of a log.
 
-use crate::log::{Prepared, Rows, Source};
-use crate::observe::{NOBODY, Watched};
 use crate::predict::{Interval, MotionRange};
-use crate::{Error, Log, Observer, Result};
+use crate::{Error, Log, NOBODY, Observer, Prepared, Result, Rows, Source, Watched};
 use serde::{Serialize, Serializer};
 use serde_json::json;
-use torquewise_identify::score;
-use torquewise_identify::score::{JointScore, score_along};
+use torquewise_identify::score::{JointScore, MOSTLY, score_along};
 use torquewise_identify::verdict::{Verdict, judge_by};
 use torquewise_identify::warning::list;
+use torquewise_identify::{Warning, score};
 use torquewise_model::Model;
 use torquewise_model::rollout::{self, Drift, Others};
 use torquewise_motion::{Motion, Recording};
@@ -296,12 +294,11 @@ fn is_trained(
         && joints.iter().zip(left).all(|(own, (rms, std))| own.rmse <= most * rms + ROUNDING * std)
 }
 
-/// Percentage of the spread of the torque by which a filter that cuts the motion errs more than raw torque.
-const CUT_PERCENT: f64 = 0.5;
+/// A filter that cuts the motion errs by so many per cent of the spread more than raw torque, and so many
+/// times as much.
+const CUT: [f64; 2] = [0.5, 1.2];
 /// What is missed at rest beyond friction, of the spread that was fitted, is nothing below this.
 const LEAST_AT_REST: f64 = 0.1;
-/// Friction at rest explains most of an error where it leaves less than this part of it.
-const MOSTLY: f64 = 0.7;
 /// Where friction at rest leaves less than this part of an error, the verdict is of another figure than
 /// the scores.
 const VISIBLY: f64 = 0.97;
@@ -337,19 +334,21 @@ impl Held<'_> {
     /// What is said of joints that rest, and of those that move: what the filter adds to an error, where
     /// it lets too little of the motion through.
     fn remarks(&self) -> impl Iterator<Item = String> {
-        let (mut cut, mut held) = (Vec::new(), Vec::new());
+        let (mut cut, mut held, errors) = (Vec::new(), Vec::new(), self.errors());
         for (k, JointEvaluation { name, rmse, nrmse_percent, raw_nrmse_percent, .. }) in
             self.joints.iter().enumerate()
         {
             // Noise in the torque makes its RMSE larger.
             let is_less = self.raw.get(k).is_some_and(|raw| raw < rmse);
             if self.rests[k] || self.unheld[k] < VISIBLY * rmse {
-                held.push(name.clone());
+                let counts = format!("{name} ({:.2} % counts)", 100.0 * errors[k]);
+                held.push((if errors[k].is_nan() { name.clone() } else { counts }, 0.0));
             }
             if !self.rests[k]
                 && self.unheld[k] >= MOSTLY * rmse
                 && is_less
-                && raw_nrmse_percent.is_some_and(|raw| *nrmse_percent > raw + CUT_PERCENT)
+                && raw_nrmse_percent
+                    .is_some_and(|raw| *nrmse_percent > (raw + CUT[0]).max(CUT[1] * raw))
             {
                 cut.push(name.clone());
             }
@@ -361,13 +360,7 @@ impl Held<'_> {
                 list(&cut)
             )
         });
-        let held = (!held.is_empty()).then(|| {
-            format!(
-                "at rest dry friction may hold {} with any torque up to that at which it breaks away: what \
-                 it may hold does not count in the verdict",
-                list(&held)
-            )
-        });
+        let held = (!held.is_empty()).then(|| Warning::Held { joints: held }.to_string());
         cut.into_iter().chain(held)
     }
 }

@@ -1,8 +1,7 @@
 //! Torque that others put on an arm, and when it is a contact (E16).
 
-use crate::log::{Prepared, Rows};
 use crate::predict::MotionRange;
-use crate::{Log, Observer, Result};
+use crate::{Log, Observer, Prepared, Result, Rows};
 use torquewise_identify::contacts::external_torques;
 use torquewise_model::Model;
 use torquewise_motion::{ReadError, Repairs, Signal};

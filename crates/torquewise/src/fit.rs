@@ -1,11 +1,10 @@
 //! The fit: the one call that chooses what is fitted, conditions, fits and judges.
 
-use crate::log::{Prepared, Rows, Source};
-use crate::observe::{NOBODY, Watched};
 use crate::physics::MassMatrix;
 use crate::summary::repairs_note;
 use crate::{
-    Error, Evaluation, Event, Filter, FitOptions, Library, Log, Observer, Result, evaluate,
+    Error, Evaluation, Event, Filter, FitOptions, Library, Log, NOBODY, Observer, Prepared, Result,
+    Rows, Source, Watched, evaluate,
 };
 use std::ops::Deref;
 use std::sync::atomic::{AtomicBool, Ordering};

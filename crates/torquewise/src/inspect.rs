@@ -1,10 +1,9 @@
 //! What a log holds and what it lacks, before anything is fitted to it.
 
 use crate::fit::timed;
-use crate::log::Prepared;
 use crate::options::MOST_BY_TERMS;
 use crate::summary::all_repairs;
-use crate::{Observer, Result};
+use crate::{Observer, Prepared, Result};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;

@@ -56,10 +56,10 @@ pub use error::{Error, Remedy, Wording};
 pub use evaluate::{Evaluation, evaluate};
 pub use fit::{Fit, FitResult};
 pub use keywords::{Keyword, Takes};
-pub use log::{Filter, Log};
+pub use log::{Filter, Log, Prepared, Rows, Source};
 /// Help of an [`Error`] is a method of this trait.
 pub use miette::Diagnostic;
-pub use observe::{Event, Observer};
+pub use observe::{Event, NOBODY, Observer, Watched};
 pub use options::{FitOptions, Library};
 #[cfg(feature = "figures")]
 pub use torquewise_export as export;

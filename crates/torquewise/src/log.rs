@@ -1,7 +1,6 @@
 //! Logs of an arm, and how their signals are conditioned before anything is fitted to them.
 
-use crate::observe::Watched;
-use crate::{Error, Observer, Result};
+use crate::{Error, Observer, Result, Watched};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use torquewise_identify::warning::list;
@@ -263,7 +262,15 @@ impl Prepared {
     pub fn warnings(&self) -> Vec<String> {
         let doubts = self.logs().unit_doubts().into_iter();
         let own = doubts.chain(self.odd_velocities()).chain(dropped(self.logs()));
-        self.coarse_torques().into_iter().chain(own).collect()
+        let own = own.chain(jumps(self.logs()));
+        let stuck = self.torques().filter(|torque| torque.is_stuck()).map(|torque| {
+            let SignalReport { joint, stuck, .. } = torque;
+            format!(
+                "the torque of {joint} does not change for {stuck:.2} s while it moves on: was its motor off, \
+                 or its sensor? Leave these rows out"
+            )
+        });
+        self.coarse_torques().into_iter().chain(own).chain(stuck).collect()
     }
 
     /// Torques that a limit cut off as they were measured.
@@ -313,6 +320,16 @@ impl Prepared {
     }
 }
 
+fn jumps(logs: &Logs) -> Option<String> {
+    let report = logs.report();
+    let (row, joint, by) = report.first_jump?;
+    Some(format!(
+        "the log is split at {}, the first by {by:.3} of {joint} in row {row}: are rows missing, does a \
+         counter wrap, or did the joint slip?",
+        counted(report.jumps, "jump", "of a position")
+    ))
+}
+
 fn dropped(logs: &Logs) -> Option<String> {
     let report = logs.report();
     let mut parts = Vec::new();
@@ -325,6 +342,16 @@ fn dropped(logs: &Logs) -> Option<String> {
             "{}, the first is {column} = {value:e} in row {row} of {}",
             counted(repairs.absurd, "row", "with a value far beyond its neighbours"),
             file.display()
+        ));
+    }
+    if let Some(first) = report.first_held {
+        parts.push(format!(
+            "{}, the first is row {first} (the device did not answer)",
+            counted(
+                repairs.held_rows,
+                "row",
+                "with the position of the one before while the arm moves on"
+            )
         ));
     }
     if let Some(first) = report.first_back {

@@ -1,9 +1,8 @@
 //! The page of a fit: what was found, and how far to trust it.
 
 use crate::evaluate::interval;
-use crate::log::Prepared;
 use crate::physics::{PhysicsCheck, STATES};
-use crate::{Error, Evaluation, FitResult, Observer, Result};
+use crate::{Error, Evaluation, FitResult, Observer, Prepared, Result};
 use torquewise_export::torque_costs;
 use torquewise_identify::{IdentifyError, diagnose};
 use torquewise_report::{Findings, fit_report};

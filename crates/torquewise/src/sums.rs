@@ -1,8 +1,7 @@
 //! Logs summed up apart, and solved together for the model that fitting all of them gives.
 
 use crate::fit::timed;
-use crate::log::{Prepared, Rows};
-use crate::{Error, Event, FitOptions, FitResult, Log, Observer, Result};
+use crate::{Error, Event, FitOptions, FitResult, Log, Observer, Prepared, Result, Rows};
 use torquewise_identify::rounds::Request;
 use torquewise_identify::summary::summarise_again;
 use torquewise_identify::{

@@ -6,9 +6,9 @@ use crate::table::methods;
 use crate::{Outcome, Result, object, watch};
 use clap::Args;
 use std::path::PathBuf;
+use torquewise::Rows;
 use torquewise::compare::compare;
 use torquewise::identify::warning::list;
-use torquewise::log::Rows;
 
 /// Compare stepwise reconstruction with one-shot SINDy
 #[derive(Args, Debug)]

@@ -15,13 +15,12 @@ use std::path::PathBuf;
 use std::time::SystemTime;
 use torquewise::evaluate::evaluate_prepared;
 use torquewise::identify::Warning;
-use torquewise::log::{Prepared, Rows};
 use torquewise::model::model::Choice;
 use torquewise::model::units::heading;
 use torquewise::model::{Model, ModelError, number};
 use torquewise::page::{LogFile, Origin, page};
 use torquewise::payload::{LoadPlace, payload};
-use torquewise::{Error, Evaluation, Fit, FitResult, Grade, Library, Log};
+use torquewise::{Error, Evaluation, Fit, FitResult, Grade, Library, Log, Prepared, Rows};
 
 /// Reconstruct the equations of motion from logs
 #[derive(Args, Debug)]

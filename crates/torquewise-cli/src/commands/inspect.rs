@@ -6,13 +6,12 @@ use crate::{CliError, Outcome, Result, Table, object, watch};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
-use torquewise::Error;
 use torquewise::inspect::{Inspection, inspect};
-use torquewise::log::Rows;
 use torquewise::logs::{LogError, LogInput, Suggestion, suggest};
 use torquewise::model::number;
 use torquewise::stepwise::{NoiseFloor, Survey};
 use torquewise::summary::{repairs_note, repairs_text};
+use torquewise::{Error, Rows};
 
 /// Show what a log holds and what it lacks
 #[derive(Args, Debug)]

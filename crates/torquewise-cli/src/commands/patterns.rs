@@ -7,9 +7,9 @@ use crate::{Outcome, Result, check_files, watch};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
+use torquewise::Rows;
 use torquewise::identify::{Patterns, find_patterns, survey};
 use torquewise::inspect::{missing_patterns, pattern_rows};
-use torquewise::log::Rows;
 use torquewise::model::number;
 use torquewise::motion::Recording;
 

@@ -7,7 +7,6 @@ use clap::Args;
 use faer::Mat;
 use serde_json::json;
 use std::path::PathBuf;
-use torquewise::log::{Prepared, Rows};
 use torquewise::logs::{Column, TableWriter, Values};
 use torquewise::model::friction::FrictionLaw;
 use torquewise::model::units::heading;
@@ -15,6 +14,7 @@ use torquewise::model::{FrictionTerm, Model, Parts, Torque, Weighted, number};
 use torquewise::motion::{Motion, ReadError, Recording, Signals};
 use torquewise::predict::{Interval, MotionRange};
 use torquewise::summary::{all_repairs, repairs_text};
+use torquewise::{Prepared, Rows};
 
 /// Predict the torque of a log, with or without measured torque, or at one pose
 ///

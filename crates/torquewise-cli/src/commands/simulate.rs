@@ -8,11 +8,11 @@ use clap::Args;
 use faer::MatRef;
 use serde_json::json;
 use std::path::{Path, PathBuf};
+use torquewise::Watched;
 use torquewise::dynamics::{MotionKind, MotionPlan, Noise, SimulatedLog, add_noise, arms};
 use torquewise::inspect::pattern_rows;
 use torquewise::logs::TableWriter;
 use torquewise::motion::{Pattern, Recording};
-use torquewise::observe::Watched;
 use torquewise::twin::TwinLog;
 
 /// Move an arm and write a log whose truth is known

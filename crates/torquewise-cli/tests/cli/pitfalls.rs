@@ -248,11 +248,42 @@ fn a_load_that_is_taken_up_within_a_log_is_told() {
 
 #[test]
 fn a_torque_that_never_changes_is_told() {
-    let terminal = Terminal::holding("off.csv", &Table::arm().with("tau2", |_, _, _| 0.0).text());
+    // The filter rounds what is no sum of powers of two.
+    for value in [0.0, 0.7] {
+        let off = Table::recorded().with("tau2", |_, _, _| value);
+        let terminal = Terminal::holding("off.csv", &off.text());
 
-    let said = terminal.run("fit off.csv -o model.json --strict");
+        let said = terminal.run("fit off.csv -o model.json --strict");
 
-    assert_warns(&said, &["the torque of joint2 never changes: is it measured?"]);
+        assert_warns(&said, &["the torque of joint2 never changes: is it measured?"]);
+    }
+}
+
+#[test]
+fn torques_that_are_none_and_positions_that_jump_are_told() {
+    let pulled = |row: &[f64]| 24.0 * row[1].cos() + 4.0 * (row[1] + row[2]).cos();
+    let led = Table::recorded()
+        .with("tau1", |at, _, row| pulled(row) + 0.02 * noise(at))
+        .with("tau2", |at, _, row| 4.0 * (row[1] + row[2]).cos() + 0.02 * noise(at + 7));
+    let exchanged = Table::recorded().with("tau1", |_, _, row| row[3]);
+    let held = Table::recorded().column("tau2")[700];
+    let stuck = Table::recorded().with("tau2", |at, tau, _| {
+        if (700..900).contains(&at) { held } else { tau + 1e-3 * noise(at) }
+    });
+    let slipped = Table::recorded().with("q2", |at, q, _| if at < 1_000 { q } else { q + 0.5 });
+    let cases = [
+        (led, "the torque of joint1 follows from the positions alone"),
+        (exchanged, "the torque of joint1 is the velocity"),
+        (stuck, "the torque of joint2 does not change for 1.99 s while it moves on"),
+        (slipped, "split at 1 jump of a position"),
+    ];
+    for (table, warned) in cases {
+        let terminal = Terminal::holding("log.csv", &table.text());
+
+        let said = terminal.run("fit log.csv -o model.json --strict");
+
+        assert_warns(&said, &[warned]);
+    }
 }
 
 // Motion.

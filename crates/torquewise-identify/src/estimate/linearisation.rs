@@ -1,7 +1,8 @@
 //! Linearised torque: rows [J e] of a block of motion.
 
-use crate::drive_terms::{DriveTerm, Gravity, WEIGHT_AT_REST, chain_rows, columns};
+use crate::drive_terms::Gravity;
 use crate::regions::Regions;
+use crate::{DriveTerm, WEIGHT_AT_REST, chain_rows, columns};
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 use torquewise_model::RobotNames;

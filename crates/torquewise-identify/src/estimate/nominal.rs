@@ -1,7 +1,7 @@
 //! The nominal arm of the prior: plain links, positive rotors, dissipative friction (E14).
 
 use super::linearisation::Linearisation;
-use crate::drive_terms::DriveTerm;
+use crate::DriveTerm;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use torquewise_model::{FrictionLaw, FrictionTerm};

@@ -3,7 +3,7 @@
 
 use super::gravity::AS_GIVEN;
 use super::{ChainLearner, TRIAL_ROWS, left, searching};
-use crate::chain_spec::{ChainSpec, record_worth, trial};
+use crate::{ChainSpec, record_worth, trial};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_2;

@@ -2,8 +2,7 @@
 
 use super::kinds::Searched;
 use super::{ChainLearner, FINAL_ROWS, TRIAL_ROWS, left, searching};
-use crate::chain_spec::{ChainSpec, record_worth, trial};
-use crate::unseen::geometric_mean;
+use crate::{ChainSpec, geometric_mean, record_worth, trial};
 use rayon::prelude::*;
 use torquewise_model::Choice;
 use torquewise_rigid::coupling::Coupled;

@@ -2,9 +2,8 @@
 
 use super::coordinates::COORDINATES;
 use super::{ChainLearner, Judged, TRIAL_ROWS, left, searching};
-use crate::Warning;
-use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::plan::KnownGeometry;
+use crate::{ChainSpec, Warning, record_worth, spread, trial};
 use rayon::prelude::*;
 use torquewise_model::Choice;
 use torquewise_rigid::search::FINAL_ROWS;
@@ -70,8 +69,11 @@ impl ChainLearner<'_> {
             refine(&rows, &Chain::at(geometry.clone()), &spec.free, &spec.search, &watch)
         };
         let (given, [said, others]) = (at(&held, own)?, known.mounted());
-        // A base that is mounted at some other angle is meant to be.
-        if said.is_empty() {
+        // A base that is mounted at some other angle is meant to be, and one torque alone tells no direction:
+        // its link may as well hang elsewhere.
+        let tau = self.motion.require_tau()?;
+        let told = tau.col_iter().filter(|tau| spread(*tau) > 0.0).count() > 1;
+        if said.is_empty() || !told {
             return Ok((held, given));
         }
         let others = others.par_iter().map(|other| at(&tilted, other));

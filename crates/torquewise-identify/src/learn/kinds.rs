@@ -5,10 +5,9 @@ use super::{
     ChainLearner, DriveTerm, LEFT_BY_RIDGE, Learned, NO_RIDGE, TRIAL_ROWS, UNRESOLVED, Watch,
     searching,
 };
-use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::clipped::ends;
 use crate::excitation::LEAST_RANGE;
-use crate::unseen::geometric_mean;
+use crate::{ChainSpec, geometric_mean, record_worth, trial};
 use rayon::prelude::*;
 use torquewise_model::{Choice, FrictionLaw, FrictionTerm, JointKind, JointKinds};
 use torquewise_motion::Motion;

@@ -2,10 +2,9 @@
 
 use super::kinds::is_told_from_gravity;
 use super::{ChainLearner, LAST_ROWS};
-use crate::chain_spec::ChainSpec;
-use crate::drive_terms::{AT_REST, DriveTerm, Gravity};
-use crate::estimate::Linearisation;
-use crate::unseen::{Unseen, regions};
+use crate::drive_terms::Gravity;
+use crate::unseen::regions;
+use crate::{AT_REST, ChainSpec, DriveTerm, Linearisation, Unseen};
 use rayon::prelude::*;
 use torquewise_model::{Choice, FrictionLaw, FrictionTerm};
 use torquewise_motion::Motion;

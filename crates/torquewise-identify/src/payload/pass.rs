@@ -3,7 +3,7 @@
 use super::rows::{Columns, Weights, visit};
 use super::{STRENGTH, TOLD};
 use crate::clustered::{Stretches, scatter, score};
-use crate::states::state_of;
+use crate::state_of;
 use faer::{ColRef, Mat};
 use nalgebra::Vector3;
 use torquewise_model::{Model, RigidChain};
@@ -23,6 +23,8 @@ const NOMINAL: (f64, f64) = (0.05, 1e-3);
 const LEVERS: (f64, f64, i32) = (1.0, 0.7, 14);
 /// A load is elsewhere, or the log lighter than the model, by more than so many standard errors.
 const ELSEWHERE: f64 = 4.0;
+/// It is where a joint leaves so many times what the model misses of other motion.
+const TWICE: f64 = 2.0;
 /// How much more than by all rows a known centre is held.
 const HELD: f64 = 1e3;
 
@@ -186,7 +188,14 @@ impl Pass {
     /// By how much the log is lighter than the model \[kg\], if it significantly is.
     ///
     /// - `arm`: what the uncertain arm makes of the scores, 10×10
-    pub(super) fn lighter(&self, arm: Option<&Mat<f64>>) -> Option<f64> {
+    /// - `usual`: what the model misses of any motion \[N·m\], n, which is no sign of another load
+    pub(super) fn lighter(&self, arm: Option<&Mat<f64>>, usual: &[f64]) -> Option<f64> {
+        let is_more = |(squares, usual): (&f64, &f64)| {
+            squares / self.rows.max(1) as f64 > (TWICE * usual).powi(2)
+        };
+        if !usual.is_empty() && !self.squares.iter().zip(usual).any(is_more) {
+            return None;
+        }
         let NormalEquations { gram, cross, .. } = self.total();
         let (found, uncertain) = self.weighed(&gram, cross.col_as_slice(0), arm);
         (found[0] < -ELSEWHERE * uncertain).then_some(-found[0])

@@ -1,7 +1,7 @@
 //! Rows for a payload: what each counts, the columns of the last body, what the model leaves.
 
-use crate::drive_terms::{AT_REST, SHARE_AT_REST};
-use crate::states::state_of;
+use crate::drive_terms::SHARE_AT_REST;
+use crate::{AT_REST, state_of};
 use faer::{ColRef, Mat};
 use torquewise_model::{FrictionLaw, Model, RigidChain, Torque};
 use torquewise_motion::Recording;

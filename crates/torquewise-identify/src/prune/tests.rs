@@ -1,7 +1,7 @@
 //! Loads of terms against the model's own torque; what may be left out and what may not.
 
 use super::{STATES, TOLERANCE, prune};
-use crate::states::States;
+use crate::States;
 use approx::assert_relative_eq;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};

@@ -2,7 +2,8 @@
 //! fit were held to (E14).
 
 use super::{Errors, HeldOut, Sums, Unseen, all_of};
-use crate::estimate::{Linearisation, STRENGTH, Sizes, prior};
+use crate::estimate::{STRENGTH, prior};
+use crate::{Linearisation, Sizes};
 use faer::Mat;
 use rayon::prelude::*;
 use torquewise_rigid::UsualArm;

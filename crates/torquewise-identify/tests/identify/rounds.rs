@@ -16,8 +16,9 @@ use torquewise_identify::{
 };
 use torquewise_logs::{ConditionedLogs, Logs};
 use torquewise_model::checks::driving_friction;
-use torquewise_model::term::Factor;
-use torquewise_model::{EnergyTerm, Form, FrictionLaw, Model, Place, Term, Torque, Trig, to_json};
+use torquewise_model::{
+    EnergyTerm, Factor, Form, FrictionLaw, Model, Place, Term, Torque, Trig, to_json,
+};
 use torquewise_motion::{Conditioning, Motion};
 use torquewise_sim::{MotionKind, Noise, add_noise};
 

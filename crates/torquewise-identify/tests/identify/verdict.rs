@@ -1,8 +1,8 @@
 //! The grade of a model and its reasons, each of a fit that is good but for one thing.
 
-use crate::support::{fit, motion};
+use crate::support::{chain, fit, motion, reference_arm, with_torque};
 use torquewise_identify::verdict::{Grade, judge, judge_by};
-use torquewise_identify::{Plan, Reconstruction, Warning};
+use torquewise_identify::{FrictionKind, Plan, Reconstruction, Warning};
 use torquewise_model::GeometryFound;
 use torquewise_sim::{Arm, MotionKind};
 
@@ -45,4 +45,23 @@ fn what_is_wrong_decides_the_grade_and_stands_among_its_reasons() {
         let is_said = verdict.because.iter().any(|own| own.contains(reason));
         assert!(is_said, "{reason} is not among {:?}", verdict.because);
     }
+}
+
+#[test]
+fn what_friction_may_hold_at_rest_does_not_count() {
+    let log = motion(&reference_arm(), MotionKind::Moves, 60.0, 50.0, 1);
+    let rubbing = with_torque(log, |[q, dq, _], tau| {
+        for (joint, tau) in tau.iter_mut().enumerate() {
+            // Where it stopped decides what holds it.
+            let held = (300.0 * q[0] + joint as f64).sin();
+            *tau += 20.0 * if dq[joint].abs() > 1e-3 { dq[joint].signum() } else { held };
+        }
+    });
+
+    let found = fit(&rubbing, &chain(FrictionKind::Auto));
+
+    let errors = found.model.training.held_out_errors().unwrap();
+    assert!(errors.iter().any(|error| *error > 0.1), "{errors:?}");
+    assert!(found.warnings.iter().any(|own| matches!(own, Warning::Held { .. })));
+    assert_eq!(judge(&found).grade, Grade::Good, "{}", judge(&found));
 }

@@ -1,9 +1,7 @@
 //! Arrays of a file by name, shape and place: what NumPy and MATLAB files are decoded to.
 
 use crate::arrays::numbers::{Element, Numbers};
-use crate::error::shown;
-use crate::format::Format;
-use crate::{LogError, LogInput, Result};
+use crate::{Format, LogError, LogInput, Result, shown};
 use flate2::CrcReader;
 use flate2::read::{DeflateDecoder, ZlibDecoder};
 use std::io::{self, BufReader, Read, Seek, SeekFrom};

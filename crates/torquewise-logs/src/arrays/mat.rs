@@ -3,8 +3,7 @@
 use crate::arrays::array::{Array, LONGEST_NAME, MAX_COLUMNS, Packing};
 use crate::arrays::mat_elements::{COMPRESSED, Elements, MATRIX, Tag, held_by, sizes, wrong};
 use crate::arrays::numbers::Element;
-use crate::format::Format;
-use crate::{LogError, LogInput, Result};
+use crate::{Format, LogError, LogInput, Result};
 use flate2::read::ZlibDecoder;
 use std::io::{self, BufReader, Read};
 

@@ -2,9 +2,7 @@
 
 use crate::arrays::array::{Array, LONGEST_NAME, Packing};
 use crate::arrays::numbers::{Element, Kind};
-use crate::error::{guarded, shown};
-use crate::format::Format;
-use crate::{LogError, LogInput, Result};
+use crate::{Format, LogError, LogInput, Result, guarded, shown};
 use std::io::{BufReader, Read};
 use std::path::Path;
 use zip::read::ZipFile;

@@ -3,9 +3,7 @@
 use crate::arrays::array::{Array, MAX_COLUMNS};
 use crate::arrays::numbers::Numbers;
 use crate::arrays::{mat, npz};
-use crate::format::Format;
-use crate::rows::Rows;
-use crate::{LogError, LogInput, Result, RowPlace};
+use crate::{Format, LogError, LogInput, Result, RowPlace, Rows};
 use std::collections::BTreeMap;
 
 /// The rows of a file of arrays: a matrix A has columns A1, A2, …, a vector A one column A.

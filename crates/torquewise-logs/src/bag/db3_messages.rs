@@ -1,8 +1,7 @@
 //! SQLite bags (.db3): topics and messages, some thousand rows at a time.
 
 use crate::bag::{MAX_BYTES, Message, Messages, Topic};
-use crate::format::Format;
-use crate::{LogError, Result};
+use crate::{Format, LogError, Result};
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, OpenFlags, params};
 use std::collections::VecDeque;

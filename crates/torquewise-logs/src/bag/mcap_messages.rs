@@ -1,10 +1,8 @@
 //! MCAP bags (.mcap): topics and messages, one chunk at a time.
 
 use crate::bag::{MAX_BYTES, Message, Messages, Topic};
-use crate::error::guarded;
-use crate::format::Format;
 use crate::log_input::Opened;
-use crate::{LogError, LogInput, Result};
+use crate::{Format, LogError, LogInput, Result, guarded};
 use mcap::read::ChannelAccumulator;
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};

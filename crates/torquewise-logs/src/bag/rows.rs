@@ -1,8 +1,7 @@
 //! Rows of joint states, sorted by time.
 
 use crate::bag::survey::{JointStates, Survey};
-use crate::rows::Rows;
-use crate::{LogInput, Result, RowPlace};
+use crate::{LogInput, Result, RowPlace, Rows};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 

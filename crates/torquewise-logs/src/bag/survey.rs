@@ -5,9 +5,7 @@ use crate::bag::db3_messages::{self, Db3Messages};
 use crate::bag::joint_state::JointState;
 use crate::bag::mcap_messages::{self, McapMessages};
 use crate::bag::{JOINT_STATE, Messages, Topic};
-use crate::error::{listed, shown};
-use crate::format::Format;
-use crate::{LogError, LogInput, Result, RowPlace, joints};
+use crate::{Format, LogError, LogInput, Result, RowPlace, joints, listed, shown};
 use std::path::{Path, PathBuf};
 
 /// Stamps beyond this \[ns\] are dates; seconds since 1970 cannot tell microseconds in 64 bits.

@@ -2,7 +2,7 @@
 
 use super::Blocks;
 use crate::csv_rows::tests::signal_rows;
-use crate::{LogError, Result};
+use crate::{LogError, ReadReport, Result};
 use faer::Mat;
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -129,6 +129,75 @@ fn positions_that_were_wrapped_are_unwrapped_and_those_that_jump_otherwise_stay(
         }];
     for own in others {
         assert!(positions(own).into_iter().zip(0..).all(|(q, row)| (q - own(row)).abs() < 1e-12));
+    }
+}
+
+/// Stamps that are left of rows 0.01 s apart, and what the reading came to.
+fn stamps_of(q: &dyn Fn(u32) -> f64) -> (Vec<f64>, ReadReport) {
+    let row = |row: u32| format!("{:?},{:?},{:?}\n", 0.01 * f64::from(row), q(row), q(row));
+    let text = "t,q1,dq1\n".to_owned() + &(0..4_000).map(row).collect::<String>();
+    let names = ["joint1".to_owned()];
+    let mut blocks = Blocks::new(signal_rows(text.as_bytes()).unwrap(), &names, true);
+    let mut stamps = Vec::new();
+    while let Some((_, block)) = blocks.next(Blocks::block).unwrap() {
+        stamps.extend(block.t().to_vec());
+    }
+    (stamps, blocks.rows.report)
+}
+
+#[test]
+fn a_log_is_split_where_a_position_jumps_and_not_where_it_spikes_or_a_joint_starts() {
+    let wave = |row: u32| (0.03 * f64::from(row)).sin();
+    let jumped = |from: u32, by: f64| {
+        let (stamps, report) = stamps_of(&|row| wave(row) + if row < from { 0.0 } else { by });
+        (stamps.len(), report.repairs.splits, report.first_jump)
+    };
+    for from in [30, 1_000, 1_024, 1_030, 3_990] {
+        let (rows, splits, first) = jumped(from, -0.3);
+
+        assert_eq!((rows, splits), (4_000, 1), "{from}");
+        let (row, joint, by) = first.unwrap();
+        let expected = wave(from) - wave(from - 1) - 0.3;
+        assert_eq!((row, joint.as_str()), (u64::from(from) + 1, "joint1"));
+        assert!((by - expected).abs() < 1e-12, "{by}");
+    }
+    // A step that is no faster than the motion, a spike, rows that are missing, a start at full speed.
+    let whole: [&dyn Fn(u32) -> f64; 4] = [
+        &|row| wave(row) + if row < 1_000 { 0.0 } else { 0.05 },
+        &|row| wave(row) + if row == 1_000 { 0.3 } else { 0.0 },
+        &|row| if row < 1_000 { wave(3 * row) } else { wave(3 * row + 4) },
+        &|row| wave(2 * row.max(1_000)),
+    ];
+    for q in whole {
+        assert_eq!(stamps_of(q).1.jumps, 0);
+    }
+    // Packets that were lost are rows of zeros alone.
+    let lost = |row: &u32| (1_000..1_040).contains(row);
+    let (stamps, report) = stamps_of(&|row| if lost(&row) { 0.0 } else { wave(row) });
+    assert_eq!((stamps.len(), report.repairs.absurd, report.jumps), (3_960, 40, 0));
+}
+
+#[test]
+fn rows_that_repeat_while_the_arm_moves_on_are_left_out_and_those_of_an_arm_at_rest_stay() {
+    let read = |clock: &dyn Fn(u32) -> u32| stamps_of(&|row| (0.03 * f64::from(clock(row))).sin());
+    for frozen in [6, 30, 1_500] {
+        let (stamps, report) = read(&|row| if row < 1_020 + frozen { row.min(1_019) } else { row });
+
+        let left = (0..4_000).filter(|row| !(1_020..1_020 + frozen).contains(row));
+        assert_eq!(stamps, left.map(|row| 0.01 * f64::from(row)).collect::<Vec<_>>());
+        assert_eq!(report.first_held, Some(1_021));
+        assert_eq!((report.repairs.held_rows, report.repairs.splits), (u64::from(frozen), 1));
+    }
+    // A stop, a pause at either end, and a few rows of a device that is slow now and then.
+    let clocks: [&dyn Fn(u32) -> u32; 4] = [
+        &|row| row.min(1_000) + row.saturating_sub(1_400),
+        &|row| row.max(1_000),
+        &|row| row.min(1_000),
+        &|row| if (1_000..1_004).contains(&row) { 999 } else { row },
+    ];
+    for clock in clocks {
+        let (stamps, report) = read(clock);
+        assert_eq!((stamps.len(), report.repairs.held_rows), (4_000, 0));
     }
 }
 

@@ -2,9 +2,8 @@
 
 use super::CsvRows;
 use crate::plain::plain;
-use crate::rows::Rows;
 use crate::signal_rows::SignalRows;
-use crate::{LogError, Result};
+use crate::{LogError, Result, Rows};
 use std::io::{BufReader, Read};
 use std::path::Path;
 

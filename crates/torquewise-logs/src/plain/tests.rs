@@ -1,8 +1,7 @@
 //! Headers that are understood, and headers that are refused with a reason.
 
 use super::{MAX_COLUMNS, plain};
-use crate::mapping::Mapping;
-use crate::{LogError, Result};
+use crate::{LogError, Mapping, Result};
 use std::path::Path;
 use torquewise_motion::Signal;
 

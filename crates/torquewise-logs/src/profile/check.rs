@@ -1,8 +1,7 @@
 //! The first thing in a profile that cannot be right.
 
-use crate::error::shown;
 use crate::profile::{Columns, PerJoint, SignalColumns, unit};
-use crate::{LogError, Profile, Result, joints};
+use crate::{LogError, Profile, Result, joints, shown};
 use torquewise_motion::Signal;
 
 impl Profile {

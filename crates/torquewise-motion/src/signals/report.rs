@@ -13,6 +13,8 @@ const COARSE_LEVELS: f64 = 32.0;
 /// A quantisation step of more than this share of the deviation is called coarse.
 const COARSE_SHARE: f64 = 0.1;
 
+/// A torque that does not change for so long \[s\] while its joint moves on is no measurement.
+const LONG: f64 = 0.2;
 /// A signal that is exactly at one of its ends in more than this part of its rows, in so many runs of
 /// them, was cut off there; one of fewer levels is there by itself.
 const MOST_AT_ENDS: f64 = 0.05;
@@ -34,6 +36,9 @@ pub struct SignalReport {
     /// Part of its raw rows that are exactly at its smallest or its largest value, and in how many runs
     /// of two and more.
     pub at_ends: (f64, usize),
+    /// Of a torque that changes from row to row, the longest time \[s\] for which it does not while its
+    /// joint moves on.
+    pub stuck: f64,
 }
 
 impl SignalReport {
@@ -42,6 +47,11 @@ impl SignalReport {
         let coarse =
             |q: Quantisation| q.levels < COARSE_LEVELS || q.share_of_deviation > COARSE_SHARE;
         self.quantisation.is_some_and(coarse)
+    }
+
+    /// Whether its sensor stood still for a while.
+    pub fn is_stuck(&self) -> bool {
+        self.stuck > LONG
     }
 
     /// Whether a limit cut it off.

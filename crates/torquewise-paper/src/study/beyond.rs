@@ -1,16 +1,14 @@
 //! Beyond the paper: what each choice buys, more noise, less data, more joints.
 
-use crate::error::Result;
 use crate::method::Method;
 use crate::scenario::{Scenario, outside};
 use crate::trial::{Row, Trials, steps};
 use crate::truth::true_energies;
-use crate::{Cell, Settings, Spread, Study};
+use crate::{Cell, Result, Settings, Spread, Study};
 use torquewise_identify::{LibraryOptions, PatternPlan, Plan, Regression};
 use torquewise_model::library::{Degree, energy_library_size, product_library_size};
 use torquewise_model::{JointKind, Kind, Model};
-use torquewise_report::html::number::significant;
-use torquewise_report::html::{Axis, Chart, Mark, Series};
+use torquewise_report::{Axis, Chart, Mark, Series, significant};
 use torquewise_sim::{Arm, Noise};
 use torquewise_stepwise::activation::Scaling;
 

@@ -1,17 +1,15 @@
 //! Cases 1–3: candidates and time (Fig. 6), terms kept (Fig. 7), torque outside the training log
 //! (Fig. 8), step by step (Fig. 10), coefficients.
 
-use crate::error::Result;
 use crate::method::{ACTIVE, Method};
 use crate::scenario::outside;
 use crate::trial::{self, Row, Runs, Trial, Trials, step_lines};
 use crate::truth::{true_energies, true_products};
-use crate::{Cell, Settings, Spread, Study};
+use crate::{Cell, Result, Settings, Spread, Study};
 use std::collections::BTreeMap;
 use torquewise_identify::LibraryOptions;
 use torquewise_model::{EnergyTerm, Model, Torque, Weighted};
-use torquewise_report::html::number::significant;
-use torquewise_report::torque_charts;
+use torquewise_report::{significant, torque_charts};
 use torquewise_sim::{Arm, Noise};
 
 /// Rows of a prediction that are shown: every fifth of 20 s at 100 Hz.

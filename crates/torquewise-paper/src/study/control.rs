@@ -1,18 +1,15 @@
 //! An arm with friction, recorded, learned and controlled: friction, torque after each step, tracking
 //! (Fig. 10, 11).
 
-use crate::error::{Result, within};
 use crate::trial::{self, step_lines};
-use crate::{Settings, Study};
+use crate::{Result, Settings, Study, within};
 use faer::Mat;
 use rayon::prelude::*;
 use torquewise_identify::{FrictionKind, LibraryOptions, reconstruct};
 use torquewise_model::{Model, Torque};
 use torquewise_motion::signals::{Conditioned, Cutoff, condition};
 use torquewise_motion::{Conditioning, Motion, Raw};
-use torquewise_report::html::number::significant;
-use torquewise_report::html::{Chart, Colour, Guide, Mark, Series};
-use torquewise_report::torque_charts;
+use torquewise_report::{Chart, Colour, Guide, Mark, Series, significant, torque_charts};
 use torquewise_sim::control::knowledge::sharp;
 use torquewise_sim::control::{
     Law, Learned, Periodic, Plant, Runs, Sensors, compare, periodic, record,

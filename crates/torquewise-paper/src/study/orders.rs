@@ -1,7 +1,6 @@
 //! Residual against order for one-shot SINDy, each step and the energy library (Fig. 5).
 
-use crate::error::{Result, within};
-use crate::{Cell, Settings, Study};
+use crate::{Cell, Result, Settings, Study, within};
 use torquewise_report::order_charts;
 use torquewise_sim::Noise;
 use torquewise_stepwise::orders::{OrderPlan, orders};

@@ -1,12 +1,9 @@
 //! Purity of the patterns in noisy motions, with the scaled and with the printed index (Fig. 1–3).
 
-use crate::error::{Result, within};
-use crate::{Settings, Study};
+use crate::{Result, Settings, Study, within};
 use torquewise_identify::{PatternPlan, Patterns, find_patterns, survey};
 use torquewise_motion::{Motion, Pattern};
-use torquewise_report::html::number::significant;
-use torquewise_report::html::{Axis, Chart, Colour, Guide, Mark, Series};
-use torquewise_report::pattern_bands;
+use torquewise_report::{Axis, Chart, Colour, Guide, Mark, Series, pattern_bands, significant};
 use torquewise_sim::Noise;
 use torquewise_stepwise::activation::Scaling;
 

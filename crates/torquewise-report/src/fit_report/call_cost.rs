@@ -1,9 +1,7 @@
 //! Which step's torque fits which control rate, by counted operations.
 
 use crate::fit_report::method::{members, nrmse_percent};
-use crate::html::number::{count, significant};
-use crate::html::{Heading, Item, Label, Section, Table};
-use crate::{Findings, Result};
+use crate::{Findings, Heading, Item, Label, Result, Section, Table, count, significant};
 use torquewise_export::Cost;
 use torquewise_identify::Diagnosis;
 

@@ -1,6 +1,6 @@
 //! One clock for several trajectories: end to end, with a gap between them.
 
-use crate::html::{Colour, Stretches};
+use crate::{Colour, Stretches};
 use torquewise_motion::Pattern;
 
 pub(crate) const LABEL: &str = "time [s]";

@@ -1,8 +1,6 @@
 //! Tables of conditioning: filter, repairs, ranges, noise.
 
-use crate::Findings;
-use crate::html::number::significant;
-use crate::html::{Heading, Item, Label, Section, Table};
+use crate::{Findings, Heading, Item, Label, Section, Table, significant};
 use torquewise_model::units;
 use torquewise_motion::Repairs;
 

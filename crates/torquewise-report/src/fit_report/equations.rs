@@ -1,9 +1,7 @@
 //! Equations: energies first where the model has them, then the torque of each joint.
 
-use crate::Findings;
 use crate::html::equation::{Equation, energies, math};
-use crate::html::number::count;
-use crate::html::{Item, Section};
+use crate::{Findings, Item, Section, count};
 use std::collections::BTreeMap;
 use torquewise_model::print::{weighted_equations, weighted_friction};
 use torquewise_model::{Form, FrictionLaw, FrictionTerm, Term, Weighted};

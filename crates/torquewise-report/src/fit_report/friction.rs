@@ -1,7 +1,6 @@
 //! Friction: its parameters, and its curves with what was measured.
 
-use crate::Findings;
-use crate::html::{Chart, Colour, Item, Mark, Section, Series, Table};
+use crate::{Chart, Colour, Findings, Item, Mark, Section, Series, Table};
 use faer::Mat;
 use torquewise_identify::diagnose::Trace;
 use torquewise_model::print::friction_tables;

@@ -1,9 +1,7 @@
 //! The learned geometry: a skeleton that the log moves, and where its axes lie.
 
-use crate::Findings;
-use crate::fit_report::clock::Clock;
 use crate::html::skeleton::{BodyFrame, Skeleton};
-use crate::html::{Item, Section, Table};
+use crate::{Clock, Findings, Item, Section, Table};
 use torquewise_model::RigidChain;
 use torquewise_model::learned::{drives, geometry, joint_geometry, links};
 use torquewise_model::selection::Selection;

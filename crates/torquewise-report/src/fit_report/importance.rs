@@ -1,9 +1,7 @@
 //! Importance of terms: how much of each torque each carries, and which nearly stayed.
 
-use crate::Findings;
 use crate::html::equation::{friction, term};
-use crate::html::number::count;
-use crate::html::{Bars, Colour, Item, Label, Section};
+use crate::{Bars, Colour, Findings, Item, Label, Section, count};
 use std::collections::BTreeMap;
 use torquewise_identify::diagnose::Importance;
 use torquewise_model::print::weighted_friction;

@@ -1,10 +1,11 @@
 //! Details of the method: patterns, and what each step found.
 
-use crate::fit_report::clock::{self, Clock};
+use crate::fit_report::clock;
 use crate::fit_report::torques::LINK;
-use crate::html::number::{count, significant};
-use crate::html::{Chart, Colour, Heading, Item, Label, Mark, Section, Series, Table};
-use crate::{Findings, ReportError, Result};
+use crate::{
+    Chart, Clock, Colour, Findings, Heading, Item, Label, Mark, ReportError, Result, Section,
+    Series, Table, count, significant,
+};
 use torquewise_model::{Model, Torque};
 use torquewise_motion::{Motion, Pattern};
 

@@ -1,6 +1,6 @@
 //! Title, list of logs and foot of a report.
 
-use crate::html::{Heading, Item, Table};
+use crate::{Heading, Item, Table};
 
 /// Where a fit comes from, as its report names it.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,8 +1,7 @@
 //! Physical checks in words.
 
 use super::verdict::sentence;
-use crate::html::number::{count, significant};
-use crate::html::{Heading, Item, Section, Table, Tone};
+use crate::{Heading, Item, Section, Table, Tone, count, significant};
 use torquewise_model::Checks;
 
 pub(crate) fn section(checks: &Checks) -> Section {

@@ -1,11 +1,9 @@
 //! Charts of residuals: against time, velocity, position; spread and autocorrelation.
 
-use crate::Findings;
-use crate::fit_report::clock::{self, Clock};
+use crate::fit_report::clock;
 use crate::fit_report::torques::LINK;
-use crate::html::number::significant;
 use crate::html::thin::rows_of_cloud;
-use crate::html::{Chart, Colour, Guide, Item, Mark, Section, Series};
+use crate::{Chart, Clock, Colour, Findings, Guide, Item, Mark, Section, Series, significant};
 use faer::MatRef;
 use std::f64::consts::PI;
 use torquewise_model::units::unit;

@@ -1,9 +1,7 @@
 //! Charts of torque: measured and predicted, joint by joint.
 
-use crate::Findings;
-use crate::fit_report::clock::{self, Clock};
-use crate::html::number::significant;
-use crate::html::{Chart, Colour, Item, Mark, Section, Series};
+use crate::fit_report::clock;
+use crate::{Chart, Clock, Colour, Findings, Item, Mark, Section, Series, significant};
 use faer::Mat;
 use torquewise_identify::Diagnosis;
 use torquewise_model::{Torque, units};

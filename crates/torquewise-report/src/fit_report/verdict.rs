@@ -1,8 +1,6 @@
 //! Verdict, errors, and what to do next.
 
-use crate::Findings;
-use crate::html::number::{count, significant};
-use crate::html::{Heading, Item, Label, Section, Table, Tone};
+use crate::{Findings, Heading, Item, Label, Section, Table, Tone, count, significant};
 use torquewise_identify::Warning;
 use torquewise_identify::verdict::{Grade, Verdict};
 use torquewise_model::Form;

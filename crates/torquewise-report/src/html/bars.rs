@@ -2,7 +2,7 @@
 
 use crate::html::colour::Colour;
 use crate::html::markup::Label;
-use crate::html::number::significant;
+use crate::significant;
 use minijinja::{Value, context};
 
 /// Bars with names too long for an axis: terms.

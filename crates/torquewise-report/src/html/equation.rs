@@ -1,7 +1,8 @@
 //! Terms in LaTeX as MathML, with the digits that are significant.
 
-use crate::html::markup::{Label, safe};
-use crate::html::number::{aligned, count};
+use crate::html::markup::Label;
+use crate::html::number::aligned;
+use crate::{count, safe};
 use minijinja::{Value, context};
 use pulldown_latex::{Parser, RenderConfig, Storage, push_mathml};
 use torquewise_model::print::{weighted_energies, with_error};

@@ -1,14 +1,13 @@
 //! One part of a section as HTML.
 
-use crate::Result;
 use crate::html::bars::Bars;
 use crate::html::chart::Chart;
 use crate::html::colour::Colour;
 use crate::html::equation::Equation;
-use crate::html::markup::{safe, script_json};
 use crate::html::skeleton::Skeleton;
 use crate::html::spec::spec_json;
 use crate::html::table::Table;
+use crate::{Result, safe, script_json};
 use minijinja::value::Serde;
 use minijinja::{Environment, Value, context};
 use serde::Serialize;

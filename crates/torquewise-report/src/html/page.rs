@@ -1,8 +1,7 @@
 //! The page: title, contents, sections, style and script in one file.
 
-use crate::Result;
 use crate::html::item::{Item, Writer};
-use crate::html::markup::safe;
+use crate::{Result, safe};
 use minijinja::{Environment, UndefinedBehavior, context};
 
 /// A page: sections under a title.

@@ -1,10 +1,9 @@
 //! A chart as JSON for the script of a page: thinned columns of short numbers.
 
-use crate::Result;
 use crate::html::chart::{Axis, Chart, Guide, Series, Stretches};
-use crate::html::markup::script_json;
 use crate::html::number::rounded;
 use crate::html::thin::{rows_of, sorted};
+use crate::{Result, script_json};
 use serde_json::{Value, json};
 
 pub(crate) fn spec_json(chart: &Chart) -> Result<String> {

@@ -1,7 +1,6 @@
 //! What a figure of charts shows.
 
-use crate::chart_figure;
-use crate::html::{Axis, Chart, Colour, Guide, Mark, Series, Stretches};
+use crate::{Axis, Chart, Colour, Guide, Mark, Series, Stretches, chart_figure};
 
 const MARKS: [Mark; 7] = [
     Mark::Line,

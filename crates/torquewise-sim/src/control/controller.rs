@@ -1,12 +1,9 @@
 //! Controllers: PID, 1 and 2 of the paper, and two beyond it; the closed loop at a fixed rate.
 
 use crate::control::gains::{Gains, mean_inertia};
-use crate::control::knowledge::{Knowledge, sum};
 use crate::control::moving::{Moving, Slopes};
-use crate::control::plant::Plant;
 use crate::control::reference::period;
-use crate::error::check_joints;
-use crate::{Result, SimError, State};
+use crate::{Knowledge, Plant, Result, SimError, State, check_joints, sum};
 use faer::Mat;
 use rayon::prelude::*;
 use torquewise_motion::{Motion, Path};

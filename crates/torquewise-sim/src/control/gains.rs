@@ -1,8 +1,6 @@
 //! Gains by one rule, so that controllers are compared and not their tuning.
 
-use crate::control::knowledge::Knowledge;
-use crate::error::check_joints;
-use crate::{Result, State, check_between};
+use crate::{Knowledge, Result, State, check_between, check_joints};
 use torquewise_motion::Motion;
 
 /// Gains of a PID controller for each joint.

@@ -1,7 +1,6 @@
 //! What a controller may ask about the arm before it.
 
-use crate::control::plant::Plant;
-use crate::{Arm, Result};
+use crate::{Arm, Plant, Result};
 use faer::Mat;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::Path;

@@ -1,9 +1,7 @@
 //! The arm between two ticks of its controller.
 
 use crate::control::integrate::Integrator;
-use crate::control::plant::Plant;
-use crate::random::normal;
-use crate::{Result, SimError};
+use crate::{Plant, Result, SimError, normal};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::collections::VecDeque;

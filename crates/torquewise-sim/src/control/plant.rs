@@ -1,9 +1,8 @@
 //! What a controller has before it: arm, friction, drives and encoders.
 
 use crate::control::integrate::Integrator;
-use crate::control::knowledge::sum;
-use crate::error::{check_above_zero, check_joints};
-use crate::{Arm, Friction, Result, check_between};
+use crate::error::check_above_zero;
+use crate::{Arm, Friction, Result, check_between, check_joints, sum};
 
 /// An arm as it is met: τ + τ_external = M(q) q̈ + C(q, q̇) q̇ + G(q) + F(q̇), method.md (1) (17).
 ///

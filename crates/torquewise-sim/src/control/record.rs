@@ -1,12 +1,9 @@
 //! A log as an arm in velocity mode gives it.
 
 use crate::control::gains::mean_inertia;
-use crate::control::knowledge::sum;
 use crate::control::moving::{Moving, Slopes};
-use crate::control::plant::Plant;
 use crate::control::reference::period;
-use crate::error::check_joints;
-use crate::{Result, State, check_between};
+use crate::{Plant, Result, State, check_between, check_joints, sum};
 use torquewise_motion::{Motion, Raw};
 
 /// Moves the plant by velocity controllers in its drives and records positions by the encoders and

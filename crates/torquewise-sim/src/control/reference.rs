@@ -1,8 +1,7 @@
 //! Desired motions: smooth, periodic, at rest between their periods.
 
-use crate::random::{between, direction};
 use crate::state::motion;
-use crate::{Arm, Result, SimError, State, check_between};
+use crate::{Arm, Result, SimError, State, between, check_between, direction};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;

@@ -1,14 +1,11 @@
 //! The parts of a recording: those that tell most about the coefficients.
 
-use crate::Result;
 use crate::excite::information::Information;
 use crate::excite::library::{Library, Stage};
-use crate::excite::limits::Bounds;
-use crate::excite::part::{Part, Sweep};
 use crate::excite::recording::REST;
 use crate::excite::segment::glide_seconds;
 use crate::excite::torques::{Torques, route};
-use crate::random::between;
+use crate::{Bounds, Part, Result, Sweep, between};
 use faer::Mat;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;

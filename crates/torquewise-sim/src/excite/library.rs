@@ -1,9 +1,6 @@
 //! Energies and friction as columns, each of size one over the limits.
 
-use crate::excite::limits::Bounds;
-use crate::excite::part::{Part, States};
-use crate::random::between;
-use crate::{Result, State, check_between};
+use crate::{Bounds, Part, Result, State, States, between, check_between};
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -1,10 +1,8 @@
 //! Parts of a recording: what informs, each at rest in one pose at both ends.
 
-use crate::State;
-use crate::excite::limits::Bounds;
 use crate::excite::segment::{Segment, ramp_seconds};
 use crate::excite::sines::Sines;
-use crate::random::{between, direction, log_between, normal};
+use crate::{Bounds, State, between, direction, log_between, normal};
 use rand_chacha::ChaCha8Rng;
 
 /// A part of a recording that begins and ends at rest in the same pose: a pose, held; a way at constant

@@ -1,14 +1,13 @@
 //! Three recordings that a model can be reconstructed from, on one page.
 
-use crate::error::check_joints;
 use crate::excite::design::Task;
 use crate::excite::information::DesignCriterion;
 use crate::excite::library::{Library, Stage};
-use crate::excite::limits::{Bounds, Limits};
+use crate::excite::limits::Limits;
 use crate::excite::recording::Planned;
 use crate::excite::segment::Segment;
 use crate::excite::torques::Torques;
-use crate::{Result, SimError, check_between};
+use crate::{Bounds, Result, SimError, check_between, check_joints};
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -1,10 +1,8 @@
 //! A planned recording: parts with glides between them, its rows at a rate, and their peaks.
 
-use crate::excite::limits::Bounds;
-use crate::excite::part::{Part, States};
 use crate::excite::segment::{Segment, glide};
 use crate::state::motion;
-use crate::{Result, SimError, State};
+use crate::{Bounds, Part, Result, SimError, State, States};
 use torquewise_motion::stats::whole;
 use torquewise_motion::{BLOCK_ROWS, Motion, ReadResult, Recording, Visit};
 

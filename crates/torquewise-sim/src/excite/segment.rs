@@ -1,8 +1,7 @@
 //! Segments of a motion: held, moved or swept, with exact velocity and acceleration.
 
-use crate::State;
-use crate::excite::limits::Bounds;
 use crate::excite::sines::Sines;
+use crate::{Bounds, State};
 
 /// Roundings must not lift a peak above its limit.
 const SLACK: f64 = 1.0 + 1e-9;

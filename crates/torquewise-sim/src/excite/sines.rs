@@ -1,8 +1,6 @@
 //! A period of a Fourier series per joint, at rest at both ends.
 
-use crate::State;
-use crate::excite::limits::Bounds;
-use crate::random::{between, log_between, normal};
+use crate::{Bounds, State, between, log_between, normal};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{PI, TAU};
 

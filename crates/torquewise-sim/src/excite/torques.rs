@@ -1,10 +1,9 @@
 //! Torques of the drives that a plan keeps to, and how slow it is to be for them.
 
-use crate::excite::limits::{Bounds, JointValues, check_rate};
-use crate::excite::part::{Part, Sweep};
+use crate::excite::limits::{JointValues, check_rate};
 use crate::excite::recording::Planned;
 use crate::excite::segment::{Segment, glide};
-use crate::{Arm, Result, SimError, State};
+use crate::{Arm, Bounds, Part, Result, SimError, State, Sweep};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 

@@ -2,8 +2,7 @@
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::{Joint, STANDARD_GRAVITY};
-use crate::spatial::{Pose, shifted_turned};
-use crate::{Arm, Body, JointLimits};
+use crate::{Arm, Body, JointLimits, Pose, shifted_turned};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -2,8 +2,7 @@
 //! instants.
 
 use super::{ACCELERATION, PEAK_SPEED};
-use crate::State;
-use crate::random::{between, direction};
+use crate::{State, between, direction};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 

@@ -1,7 +1,6 @@
 //! A sum of sines per joint, with exact derivatives.
 
-use crate::State;
-use crate::random::between;
+use crate::{State, between};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{PI, TAU};
 

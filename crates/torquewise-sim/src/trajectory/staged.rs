@@ -1,8 +1,7 @@
 //! Three recordings: poses held, then constant speeds, then constant accelerations.
 
 use super::{ACCELERATION, PEAK_SPEED};
-use crate::State;
-use crate::random::{between, direction};
+use crate::{State, between, direction};
 use rand_chacha::ChaCha8Rng;
 use torquewise_motion::stats::whole;
 

@@ -2,10 +2,9 @@
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::{STANDARD_GRAVITY, check_finite};
-use crate::spatial::{Pose, placement, pose};
 use crate::urdf::robot::{Joint, Robot};
 use crate::urdf::tree::{Hinge, Tree, WeldedLink};
-use crate::{Body, Result, SimError};
+use crate::{Body, Pose, Result, SimError, placement, pose};
 use torquewise_rigid::inertia::is_feasible;
 use torquewise_rigid::{Geometry, JointKind, PER_BODY, Placement};
 

@@ -1,7 +1,6 @@
 //! The links and joints of a URDF, as far as the motion of an arm depends on them.
 
-use crate::spatial::{Pose, shifted_turned};
-use crate::{Body, Result, SimError};
+use crate::{Body, Pose, Result, SimError, shifted_turned};
 use roxmltree::{Document, Node};
 use torquewise_rigid::JointKind;
 

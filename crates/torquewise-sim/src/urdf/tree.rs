@@ -2,9 +2,9 @@
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::{check_body, check_finite, direction};
-use crate::spatial::{Pose, with_z_along};
+use crate::spatial::with_z_along;
 use crate::urdf::robot::{Joint, Link, Robot};
-use crate::{Body, Result, SimError};
+use crate::{Body, Pose, Result, SimError};
 use std::collections::{HashMap, HashSet};
 
 /// A URDF that is one tree: names resolved, one root, no loop.

@@ -139,9 +139,20 @@ def merge(*parts: Part) -> Part:
     for own in parts:
         if own.sums is not None:
             one = Summary.from_bytes(own.sums)
-            sums = one if sums is None else sums.merge(one)
+            try:
+                sums = one if sums is None else sums.merge(one)
+            except ValueError as error:
+                raise _core.FitError(f"{_copies(parts)}: {error}") from error
     files = sorted((file for own in parts for file in own.files), key=lambda file: file.path)
     return Part(None if sums is None else sums.to_bytes(), tuple(files))
+
+
+def _copies(parts: Sequence[Part]) -> str:
+    """Files of the same content, two for each that is there twice."""
+    first: dict[str | None, str] = {}
+    files = [file for own in parts for file in own.good]
+    pairs = [(first.setdefault(file.checksum, file.path), file.path) for file in files]
+    return ", ".join(f"{path} is a copy of {one}" for one, path in pairs if one != path)
 
 
 def solve(part: Part, plan: Plan) -> tuple[str | None, bytes | None, dict[str, Any]]:

@@ -3,7 +3,7 @@
 use super::*;
 use crate::html::equation::Equation;
 use crate::html::skeleton::Skeleton;
-use crate::html::{Axis, Bars, Chart, Colour, Heading, Series, Table, Tone};
+use crate::{Axis, Bars, Chart, Colour, Heading, Series, Table, Tone};
 
 const HOSTILE: &str = "</script><img src=x onerror=\"alert(1)\">'";
 
