@@ -10,8 +10,7 @@ use serde::Serialize;
 use spread::{Follower, Spread};
 use torquewise_model::momentum_observer::MomentumObserver;
 use torquewise_model::{Model, Torque};
-use torquewise_motion::stats::quantile;
-use torquewise_motion::{Motion, ReadError, Recording};
+use torquewise_motion::{Motion, ReadError, Recording, quantile};
 use torquewise_stepwise::IdentifyError;
 
 /// External torque of a joint beyond which it is taken for a contact: a multiple of the spread that

@@ -8,8 +8,7 @@ use torquewise_model::print::weighted_friction;
 use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::{FrictionTerm, Model, Term, Torque, Weighted};
 use torquewise_motion::motion::Memory;
-use torquewise_motion::stats::whole;
-use torquewise_motion::{Motion, Path, Pattern, Recording};
+use torquewise_motion::{Motion, Path, Pattern, Recording, whole};
 use torquewise_stepwise::{IdentifyError, Patterns};
 
 /// An even sample of a log, measured and predicted.

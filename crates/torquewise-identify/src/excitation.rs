@@ -8,8 +8,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use std::ops::Range;
 use torquewise_model::{Model, Torque, Training};
-use torquewise_motion::stats::quantile;
-use torquewise_motion::{LARGEST, Motion};
+use torquewise_motion::{LARGEST, Motion, quantile};
 use torquewise_stepwise::{IdentifyError, Survey, thinned};
 
 /// Below these a joint is hardly excited: rad, rad/s, rad/s².

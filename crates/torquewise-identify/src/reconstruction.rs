@@ -7,7 +7,7 @@ use crate::residual_shape::shapes;
 use crate::rough::doubtful;
 use crate::torque_kind::has_gravity;
 use crate::torque_sign::{SignTest, at_a_glance, left_by_axes, swapped};
-use crate::verdict::{grave, unheld_part};
+use crate::verdict::{grave, unheld};
 use crate::{Linearisation, Warning, geometric_mean, score, weightless};
 use torquewise_model::{Model, RigidChain, Torque, Training};
 use torquewise_stepwise::fit::{Dropped, LibraryFit};
@@ -86,12 +86,11 @@ impl Reconstruction {
     ) -> Result<(), IdentifyError> {
         self.note_rest_and_commands()?;
         let training = &self.model.training;
-        let part = |joint: &String| unheld_part(&self.warnings, joint);
-        let unheld: Vec<f64> = self.survey.joints.iter().map(part).collect();
+        let left = training.residual_rms.iter().zip(&training.torque_std).zip(&self.survey.joints);
+        let left = left.map(|((rms, std), joint)| unheld(&self.warnings, joint, rms / std));
+        let left: Vec<f64> = left.collect();
         let beyond = |part: f64| -> Vec<usize> {
-            let left = training.residual_rms.iter().zip(&training.torque_std).enumerate();
-            let left = left.map(|(joint, (rms, std))| (joint, unheld[joint] * rms, std));
-            left.filter(|(_, rms, std)| *rms > part * **std).map(|(joint, ..)| joint).collect()
+            (0..left.len()).filter(|&joint| left[joint] > part).collect()
         };
         let missed = beyond(MUCH);
         let clipped: Vec<(usize, f64)> = (beyond(LITTLE).into_iter())
@@ -147,7 +146,8 @@ impl Reconstruction {
     fn note_rest_and_commands(&mut self) -> Result<(), IdentifyError> {
         let joints = score(&self.model, &self.survey.sample)?.joints.into_iter();
         let held = joints.filter(|joint| joint.rmse > LITTLE * joint.std);
-        let held = held.filter_map(|joint| Some((joint.name.clone(), joint.unheld_part()?)));
+        let held =
+            held.filter_map(|joint| Some((joint.name.clone(), joint.held_rms()? / joint.std)));
         let held: Vec<(String, f64)> = held.collect();
         self.warnings.extend((!held.is_empty()).then_some(Warning::Held { joints: held }));
         let is_commanded = |own: &Warning| matches!(own, Warning::Commanded { .. });

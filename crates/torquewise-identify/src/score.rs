@@ -25,9 +25,10 @@ pub struct JointScore {
 pub const MOSTLY: f64 = 0.7;
 
 impl JointScore {
-    /// The part of the RMSE that dry friction at rest cannot make up for, where it makes up for most.
-    pub fn unheld_part(&self) -> Option<f64> {
-        (self.unheld_rmse < MOSTLY * self.rmse).then(|| self.unheld_rmse / self.rmse)
+    /// RMS of what dry friction at rest may make up for \[N·m\], where that is most of the error.
+    pub fn held_rms(&self) -> Option<f64> {
+        let held = || (self.rmse.powi(2) - self.unheld_rmse.powi(2)).sqrt();
+        (self.unheld_rmse < MOSTLY * self.rmse).then(held)
     }
 }
 

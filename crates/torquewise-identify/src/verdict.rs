@@ -108,10 +108,9 @@ fn graded(mut because: Vec<String>, doubts: Vec<String>, judged: &[Judged<'_>]) 
 fn errors(found: &Reconstruction) -> [Judged<'_>; 2] {
     let (training, still) = (&found.model.training, found.survey.constant_joints());
     let all_rest = found.survey.stands_still();
-    let unheld = |error: f64, joint: &str| error * unheld_part(&found.warnings, joint);
     let named = |errors: Vec<f64>| {
         let errors = errors.into_iter().zip(&found.model.joints);
-        let errors = errors.map(|(error, joint)| unheld(error, joint));
+        let errors = errors.map(|(error, joint)| unheld(&found.warnings, joint, error));
         let named = found.model.joints.iter().zip(errors).zip(&training.torque_std).enumerate();
         let counts = |joint, std: f64| std > 0.0 && (all_rest || !still.contains(&joint));
         let named = named.filter(|(joint, (_, std))| counts(*joint, **std));
@@ -126,13 +125,13 @@ fn errors(found: &Reconstruction) -> [Judged<'_>; 2] {
     [("held-out", held_out), ("fitted", fitted)]
 }
 
-/// The part of what a model misses of a joint that friction at rest does not explain.
-pub(crate) fn unheld_part(warnings: &[Warning], joint: &str) -> f64 {
+/// What is left of an error, over the spread of the torque, without what friction may hold at rest.
+pub(crate) fn unheld(warnings: &[Warning], joint: &str, error: f64) -> f64 {
     let held = warnings.iter().find_map(|own| match own {
         Warning::Held { joints } => joints.iter().find(|(name, _)| name == joint),
         _ => None,
     });
-    held.map_or(1.0, |(_, part)| *part)
+    held.map_or(error, |(_, held)| (error * error - held * held).max(0.0).sqrt())
 }
 
 /// What makes a model useless whatever the error on its own log.

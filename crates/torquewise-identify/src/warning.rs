@@ -59,8 +59,8 @@ pub enum Warning {
     Velocity { joints: Vec<String> },
     /// A torque that does not follow the motion at all: the share that no rough model explains.
     Unrelated { joint: String, residual: f64 },
-    /// Joints that dry friction may hold at rest with any torque up to breakaway: names, and the part of
-    /// what a model misses of each that this does not explain, where it explains most.
+    /// Joints that dry friction may hold at rest with any torque up to breakaway: names, and the RMS
+    /// of what this explains of the error over the spread of the torque, where it explains most.
     Held { joints: Vec<(String, f64)> },
     /// Logs that were fitted together differ in what gravity does.
     Disagreement(Disagreement),

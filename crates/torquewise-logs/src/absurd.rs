@@ -1,7 +1,6 @@
 //! Rows with a value that no motion leads to: a flipped bit, a sensor that dropped out.
 
-use torquewise_motion::stats::median;
-use torquewise_motion::{LARGEST, Signal};
+use torquewise_motion::{LARGEST, Signal, median};
 
 /// Rows in a row that may be absurd; more are taken for what happened.
 pub(crate) const LONGEST: usize = 3;

@@ -2,8 +2,7 @@
 
 use faer::MatRef;
 use std::ops::{Index, RangeInclusive};
-use torquewise_motion::Motion;
-use torquewise_motion::stats::quantile;
+use torquewise_motion::{Motion, quantile};
 
 /// Rows that are looked at in a file.
 const ROWS: usize = 20_000;

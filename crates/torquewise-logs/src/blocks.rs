@@ -13,20 +13,25 @@ use torquewise_motion::{
 /// A position that goes on by less \[rad\] before, as and after it jumps by a whole turn was wrapped.
 const MOST_STEP: f64 = 1.0;
 
-/// Rows in a row that repeat a position: beyond, an arm stands still.
-const MOST_HELD: usize = 10_000;
-/// Where a joint came meanwhile as far as its speeds in the last steps lead to, but for these factors, its
-/// device did not answer: at least as far as in this time \[s\], and this \[rad, m\].
-const LAST_STEPS: usize = 5;
-const GOES_ON: [f64; 2] = [0.3, 3.0];
-const LONG: f64 = 0.2;
+/// Rows in a row that repeat a position, beyond which an arm stands still.
+const MOST_REPEATS: usize = 10_000;
+/// A device did not answer where a joint then steps farther than so many of the next steps, by this
+/// \[rad, m\] at least, and came as far as its speed in the last steps leads to, but for these factors, in
+/// at most so long \[s\] for the lower; it moved in most of these.
+const STANDS_OUT: f64 = 2.0;
 const LEAST_STEP: f64 = 1e-3;
+const LAST_STEPS: usize = 5;
+const SPEED_FACTORS: [f64; 2] = [0.3, 3.0];
+const LONGEST: f64 = 0.2;
 
 /// A position jumps where it steps by this \[rad, m\], and farther and faster than in any of so many rows
-/// before and after, by this factor.
+/// before and after, by this factor, of which this many move at all.
 const LEAST_JUMP: f64 = 0.02;
 const JUMPS: f64 = 5.0;
 const AROUND: usize = 32;
+const LEAST_MOVING: usize = 16;
+/// Rows farther apart than this \[s\] tell neither.
+const SLOW: f64 = 0.1;
 
 /// The blocks of one log file.
 ///
@@ -49,8 +54,10 @@ pub(crate) struct Blocks {
     /// The first value that was absurd: row of the file, name and value.
     pub(crate) first_absurd: Option<(u64, String, f64)>,
     columns: Vec<Vec<f64>>,
-    /// Rows that repeat the last one of `columns`, until what follows tells whether the arm stood still.
-    held: Vec<(Vec<f64>, Origin)>,
+    /// Rows that repeat the last one of `columns`, and the first that does not, until the next tells whether
+    /// the arm stood still.
+    repeats: Vec<(Vec<f64>, Origin)>,
+    after: Option<(Vec<f64>, Origin)>,
     /// Turns that were added to the position of each joint \[rad\], and rows since its file or part began.
     turns: Vec<f64>,
     run: usize,
@@ -77,7 +84,8 @@ impl Blocks {
             first_absurd: None,
             reach: if is_completed && !complete { HALF_WINDOW } else { 0 },
             columns,
-            held: Vec::new(),
+            repeats: Vec::new(),
+            after: None,
             turns: vec![0.0; joints.len()],
             run: 0,
             done: 0,
@@ -143,7 +151,7 @@ impl Blocks {
             let step = self.columns[0][row] - self.columns[0][row - 1];
             let another = self.origins[row].part != self.origins[row - 1].part;
             let gap = !another && usual.is_gap(step);
-            let matters = !another && !gap && (self.reach > 0 || !self.screens);
+            let matters = !another && !gap && usual.0 < SLOW && (self.reach > 0 || !self.screens);
             let jump = matters.then(|| self.jump(row)).flatten();
             if let Some((joint, by)) = jump {
                 let first = (self.origins[row].number, self.joints[joint].clone(), by);
@@ -163,14 +171,19 @@ impl Blocks {
         let (t, first) = (&self.columns[0], self.rows.mapping.slot(Signal::Q)?);
         let (begin, end) = (row.saturating_sub(AROUND).max(1), (row + AROUND).min(t.len()));
         let joints = self.columns[first..first + self.joints.len()].iter().enumerate();
+        if row < LAST_STEPS || row + LAST_STEPS > t.len() {
+            return None;
+        }
         joints.map(|(joint, q)| (joint, q, q[row] - q[row - 1])).find_map(|(joint, q, by)| {
             let size = |row: usize| (q[row] - q[row - 1]).abs();
             let speed = |row: usize| size(row) / (t[row] - t[row - 1]);
             let is_less =
                 |other: usize| JUMPS * size(other) < by.abs() && JUMPS * speed(other) < speed(row);
+            let is_turn = (by.abs() - TAU).abs() < MOST_STEP;
             let is_jump = by.abs() > LEAST_JUMP
-                && row + 1 < t.len()
-                && (begin..end).all(|other| other == row || is_less(other));
+                && !is_turn
+                && (begin..end).all(|other| other == row || is_less(other))
+                && (begin..end).filter(|other| size(*other) > 0.0).count() > LEAST_MOVING;
             is_jump.then_some((joint, by))
         })
     }
@@ -206,44 +219,34 @@ impl Blocks {
         self.screened = end - gone.len();
     }
 
-    /// Leaves out rows of zeros alone, far from the one before, and rows that repeat that where the next
-    /// shows that the arm moved on.
+    /// Leaves out rows that repeat the position of the one before where those after show that the arm moved
+    /// on.
     fn take(&mut self, row: &[f64], origin: Origin) -> Result<()> {
-        let last = self.held.last().map(|(row, _)| &row[0]).or(self.columns[0].last());
+        let last = self.after.as_ref().or(self.repeats.last()).map(|(row, _)| &row[0]);
+        let last = last.or(self.columns[0].last());
         if let Some(&before) = last.filter(|before| **before >= row[0]) {
             return Err(LogError::TimeOrder { place: self.rows.place(), t: row[0], before });
         }
-        if row[1..].iter().all(|x| *x == 0.0) && self.is_away() {
-            self.rows.report.repairs.absurd += 1;
-            self.first_absurd.get_or_insert((origin.number, "every value".to_owned(), 0.0));
-            return Ok(());
+        if let Some(after) = &self.after {
+            if self.was_frozen(after, (row, origin)) {
+                let (report, first) = (&mut self.rows.report, &self.repeats[0].1);
+                report.repairs.held_rows += self.repeats.len() as u64;
+                report.first_held.get_or_insert(first.number);
+                self.repeats.clear();
+            }
+            self.release();
         }
         let is_repeat = self.origins.last().is_some_and(|last| last.part == origin.part)
             && self.steps_to(row).all(|step| step == 0.0);
-        if is_repeat && self.held.len() < MOST_HELD {
-            self.held.push((row.to_vec(), origin));
-            return Ok(());
+        if is_repeat && self.repeats.len() == MOST_REPEATS {
+            self.release();
         }
-        if self.moved_on(row) {
-            let report = &mut self.rows.report;
-            report.repairs.held_rows += self.held.len() as u64;
-            report.first_held = report.first_held.or(self.held.first().map(|(_, own)| own.number));
-            self.held.clear();
+        match (is_repeat, self.repeats.is_empty()) {
+            (true, _) => self.repeats.push((row.to_vec(), origin)),
+            (false, true) => self.push(row, origin),
+            (false, false) => self.after = Some((row.to_vec(), origin)),
         }
-        self.release();
-        self.push(row, origin);
         Ok(())
-    }
-
-    /// Whether a joint was away from zero in all of the last four rows, farther than it steps: zeros are no
-    /// positions then, but packets that were lost.
-    fn is_away(&self) -> bool {
-        let first = self.rows.mapping.slot(Signal::Q).unwrap_or(self.columns.len());
-        self.columns[first..].iter().take(self.joints.len()).any(|q| {
-            let [.., a, b, c, d] = q[..] else { return false };
-            let least = LEAST_JUMP.max(JUMPS * (d - c).abs());
-            [a, b, c, d].iter().all(|q| q.abs() > least)
-        })
     }
 
     /// How far each joint is in a row from where it last was.
@@ -255,28 +258,41 @@ impl Blocks {
             .filter_map(|(slot, turns)| Some(row[slot] + turns - self.columns[slot].last()?))
     }
 
-    /// Whether a joint is in a row where its last speeds lead to, though it stood still in the held rows.
-    fn moved_on(&self, row: &[f64]) -> bool {
+    /// Whether a joint is, after rows that repeat a position, where its last speeds lead to, and stands out
+    /// there from the row that follows: it did not stand still.
+    fn was_frozen(&self, after: &(Vec<f64>, Origin), (next, origin): (&[f64], Origin)) -> bool {
         let (t, slot) = (&self.columns[0], self.rows.mapping.slot(Signal::Q));
         let (Some(slot), Some(first)) = (slot, t.len().checked_sub(LAST_STEPS + 1)) else {
             return false;
         };
-        let seconds = row[0] - t[t.len() - 1];
-        if self.held.is_empty() || !UsualStep::new(&t[first..]).is_gap(seconds) {
+        let parts = self.origins[first..].iter().chain([&after.1, &origin]);
+        let repeats = self.repeats.iter().map(|(row, _)| row[0]);
+        let times: Vec<f64> =
+            t[first..].iter().copied().chain(repeats).chain([after.0[0], next[0]]).collect();
+        let mut usual = UsualStep::new(&times[..=LAST_STEPS]);
+        let seconds = after.0[0] - t[t.len() - 1];
+        let is_whole = parts.map(|own| own.part).all(|part| part == origin.part)
+            && times.windows(2).all(|pair| !usual.is_gap(pair[1] - pair[0]));
+        if !is_whole || usual.0 > SLOW || !usual.is_gap(seconds) {
             return false;
         }
-        self.steps_to(row).zip(&self.columns[slot..]).any(|(step, q)| {
+        let [.., before, own, end] = times[..] else { return false };
+        self.steps_to(&after.0).zip(slot..).any(|(step, slot)| {
+            let q = &self.columns[slot];
             let speed = |row: usize| ((q[row + 1] - q[row]) / (t[row + 1] - t[row])).abs();
-            let fastest = (first..t.len() - 1).map(speed).fold(0.0, f64::max);
-            let least = LEAST_STEP.max(GOES_ON[0] * fastest * seconds.min(LONG));
-            (least..GOES_ON[1] * fastest * seconds).contains(&step.abs())
+            let speeds = || (first..t.len() - 1).map(speed).filter(|speed| *speed > 0.0);
+            let fastest = speeds().fold(0.0, f64::max);
+            let [least, most] = SPEED_FACTORS.map(|factor| factor * fastest);
+            let goes_on = (next[slot] - after.0[slot]).abs() / (end - own);
+            (LEAST_STEP.max(least * seconds.min(LONGEST))..most * seconds).contains(&step.abs())
+                && step.abs() / (own - before) > STANDS_OUT * goes_on
+                && 2 * speeds().count() > LAST_STEPS
         })
     }
 
     fn release(&mut self) {
-        for (row, origin) in std::mem::take(&mut self.held) {
-            self.push(&row, origin);
-        }
+        let rows = std::mem::take(&mut self.repeats).into_iter().chain(self.after.take());
+        rows.for_each(|(row, origin)| self.push(&row, origin));
     }
 
     fn push(&mut self, row: &[f64], origin: Origin) {

@@ -1,8 +1,7 @@
 //! Rows at the times they were sampled: held rows left out, late stamps corrected.
 
 use torquewise_motion::signals::lagrange;
-use torquewise_motion::stats::median;
-use torquewise_motion::{Raw, Repairs, Signal};
+use torquewise_motion::{Raw, Repairs, Signal, median};
 
 /// Repeats of position and torque that a logger faster than its device may make; a longer run is an
 /// arm at rest.

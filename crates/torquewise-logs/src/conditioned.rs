@@ -69,6 +69,7 @@ impl ConditionedLogs {
                 }
             }
         }
+        pieces.all.iter().for_each(|piece| report.see_stuck(piece));
         let settings = Conditioning { cutoff: Cutoff::Hz(report.cutoff), ..*settings };
         Ok(Self::of(logs, pieces.clock, settings, report))
     }
@@ -198,7 +199,8 @@ impl RawRecording for RawLogs {
             CutoffFrom::Setting => CutoffFrom::Setting,
             CutoffFrom::Motion | CutoffFrom::HeldOut => CutoffFrom::HeldOut,
         };
-        let mut report = ConditionReport { cutoff_from, ..found };
+        let stuck = report.stuck.clone();
+        let mut report = ConditionReport { cutoff_from, stuck, ..found };
         let seen = &self.conditioned.report;
         for joint in &seen.seen_elsewhere {
             report.see_joint(*joint, seen);

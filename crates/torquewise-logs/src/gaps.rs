@@ -1,6 +1,6 @@
 //! Gaps in time, where one trajectory ends and the next begins.
 
-use torquewise_motion::stats::median;
+use torquewise_motion::median;
 
 /// Steps that the first estimate of the usual step is the median of.
 pub(crate) const FIRST_STEPS: usize = 32;

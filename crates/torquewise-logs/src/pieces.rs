@@ -2,8 +2,7 @@
 
 use crate::clock::{ClockLane, ClockRepair};
 use crate::{LogError, Logs, Result};
-use torquewise_motion::stats::quantile;
-use torquewise_motion::{Raw, Signal};
+use torquewise_motion::{Raw, Signal, quantile};
 
 /// Rows that a trajectory is planned by, and of a piece.
 pub(crate) const FIRST_ROWS: usize = 1 << 15;

@@ -3,8 +3,7 @@
 use crate::print::{DASH, with_error};
 use crate::selection::Selection;
 use crate::shaft_friction::Estimated;
-use crate::weighted::LEAST_T;
-use crate::{Drive, GeometryFound, Model, ModelError, RigidChain, Training};
+use crate::{Drive, GeometryFound, LEAST_T, Model, ModelError, RigidChain, Training};
 use faer::Mat;
 use serde::Serialize;
 use torquewise_rigid::base_parameters::base_parameters;

@@ -40,3 +40,4 @@ pub use number::number;
 pub use rigid_chain::{Drive, JointKind, JointKinds, LinkFrame, RigidChain, RobotNames};
 pub use term::{Factor, Kind, Sum, Term, Trig};
 pub use torque::{Parts, Torque};
+pub(crate) use weighted::LEAST_T;

@@ -1,6 +1,6 @@
 //! A rigid chain as parameters: geometry, inertial parameters, drives, and their covariance.
 
-use crate::weighted::Weighted;
+use crate::Weighted;
 use crate::{EnergyTerm, FrictionTerm, ModelError, Place, Term};
 use faer::{Mat, RowRef, Side};
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,8 @@
 //! Which terms of an equation are printed, and in which form.
 
 use crate::harmonic::summed_angles;
-use crate::weighted::{LEAST_T, Weighted};
 use crate::{Kind, Place, Term};
+use crate::{LEAST_T, Weighted};
 use std::collections::BTreeMap;
 use std::ops::Range;
 

@@ -1,7 +1,6 @@
 //! Friction in engineering values: Coulomb, static, Stribeck speed, viscous, stiffness.
 
-use crate::weighted::LEAST_T;
-use crate::{FrictionLaw, FrictionTerm, Model};
+use crate::{FrictionLaw, FrictionTerm, LEAST_T, Model};
 use serde::Serialize;
 
 /// A number with its standard error, both in one unit; the error is 0 where it is not known.

@@ -1,10 +1,10 @@
 //! Levenberg–Marquardt on the geometry, with the inertial parameters projected out (E8).
 
-use crate::inertial_fit::{InertialFit, scale_rows};
+use crate::inertial_fit::scale_rows;
 use crate::recursion::{Lanes, MOST_JOINTS, each_four};
 use crate::rows::put;
 use crate::search::{SearchStage, SearchWatch, tell};
-use crate::{ChainError, ChainRows, Geometry, Moved, PER_BODY, Result, UsualArm};
+use crate::{ChainError, ChainRows, Geometry, InertialFit, Moved, PER_BODY, Result, UsualArm};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use simba::simd::SimdValue;

@@ -24,6 +24,7 @@ pub use coupling::Coupling;
 pub(crate) use error::expect;
 pub use error::{ChainError, Result};
 pub use geometry::{Geometry, PER_BASE, Placement};
+pub(crate) use inertial_fit::InertialFit;
 pub use joint::{Functions, JointKind, JointKinds};
 pub use recursion::{Kinematics, MotionState, Moved, PER_BODY};
 pub use rows::ChainRows;

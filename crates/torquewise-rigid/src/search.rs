@@ -1,11 +1,10 @@
 //! Search of the geometry: many starts with axes at right angles, the best of them refined.
 
 use crate::geometry::{PER_JOINT, RIGHT_ANGLES};
-use crate::inertial_fit::InertialFit;
 use crate::levenberg_marquardt::Target;
 use crate::{
-    ChainError, ChainRows, Coupling, Geometry, JointKinds, PER_BASE, PER_BODY, Result, UsualArm,
-    expect,
+    ChainError, ChainRows, Coupling, Geometry, InertialFit, JointKinds, PER_BASE, PER_BODY, Result,
+    UsualArm, expect,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -101,11 +101,12 @@ struct Backward {
 }
 
 impl Backward {
-    fn beside(&self, forward: Stribeck) -> Stribeck {
+    /// - `stiction`: forward, where it was given
+    fn beside(&self, forward: Stribeck, stiction: Option<f64>) -> Stribeck {
         let coulomb = self.coulomb.unwrap_or(forward.coulomb);
         Stribeck {
             coulomb,
-            stiction: self.stiction.unwrap_or(forward.stiction.max(coulomb)),
+            stiction: self.stiction.or(stiction).unwrap_or(coulomb),
             speed: self.speed.unwrap_or(forward.speed),
             viscous: self.viscous.unwrap_or(forward.viscous),
         }
@@ -166,7 +167,7 @@ impl Friction {
             let speed = row.speed.unwrap_or(Stribeck::NONE.speed);
             let forward = Stribeck { coulomb, stiction, speed, viscous };
             let bristles = row.stiffness.map(|stiffness| Bristles { stiffness, damping });
-            let backward = row.backward.map_or(forward, |own| own.beside(forward));
+            let backward = row.backward.map_or(forward, |own| own.beside(forward, row.stiction));
             ([forward, backward], bristles)
         };
         let (curves, bristles) = joints.iter().map(laws).unzip();
@@ -299,12 +300,12 @@ mod tests {
         assert!((friction.torque(0, -2.0) + 8.0).abs() < 1e-12);
         assert!((friction.torque(0, 5e-3) - 6.0).abs() < 0.01);
         assert!(friction.torque(0, 0.0).abs() < f64::MIN_POSITIVE);
-        let text = "[b]\ncoulomb = 1.0\n[b.backward]\ncoulomb = 2.0";
+        let text = "[b]\ncoulomb = 2.0\n[b.backward]\ncoulomb = 1.0";
 
         let both = Friction::from_toml(text, &joints()).unwrap();
 
-        assert_eq!(both.torques(&[3.0, 3.0]), [0.0, 1.0]);
-        assert_eq!(both.torques(&[3.0, -3.0]), [0.0, -2.0]);
+        assert_eq!(both.torques(&[3.0, 0.5]), [0.0, 2.0]);
+        assert_eq!(both.torques(&[3.0, -0.5]), [0.0, -1.0]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What a simulated log should hold.
 
 use crate::{Result, check_between};
-use torquewise_motion::stats::whole;
+use torquewise_motion::whole;
 
 /// How the joints are moved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

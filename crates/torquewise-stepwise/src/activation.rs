@@ -2,8 +2,7 @@
 
 use faer::MatRef;
 use serde::{Deserialize, Serialize};
-use torquewise_motion::Motion;
-use torquewise_motion::stats::quantile;
+use torquewise_motion::{Motion, quantile};
 use torquewise_regression::kmeans::kmeans;
 
 /// Which constants the index uses.

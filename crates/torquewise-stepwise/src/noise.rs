@@ -6,8 +6,7 @@ use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 use torquewise_model::{ModelError, Torque};
-use torquewise_motion::stats::quantile;
-use torquewise_motion::{Motion, ReadError, Recording};
+use torquewise_motion::{Motion, ReadError, Recording, quantile};
 
 /// Standard deviation of the white noise in each signal of each joint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

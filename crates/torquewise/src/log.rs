@@ -263,12 +263,10 @@ impl Prepared {
         let doubts = self.logs().unit_doubts().into_iter();
         let own = doubts.chain(self.odd_velocities()).chain(dropped(self.logs()));
         let own = own.chain(jumps(self.logs()));
-        let stuck = self.torques().filter(|torque| torque.is_stuck()).map(|torque| {
-            let SignalReport { joint, stuck, .. } = torque;
-            format!(
-                "the torque of {joint} does not change for {stuck:.2} s while it moves on: was its motor off, \
-                 or its sensor? Leave these rows out"
-            )
+        let stuck = self.report().into_iter().flat_map(|report| &report.stuck);
+        let stuck = self.logs().joints().iter().zip(stuck).filter(|(_, stuck)| **stuck > LONG);
+        let stuck = stuck.map(|(joint, stuck)| {
+            format!("the torque of {joint} does not change for {stuck:.2} s while it moves on: leave that out")
         });
         self.coarse_torques().into_iter().chain(own).chain(stuck).collect()
     }
@@ -319,6 +317,9 @@ impl Prepared {
         })
     }
 }
+
+/// A torque that does not change for so long \[s\] while its joint moves on is no measurement.
+const LONG: f64 = 0.2;
 
 fn jumps(logs: &Logs) -> Option<String> {
     let report = logs.report();

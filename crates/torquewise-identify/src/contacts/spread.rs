@@ -2,7 +2,7 @@
 
 use crate::clustered::Stretches;
 use torquewise_model::Model;
-use torquewise_motion::stats::quantile;
+use torquewise_motion::quantile;
 
 /// What the variance of a joint is a sum of: a constant, its speed squared, the accelerations of all
 /// joints squared, that it has just reversed, and what jumps of its torque leave open.

@@ -4,7 +4,7 @@ use super::equations::{Equations, cost_of_pull};
 use super::linearisation::Linearisation;
 use super::nominal::{Sizes, prior};
 use faer::{ColRef, Mat};
-use torquewise_motion::stats::median;
+use torquewise_motion::median;
 use torquewise_regression::NormalSums;
 use torquewise_rigid::feasible::{Prior, minimise};
 use torquewise_stepwise::IdentifyError;

@@ -190,9 +190,8 @@ impl Pass {
     /// - `arm`: what the uncertain arm makes of the scores, 10×10
     /// - `usual`: what the model misses of any motion \[N·m\], n, which is no sign of another load
     pub(super) fn lighter(&self, arm: Option<&Mat<f64>>, usual: &[f64]) -> Option<f64> {
-        let is_more = |(squares, usual): (&f64, &f64)| {
-            squares / self.rows.max(1) as f64 > (TWICE * usual).powi(2)
-        };
+        let most = |usual: &f64| self.rows as f64 * (TWICE * usual).powi(2);
+        let is_more = |(squares, usual): (&f64, &f64)| *squares > most(usual);
         if !usual.is_empty() && !self.squares.iter().zip(usual).any(is_more) {
             return None;
         }

@@ -7,8 +7,7 @@ use crate::source::named_rows;
 use crate::{LogInput, Result};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
-use torquewise_motion::Signal;
-use torquewise_motion::stats::median;
+use torquewise_motion::{Signal, median};
 
 /// Rows that are looked at closely.
 const SAMPLE: usize = 20_000;

@@ -6,10 +6,8 @@ use crate::signals::clean::cleaned;
 use crate::signals::cutoff::{HIGHEST, LOWEST};
 use crate::signals::delay::shift_at;
 use crate::signals::plan::OVERSAMPLING;
-use crate::signals::raw::{Raw, Signal};
 use crate::signals::smooth::{filter, smooth};
-use crate::stats::whole;
-use crate::{Motion, MotionError, Path, Result, Signals};
+use crate::{Motion, MotionError, Path, Raw, Result, Signal, Signals, whole};
 use faer::Mat;
 
 /// Cut-offs at most: that half an octave above each other reach from 0.5 Hz to 500 kHz.

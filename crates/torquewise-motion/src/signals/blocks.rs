@@ -2,10 +2,9 @@
 
 use crate::signals::clean::{Outliers, clean};
 use crate::signals::plan::SignalPlan;
-use crate::signals::raw::Raw;
 use crate::signals::resample::count_gaps;
 use crate::signals::smooth::{filter, kept, smooth};
-use crate::{Motion, MotionError, Repairs, Result};
+use crate::{Motion, MotionError, Raw, Repairs, Result};
 
 /// Rows that are conditioned at once, besides the overlap.
 const PART_ROWS: usize = 1 << 15;

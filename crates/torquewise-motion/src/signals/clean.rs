@@ -1,10 +1,8 @@
 //! Columns without spikes, on even time stamps.
 
 use crate::signals::outliers::{HALF_WINDOW, replace_outliers, spike_scale};
-use crate::signals::raw::{Raw, Signal};
 use crate::signals::resample::{EVEN, Resampler, Timing, grid, timing};
-use crate::stats::whole;
-use crate::{MotionError, Result};
+use crate::{MotionError, Raw, Result, Signal, whole};
 
 /// Jitter up to which stamps may stray in a log that was found even.
 const STRAY: f64 = 100.0 * EVEN;

@@ -3,12 +3,10 @@
 use crate::signals::delay::{Shift, lag};
 use crate::signals::noise::{quantisation, standstill, white_noise};
 use crate::signals::plan::{Conditioning, Cutoff, SignalPlan, keep_every, rows};
-use crate::signals::raw::{Raw, Signal};
 use crate::signals::report::{ConditionReport, CutoffFrom, SignalReport};
 use crate::signals::smooth::{filter, kept, smooth};
-use crate::{Motion, MotionError, Result};
+use crate::{Motion, MotionError, Raw, Result, Signal};
 use faer::Mat;
-use std::ops::Range;
 
 /// Longest lag of the measured velocity that is looked for \[s\].
 const LONGEST_LAG: f64 = 0.25;
@@ -59,6 +57,7 @@ pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned> {
         dq_lag,
         dq_gain,
         seen_elsewhere: Vec::new(),
+        stuck: Vec::new(),
         delay: plan.settings.delay,
         trimmed: plan.trim as f64 / plan.rate,
     };
@@ -72,36 +71,12 @@ fn signal_reports(raw: &Raw, even: &Raw, dq: &Mat<f64>) -> Vec<SignalReport> {
         for (joint, name) in raw.joints.iter().enumerate() {
             let noise = white_noise(&even_columns[joint], &still[joint]);
             let quantisation = quantisation(&raw_columns[joint]);
-            let stuck = if signal == Signal::Tau { stuck(raw, joint) } else { 0.0 };
             let (signal, joint, at_ends) =
                 (signal.name(), name.clone(), at_ends(&raw_columns[joint]));
-            reports.push(SignalReport { signal, joint, noise, quantisation, at_ends, stuck });
+            reports.push(SignalReport { signal, joint, noise, quantisation, at_ends });
         }
     }
     reports
-}
-
-/// The longest time \[s\] for which a torque that changes from row to row does not, while its joint goes on
-/// by a part of its way.
-fn stuck(raw: &Raw, joint: usize) -> f64 {
-    const PART: f64 = 0.1;
-    const MOST_ROWS: f64 = 0.9;
-    let (tau, q) = (&raw.of(Signal::Tau)[joint], &raw.of(Signal::Q)[joint]);
-    let way = |rows: &Range<usize>| {
-        let ends = |pick: fn(f64, f64) -> f64| q[rows.clone()].iter().copied().reduce(pick);
-        ends(f64::max).zip(ends(f64::min)).map_or(0.0, |(high, low)| high - low)
-    };
-    let runs = tau.chunk_by(|a, b| a.to_bits() == b.to_bits()).scan(0, |begin, run| {
-        let rows = *begin..*begin + run.len();
-        *begin = rows.end;
-        Some(rows)
-    });
-    let (whole, runs) = (way(&(0..q.len())), runs.collect::<Vec<_>>());
-    let changes = |rows: &Range<usize>| {
-        runs.len() as f64 > MOST_ROWS * (tau.len() - rows.len()) as f64 && way(rows) > PART * whole
-    };
-    let times = runs.iter().filter(|rows| changes(rows));
-    times.map(|rows| raw.t[rows.end - 1] - raw.t[rows.start]).fold(0.0, f64::max)
 }
 
 /// Part of the values that equal the least or the largest, and runs of two and more of them.

@@ -1,8 +1,7 @@
 //! Where the choice of a cut-off begins: above the band of the motion.
 
 use crate::signals::noise::white_noise;
-use crate::stats::median;
-use crate::{MotionError, Result};
+use crate::{MotionError, Result, median};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;

@@ -1,6 +1,7 @@
 //! Two signals → delay between them, and a signal → the same signal shifted in time.
 
-use crate::stats::{correlation, whole};
+use crate::stats::correlation;
+use crate::whole;
 use std::f64::consts::PI;
 
 /// Samples to each side that a shifted value is interpolated from.

@@ -1,6 +1,6 @@
 //! Noise of a signal: how much of it is white, and its quantisation step.
 
-use crate::stats::median;
+use crate::median;
 /// Rows of standstill needed to judge the noise on them alone.
 const MIN_STANDSTILL: usize = 64;
 

@@ -1,8 +1,8 @@
 //! Outliers of a signal: a Hampel filter that follows the motion.
 
+use crate::median;
 use crate::signals::noise::quantisation;
 use crate::signals::spline::lagrange;
-use crate::stats::median;
 use std::ops::RangeInclusive;
 
 const ROUNDS: usize = 3;

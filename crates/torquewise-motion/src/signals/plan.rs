@@ -5,9 +5,7 @@ use crate::signals::clean::{Base, Even, cleaned};
 use crate::signals::cutoff::above_motion;
 use crate::signals::delay::TAPS;
 use crate::signals::derivative::REACH;
-use crate::signals::raw::{Raw, Signal};
-use crate::stats::whole;
-use crate::{MotionError, Result};
+use crate::{MotionError, Raw, Result, Signal, whole};
 
 /// Samples per period of the cut-off that are kept.
 pub(crate) const OVERSAMPLING: f64 = 8.0;

@@ -5,16 +5,15 @@ use crate::signals::clean::Outliers;
 use crate::signals::delay::Shift;
 use crate::signals::noise::Quantisation;
 use crate::signals::resample::Timing;
-use crate::stats::median;
+use crate::{Raw, Signal, median};
 use std::fmt;
+use std::ops::Range;
 
 /// A signal of fewer levels than this is called coarse.
 const COARSE_LEVELS: f64 = 32.0;
 /// A quantisation step of more than this share of the deviation is called coarse.
 const COARSE_SHARE: f64 = 0.1;
 
-/// A torque that does not change for so long \[s\] while its joint moves on is no measurement.
-const LONG: f64 = 0.2;
 /// A signal that is exactly at one of its ends in more than this part of its rows, in so many runs of
 /// them, was cut off there; one of fewer levels is there by itself.
 const MOST_AT_ENDS: f64 = 0.05;
@@ -36,9 +35,6 @@ pub struct SignalReport {
     /// Part of its raw rows that are exactly at its smallest or its largest value, and in how many runs
     /// of two and more.
     pub at_ends: (f64, usize),
-    /// Of a torque that changes from row to row, the longest time \[s\] for which it does not while its
-    /// joint moves on.
-    pub stuck: f64,
 }
 
 impl SignalReport {
@@ -47,11 +43,6 @@ impl SignalReport {
         let coarse =
             |q: Quantisation| q.levels < COARSE_LEVELS || q.share_of_deviation > COARSE_SHARE;
         self.quantisation.is_some_and(coarse)
-    }
-
-    /// Whether its sensor stood still for a while.
-    pub fn is_stuck(&self) -> bool {
-        self.stuck > LONG
     }
 
     /// Whether a limit cut it off.
@@ -113,6 +104,9 @@ pub struct ConditionReport {
     pub dq_gain: Vec<Option<f64>>,
     /// Joints whose levels and velocity are those of another piece, where they move more.
     pub seen_elsewhere: Vec<usize>,
+    /// The longest time \[s\] for which the torque of each joint, which else changes from row to row, does
+    /// not while the joint goes on by a part of its way, n; empty without torque.
+    pub stuck: Vec<f64>,
     /// Seconds by which the torque was advanced.
     pub delay: f64,
     /// Seconds dropped at each end.
@@ -120,6 +114,14 @@ pub struct ConditionReport {
 }
 
 impl ConditionReport {
+    /// Looks for torques that are stuck in a piece.
+    pub fn see_stuck(&mut self, raw: &Raw) {
+        let found: Vec<f64> =
+            (0..raw.of(Signal::Tau).len()).map(|joint| stuck(raw, joint)).collect();
+        self.stuck.resize(found.len(), 0.0);
+        self.stuck.iter_mut().zip(found).for_each(|(own, found)| *own = own.max(found));
+    }
+
     /// Levels and measured velocity of a joint as they are in another piece, where it moves more.
     pub fn see_joint(&mut self, joint: usize, other: &Self) {
         // The first are those of positions.
@@ -134,6 +136,33 @@ impl ConditionReport {
         see(&mut self.dq_gain, &other.dq_gain, joint);
         self.seen_elsewhere.push(joint);
     }
+}
+
+/// The longest time \[s\] for which a torque that changes in nine of ten other rows does not, while its
+/// joint goes on by a tenth of its way; one at its limit is cut off.
+fn stuck(raw: &Raw, joint: usize) -> f64 {
+    const MOST_ROWS: f64 = 0.9;
+    const PART: f64 = 0.1;
+    let (tau, q) = (&raw.of(Signal::Tau)[joint], &raw.of(Signal::Q)[joint]);
+    let ends = |x: &[f64]| {
+        x.iter().fold([f64::MAX, f64::MIN], |[low, high], x| [low.min(*x), high.max(*x)])
+    };
+    let way = |rows: &Range<usize>| ends(&q[rows.clone()])[1] - ends(&q[rows.clone()])[0];
+    let runs = tau.chunk_by(|a, b| a.to_bits() == b.to_bits()).scan(0, |begin, run| {
+        let rows = *begin..*begin + run.len();
+        *begin = rows.end;
+        Some(rows)
+    });
+    let (whole, limits, runs) = (way(&(0..q.len())), ends(tau), runs.collect::<Vec<_>>());
+    let counts = |rows: &&Range<usize>| {
+        let (others, value) = (tau.len() - rows.len(), tau[rows.start]);
+        2 * others > tau.len()
+            && runs.len() as f64 > MOST_ROWS * others as f64
+            && (value == 0.0 || !limits.contains(&value))
+            && way(rows) > PART * whole
+    };
+    let times = runs.iter().filter(counts);
+    times.map(|rows| raw.t[rows.end - 1] - raw.t[rows.start]).fold(0.0, f64::max)
 }
 
 /// What is known of a joint elsewhere takes the place of its own.

@@ -1,8 +1,7 @@
 //! Resampling: how even the time stamps are, and signals on an even grid.
 
 use crate::signals::spline::{interpolate, lagrange};
-use crate::stats::whole;
-use crate::{MotionError, Repairs, Result};
+use crate::{MotionError, Repairs, Result, whole};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 

@@ -6,7 +6,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
-use torquewise_motion::stats::whole;
+use torquewise_motion::whole;
 
 /// Speed \[rad/s\] that no joint reaches unless its controller drives it away.
 const FASTEST: f64 = 300.0;

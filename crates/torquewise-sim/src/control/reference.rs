@@ -5,8 +5,7 @@ use crate::{Arm, Result, SimError, State, between, check_between, direction};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
-use torquewise_motion::Motion;
-use torquewise_motion::stats::whole;
+use torquewise_motion::{Motion, whole};
 
 /// A periodic motion within the ranges of an arm.
 #[derive(Clone, Copy, Debug, PartialEq)]

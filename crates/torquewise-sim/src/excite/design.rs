@@ -10,7 +10,7 @@ use faer::Mat;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
-use torquewise_motion::stats::median;
+use torquewise_motion::median;
 
 pub(crate) struct Task<'a> {
     pub(crate) stage: Stage,

@@ -11,7 +11,7 @@ use crate::{Bounds, Result, SimError, check_between, check_joints};
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use torquewise_motion::stats::whole;
+use torquewise_motion::whole;
 use torquewise_rigid::JointKind;
 
 /// What is to be planned.

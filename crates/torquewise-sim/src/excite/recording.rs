@@ -3,8 +3,7 @@
 use crate::excite::segment::{Segment, glide};
 use crate::state::motion;
 use crate::{Bounds, Part, Result, SimError, State, States};
-use torquewise_motion::stats::whole;
-use torquewise_motion::{BLOCK_ROWS, Motion, ReadResult, Recording, Visit};
+use torquewise_motion::{BLOCK_ROWS, Motion, ReadResult, Recording, Visit, whole};
 
 /// A planned recording: q, q̇ and q̈ from home to home, without torque.
 #[derive(Clone, Debug)]

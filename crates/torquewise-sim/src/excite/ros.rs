@@ -2,8 +2,7 @@
 
 use crate::excite::recording::Planned;
 use crate::{Result, State, check_between};
-use torquewise_motion::Recording;
-use torquewise_motion::stats::whole;
+use torquewise_motion::{Recording, whole};
 
 /// Points from which splines of order 5 make the motion again, at least `rate` per second: the time
 /// since the start \[ns\], and where the joints are and how they move then.

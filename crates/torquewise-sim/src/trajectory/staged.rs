@@ -3,7 +3,7 @@
 use super::{ACCELERATION, PEAK_SPEED};
 use crate::{State, between, direction};
 use rand_chacha::ChaCha8Rng;
-use torquewise_motion::stats::whole;
+use torquewise_motion::whole;
 
 /// Time \[s\] each pose is recorded.
 const HOLD: f64 = 0.1;

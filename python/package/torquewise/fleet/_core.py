@@ -142,7 +142,9 @@ def merge(*parts: Part) -> Part:
             try:
                 sums = one if sums is None else sums.merge(one)
             except ValueError as error:
-                raise _core.FitError(f"{_copies(parts)}: {error}") from error
+                if copies := _copies(parts):
+                    raise _core.FitError(f"{copies}: {error}") from error
+                raise
     files = sorted((file for own in parts for file in own.files), key=lambda file: file.path)
     return Part(None if sums is None else sums.to_bytes(), tuple(files))
 

@@ -1,9 +1,9 @@
 //! Block by block is as the whole.
 
 use super::*;
+use crate::Signal;
 use crate::signals::condition;
 use crate::signals::plan::{Conditioning, Cutoff};
-use crate::signals::raw::Signal;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
