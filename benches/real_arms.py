@@ -148,13 +148,17 @@ def write_parts(page, folder):
 
 
 def track(model, log):
-    """Measured torque and what a model misses of it, evenly sampled, 2×m×n."""
+    """Measured torque, what a model misses of it, and 1 outside gaps, evenly sampled, 3×m×n."""
     found = joined(torquewise.read_log(log, **band(model)).trajectories(conditioned=True))
     raw = joined(torquewise.read_log(log).trajectories())
     t = np.arange(found["t"][0], found["t"][-1] + 1e-9, 1 / RATE)
     tau = CubicSpline(raw["t"], raw["tau"])(t)
     expected = model.torque(found["q"], found["dq"], found["ddq"])
-    return np.array([tau, tau - CubicSpline(found["t"], expected)(t)])
+    steps = np.diff(found["t"])
+    is_whole = steps[np.searchsorted(found["t"][1:-1], t)] < 2 * np.median(steps)
+    missed = tau - CubicSpline(found["t"], expected)(t)
+    whole = np.repeat(is_whole[:, None], tau.shape[1], axis=1)
+    return np.array([tau, np.where(whole, missed, 0), whole])
 
 
 def below(tracks, cutoff, order):
@@ -170,7 +174,7 @@ def write_further(page, name, folder):
         raise SystemExit(f"{folder}: no log {name}_train*.csv or {name}_test*.csv: write it there")
     fit = torquewise.fit(train, library="chain")
     tracks = [track(fit.model, log) for log in test]
-    tests = below(tracks, 5.0, 4)
+    tests = [own[:2, own[2, :, 0] > 0.99] for own in below(tracks, 5.0, 4)]
     deviation = np.concatenate(tests, axis=1)[0].std(axis=0)
     if len(tests) == 1:
         half = tests[0].shape[1] // 2

@@ -26,7 +26,7 @@ const LONGEST: f64 = 0.2;
 
 /// A position jumps where it steps by this \[rad, m\], and farther and faster than in any of so many rows
 /// before and after, by this factor, of which this many move at all.
-const LEAST_JUMP: f64 = 0.02;
+const LEAST_JUMP: f64 = 0.1;
 const JUMPS: f64 = 5.0;
 const AROUND: usize = 32;
 const LEAST_MOVING: usize = 16;
@@ -150,7 +150,8 @@ impl Blocks {
             let row = self.known;
             let step = self.columns[0][row] - self.columns[0][row - 1];
             let another = self.origins[row].part != self.origins[row - 1].part;
-            let gap = !another && usual.is_gap(step);
+            let is_left_out = self.origins[row].number > self.origins[row - 1].number + 1;
+            let gap = !another && usual.is_gap(step) && !(is_left_out && step < LONGEST);
             let matters = !another && !gap && usual.0 < SLOW && (self.reach > 0 || !self.screens);
             let jump = matters.then(|| self.jump(row)).flatten();
             if let Some((joint, by)) = jump {
@@ -171,17 +172,15 @@ impl Blocks {
         let (t, first) = (&self.columns[0], self.rows.mapping.slot(Signal::Q)?);
         let (begin, end) = (row.saturating_sub(AROUND).max(1), (row + AROUND).min(t.len()));
         let joints = self.columns[first..first + self.joints.len()].iter().enumerate();
-        if row < LAST_STEPS || row + LAST_STEPS > t.len() {
-            return None;
-        }
         joints.map(|(joint, q)| (joint, q, q[row] - q[row - 1])).find_map(|(joint, q, by)| {
             let size = |row: usize| (q[row] - q[row - 1]).abs();
             let speed = |row: usize| size(row) / (t[row] - t[row - 1]);
             let is_less =
                 |other: usize| JUMPS * size(other) < by.abs() && JUMPS * speed(other) < speed(row);
-            let is_turn = (by.abs() - TAU).abs() < MOST_STEP;
             let is_jump = by.abs() > LEAST_JUMP
-                && !is_turn
+                && (by.abs() - TAU).abs() > MOST_STEP
+                && row >= LAST_STEPS
+                && row + LAST_STEPS <= t.len()
                 && (begin..end).all(|other| other == row || is_less(other))
                 && (begin..end).filter(|other| size(*other) > 0.0).count() > LEAST_MOVING;
             is_jump.then_some((joint, by))
@@ -219,8 +218,7 @@ impl Blocks {
         self.screened = end - gone.len();
     }
 
-    /// Leaves out rows that repeat the position of the one before where those after show that the arm moved
-    /// on.
+    /// Leaves out rows that repeat the position of the one before where the arm had moved on after them.
     fn take(&mut self, row: &[f64], origin: Origin) -> Result<()> {
         let last = self.after.as_ref().or(self.repeats.last()).map(|(row, _)| &row[0]);
         let last = last.or(self.columns[0].last());

@@ -294,8 +294,7 @@ fn is_trained(
         && joints.iter().zip(left).all(|(own, (rms, std))| own.rmse <= most * rms + ROUNDING * std)
 }
 
-/// A filter that cuts the motion errs by so many per cent of the spread more than raw torque, and so many
-/// times as much.
+/// A filter that cuts the motion errs by this \[%\] more than raw torque, and so many times as much.
 const CUT: [f64; 2] = [0.5, 1.2];
 /// What is missed at rest beyond friction, of the spread that was fitted, is nothing below this.
 const LEAST_AT_REST: f64 = 0.1;

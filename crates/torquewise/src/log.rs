@@ -262,13 +262,17 @@ impl Prepared {
     pub fn warnings(&self) -> Vec<String> {
         let doubts = self.logs().unit_doubts().into_iter();
         let own = doubts.chain(self.odd_velocities()).chain(dropped(self.logs()));
-        let own = own.chain(jumps(self.logs()));
         let stuck = self.report().into_iter().flat_map(|report| &report.stuck);
         let stuck = self.logs().joints().iter().zip(stuck).filter(|(_, stuck)| **stuck > LONG);
         let stuck = stuck.map(|(joint, stuck)| {
             format!("the torque of {joint} does not change for {stuck:.2} s while it moves on: leave that out")
         });
-        self.coarse_torques().into_iter().chain(own).chain(stuck).collect()
+        self.coarse_torques()
+            .into_iter()
+            .chain(own)
+            .chain(jumps(self.logs()))
+            .chain(stuck)
+            .collect()
     }
 
     /// Torques that a limit cut off as they were measured.

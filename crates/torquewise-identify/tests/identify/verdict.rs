@@ -52,7 +52,6 @@ fn what_friction_may_hold_at_rest_does_not_count() {
     let log = motion(&reference_arm(), MotionKind::Moves, 60.0, 50.0, 1);
     let rubbing = with_torque(log, |[q, dq, _], tau| {
         for (joint, tau) in tau.iter_mut().enumerate() {
-            // Where it stopped decides what holds it.
             let held = (300.0 * q[0] + joint as f64).sin();
             *tau += 20.0 * if dq[joint].abs() > 1e-3 { dq[joint].signum() } else { held };
         }

@@ -136,8 +136,7 @@ fn positions_that_were_wrapped_are_unwrapped_and_those_that_jump_otherwise_stay(
 fn stamps_of(q: &dyn Fn(u32) -> f64) -> (Vec<f64>, ReadReport) {
     let row = |row: u32| format!("{:?},{:?},{:?}\n", 0.01 * f64::from(row), q(row), q(row));
     let text = "t,q1,dq1\n".to_owned() + &(0..4_000).map(row).collect::<String>();
-    let names = ["joint1".to_owned()];
-    let mut blocks = Blocks::new(signal_rows(text.as_bytes()).unwrap(), &names, true);
+    let mut blocks = Blocks::new(signal_rows(text.as_bytes()).unwrap(), &["joint1".into()], true);
     let mut stamps = Vec::new();
     while let Some((_, block)) = blocks.next(Blocks::block).unwrap() {
         stamps.extend(block.t().to_vec());
@@ -185,7 +184,8 @@ fn rows_that_repeat_while_the_arm_moves_on_are_left_out_and_those_of_an_arm_at_r
         let left = (0..4_000).filter(|row| !(1_020..1_020 + frozen).contains(row));
         assert_eq!(stamps, left.map(|row| 0.01 * f64::from(row)).collect::<Vec<_>>());
         assert_eq!(report.first_held, Some(1_021));
-        assert_eq!((report.repairs.held_rows, report.repairs.splits), (u64::from(frozen), 1));
+        let split = u64::from(frozen > 6);
+        assert_eq!((report.repairs.held_rows, report.repairs.splits), (u64::from(frozen), split));
     }
     // A stop, a pause at either end, and a few rows of a device that is slow now and then.
     let clocks: [&dyn Fn(u32) -> u32; 4] = [
