@@ -25,12 +25,11 @@ const SPEED_FACTORS: [f64; 2] = [0.3, 3.0];
 const LONGEST: f64 = 0.2;
 
 /// A position jumps where it steps by this \[rad, m\], and farther and faster than in any of so many rows
-/// before and after, by this factor, of which this many move at all.
+/// before and after, by this factor, of which this many move at all; slow rows \[s\] tell neither.
 const LEAST_JUMP: f64 = 0.1;
 const JUMPS: f64 = 5.0;
 const AROUND: usize = 32;
 const LEAST_MOVING: usize = 16;
-/// Rows farther apart than this \[s\] tell neither.
 const SLOW: f64 = 0.1;
 
 /// The blocks of one log file.
@@ -150,8 +149,8 @@ impl Blocks {
             let row = self.known;
             let step = self.columns[0][row] - self.columns[0][row - 1];
             let another = self.origins[row].part != self.origins[row - 1].part;
-            let is_left_out = self.origins[row].number > self.origins[row - 1].number + 1;
-            let gap = !another && usual.is_gap(step) && !(is_left_out && step < LONGEST);
+            let bridged = self.origins[row].answers && step < LONGEST;
+            let gap = !another && usual.is_gap(step) && !bridged;
             let matters = !another && !gap && usual.0 < SLOW && (self.reach > 0 || !self.screens);
             let jump = matters.then(|| self.jump(row)).flatten();
             if let Some((joint, by)) = jump {
@@ -231,6 +230,7 @@ impl Blocks {
                 report.repairs.held_rows += self.repeats.len() as u64;
                 report.first_held.get_or_insert(first.number);
                 self.repeats.clear();
+                self.after.iter_mut().for_each(|(_, own)| own.answers = true);
             }
             self.release();
         }

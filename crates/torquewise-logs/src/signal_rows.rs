@@ -48,6 +48,8 @@ pub(crate) struct SignalRows {
 pub(crate) struct Origin {
     pub(crate) part: usize,
     pub(crate) number: u64,
+    /// Whether its device did not answer just before.
+    pub(crate) answers: bool,
 }
 
 impl SignalRows {
@@ -108,7 +110,7 @@ impl SignalRows {
             }
             self.last_t = Some(t);
             self.report.rows += 1;
-            return Ok(Some(Origin { part, number: self.number }));
+            return Ok(Some(Origin { part, number: self.number, answers: false }));
         }
     }
 

@@ -248,7 +248,6 @@ fn a_load_that_is_taken_up_within_a_log_is_told() {
 
 #[test]
 fn a_torque_that_never_changes_is_told() {
-    // The filter rounds what is no sum of powers of two.
     for value in [0.0, 0.7] {
         let off = Table::recorded().with("tau2", |_, _, _| value);
         let terminal = Terminal::holding("off.csv", &off.text());

@@ -69,8 +69,7 @@ impl ChainLearner<'_> {
             refine(&rows, &Chain::at(geometry.clone()), &spec.free, &spec.search, &watch)
         };
         let (given, [said, others]) = (at(&held, own)?, known.mounted());
-        // A base that is mounted at some other angle is meant to be, and one torque alone tells no direction:
-        // its link may as well hang elsewhere.
+        // A base mounted at some other angle is meant to be, and one torque alone tells no direction.
         let tau = self.motion.require_tau()?;
         let told = tau.col_iter().filter(|tau| spread(*tau) > 0.0).count() > 1;
         if said.is_empty() || !told {
