@@ -5,6 +5,7 @@ use crate::excitation::{LEAST_RANGE, commanded_by};
 use crate::library_errors::held_out_rms;
 use crate::residual_shape::shapes;
 use crate::rough::doubtful;
+use crate::score::JointScore;
 use crate::torque_kind::has_gravity;
 use crate::torque_sign::{SignTest, at_a_glance, left_by_axes, swapped};
 use crate::verdict::{grave, unheld};
@@ -145,10 +146,9 @@ impl Reconstruction {
     /// Notes what friction may hold at rest, and doubts torques that are commands.
     fn note_rest_and_commands(&mut self) -> Result<(), IdentifyError> {
         let joints = score(&self.model, &self.survey.sample)?.joints.into_iter();
-        let held = joints.filter(|joint| joint.rmse > LITTLE * joint.std);
-        let held =
-            held.filter_map(|joint| Some((joint.name.clone(), joint.held_rms()? / joint.std)));
-        let held: Vec<(String, f64)> = held.collect();
+        let missed = joints.filter(|joint| joint.rmse > LITTLE * joint.std);
+        let part = |joint: JointScore| joint.held_rms().map(|held| (joint.name, held / joint.std));
+        let held: Vec<(String, f64)> = missed.filter_map(part).collect();
         self.warnings.extend((!held.is_empty()).then_some(Warning::Held { joints: held }));
         let is_commanded = |own: &Warning| matches!(own, Warning::Commanded { .. });
         if !self.warnings.iter().any(is_commanded) {

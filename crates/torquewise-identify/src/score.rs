@@ -1,5 +1,6 @@
 //! RMSE, NRMSE and R² of each joint.
 
+use crate::warning::list;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::{Motion, Recording};
 use torquewise_stepwise::IdentifyError;
@@ -30,6 +31,15 @@ impl JointScore {
         let held = || (self.rmse.powi(2) - self.unheld_rmse.powi(2)).sqrt();
         (self.unheld_rmse < MOSTLY * self.rmse).then(held)
     }
+}
+
+/// What is said of joints that dry friction may hold at rest.
+pub fn note_of_rest(joints: &[String]) -> String {
+    format!(
+        "at rest dry friction may hold {} with any torque up to that at which it breaks away: what it may \
+         hold does not count in the verdict",
+        list(joints)
+    )
 }
 
 /// Scores of all joints.

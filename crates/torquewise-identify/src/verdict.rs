@@ -109,9 +109,9 @@ fn errors(found: &Reconstruction) -> [Judged<'_>; 2] {
     let (training, still) = (&found.model.training, found.survey.constant_joints());
     let all_rest = found.survey.stands_still();
     let named = |errors: Vec<f64>| {
-        let errors = errors.into_iter().zip(&found.model.joints);
-        let errors = errors.map(|(error, joint)| unheld(&found.warnings, joint, error));
-        let named = found.model.joints.iter().zip(errors).zip(&training.torque_std).enumerate();
+        let named = found.model.joints.iter().zip(errors);
+        let named = named.map(|(joint, error)| (joint, unheld(&found.warnings, joint, error)));
+        let named = named.zip(&training.torque_std).enumerate();
         let counts = |joint, std: f64| std > 0.0 && (all_rest || !still.contains(&joint));
         let named = named.filter(|(joint, (_, std))| counts(*joint, **std));
         named.map(|(_, (named, _))| named).collect::<Vec<_>>()

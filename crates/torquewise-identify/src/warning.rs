@@ -1,7 +1,7 @@
 //! Warnings: what the user should know, in words.
 
 use crate::residual_shape::ResidualPlace;
-use crate::{Disagreement, geometric_mean};
+use crate::{Disagreement, geometric_mean, score};
 use std::fmt;
 use torquewise_motion::Pattern;
 use torquewise_stepwise::Survey;
@@ -273,12 +273,7 @@ impl fmt::Display for Warning {
             ),
             Self::Held { joints } => {
                 let names: Vec<String> = joints.iter().map(|(joint, _)| joint.clone()).collect();
-                write!(
-                    f,
-                    "at rest dry friction may hold {} with any torque up to that at which it breaks \
-                     away: what it may hold does not count in the verdict",
-                    list(&names)
-                )
+                f.write_str(&score::note_of_rest(&names))
             }
             Self::Clipped { joint, share } => write!(
                 f,

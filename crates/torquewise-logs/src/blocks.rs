@@ -6,6 +6,7 @@ use crate::signal_rows::{Origin, SignalRows};
 use crate::{LogError, Result};
 use faer::Mat;
 use std::f64::consts::TAU;
+use std::ops::Range;
 use torquewise_motion::{
     BLOCK_ROWS, HALF_WINDOW, Motion, MotionError, Raw, Signal, Signals, derivative,
 };
@@ -149,7 +150,7 @@ impl Blocks {
             let row = self.known;
             let step = self.columns[0][row] - self.columns[0][row - 1];
             let another = self.origins[row].part != self.origins[row - 1].part;
-            let bridged = self.origins[row].answers && step < LONGEST;
+            let bridged = self.origins[row].resumes && step < LONGEST;
             let gap = !another && usual.is_gap(step) && !bridged;
             let matters = !another && !gap && usual.0 < SLOW && (self.reach > 0 || !self.screens);
             let jump = matters.then(|| self.jump(row)).flatten();
@@ -166,22 +167,27 @@ impl Blocks {
         Ok(())
     }
 
+    /// Places of the positions among the columns.
+    fn positions(&self) -> Range<usize> {
+        self.rows.mapping.slot(Signal::Q).map_or(0..0, |first| first..first + self.joints.len())
+    }
+
     /// The joint whose position jumps to a row, and by what, if one does.
     fn jump(&self, row: usize) -> Option<(usize, f64)> {
-        let (t, first) = (&self.columns[0], self.rows.mapping.slot(Signal::Q)?);
-        let (begin, end) = (row.saturating_sub(AROUND).max(1), (row + AROUND).min(t.len()));
-        let joints = self.columns[first..first + self.joints.len()].iter().enumerate();
-        joints.map(|(joint, q)| (joint, q, q[row] - q[row - 1])).find_map(|(joint, q, by)| {
-            let size = |row: usize| (q[row] - q[row - 1]).abs();
-            let speed = |row: usize| size(row) / (t[row] - t[row - 1]);
-            let is_less =
-                |other: usize| JUMPS * size(other) < by.abs() && JUMPS * speed(other) < speed(row);
+        let t = &self.columns[0];
+        let around = || row.saturating_sub(AROUND).max(1)..(row + AROUND).min(t.len());
+        self.positions().enumerate().find_map(|(joint, slot)| {
+            let step = |row: usize| self.columns[slot][row] - self.columns[slot][row - 1];
+            let speed = |row: usize| step(row).abs() / (t[row] - t[row - 1]);
+            let by = step(row);
+            let is_less = |other: usize| {
+                JUMPS * step(other).abs() < by.abs() && JUMPS * speed(other) < speed(row)
+            };
             let is_jump = by.abs() > LEAST_JUMP
                 && (by.abs() - TAU).abs() > MOST_STEP
-                && row >= LAST_STEPS
-                && row + LAST_STEPS <= t.len()
-                && (begin..end).all(|other| other == row || is_less(other))
-                && (begin..end).filter(|other| size(*other) > 0.0).count() > LEAST_MOVING;
+                && (LAST_STEPS..=t.len().saturating_sub(LAST_STEPS)).contains(&row)
+                && around().all(|other| other == row || is_less(other))
+                && around().filter(|other| step(*other) != 0.0).count() > LEAST_MOVING;
             is_jump.then_some((joint, by))
         })
     }
@@ -230,7 +236,7 @@ impl Blocks {
                 report.repairs.held_rows += self.repeats.len() as u64;
                 report.first_held.get_or_insert(first.number);
                 self.repeats.clear();
-                self.after.iter_mut().for_each(|(_, own)| own.answers = true);
+                self.after.iter_mut().for_each(|(_, own)| own.resumes = true);
             }
             self.release();
         }
@@ -249,20 +255,15 @@ impl Blocks {
 
     /// How far each joint is in a row from where it last was.
     fn steps_to(&self, row: &[f64]) -> impl Iterator<Item = f64> {
-        let first = self.rows.mapping.slot(Signal::Q);
-        let slots = first.into_iter().flat_map(|first| first..first + self.joints.len());
-        slots
-            .zip(&self.turns)
-            .filter_map(|(slot, turns)| Some(row[slot] + turns - self.columns[slot].last()?))
+        let slots = self.positions().zip(&self.turns);
+        slots.filter_map(|(slot, turns)| Some(row[slot] + turns - self.columns[slot].last()?))
     }
 
     /// Whether a joint is, after rows that repeat a position, where its last speeds lead to, and stands out
     /// there from the row that follows: it did not stand still.
     fn was_frozen(&self, after: &(Vec<f64>, Origin), (next, origin): (&[f64], Origin)) -> bool {
-        let (t, slot) = (&self.columns[0], self.rows.mapping.slot(Signal::Q));
-        let (Some(slot), Some(first)) = (slot, t.len().checked_sub(LAST_STEPS + 1)) else {
-            return false;
-        };
+        let t = &self.columns[0];
+        let Some(first) = t.len().checked_sub(LAST_STEPS + 1) else { return false };
         let parts = self.origins[first..].iter().chain([&after.1, &origin]);
         let repeats = self.repeats.iter().map(|(row, _)| row[0]);
         let times: Vec<f64> =
@@ -275,16 +276,16 @@ impl Blocks {
             return false;
         }
         let [.., before, own, end] = times[..] else { return false };
-        self.steps_to(&after.0).zip(slot..).any(|(step, slot)| {
+        self.steps_to(&after.0).zip(self.positions()).any(|(step, slot)| {
             let q = &self.columns[slot];
-            let speed = |row: usize| ((q[row + 1] - q[row]) / (t[row + 1] - t[row])).abs();
-            let speeds = || (first..t.len() - 1).map(speed).filter(|speed| *speed > 0.0);
-            let fastest = speeds().fold(0.0, f64::max);
+            let speed = |row: usize| ((q[row] - q[row - 1]) / (t[row] - t[row - 1])).abs();
+            let speeds: Vec<f64> = (first + 1..t.len()).map(speed).filter(|v| *v > 0.0).collect();
+            let fastest = speeds.iter().copied().fold(0.0, f64::max);
             let [least, most] = SPEED_FACTORS.map(|factor| factor * fastest);
             let goes_on = (next[slot] - after.0[slot]).abs() / (end - own);
             (LEAST_STEP.max(least * seconds.min(LONGEST))..most * seconds).contains(&step.abs())
                 && step.abs() / (own - before) > STANDS_OUT * goes_on
-                && 2 * speeds().count() > LAST_STEPS
+                && 2 * speeds.len() > LAST_STEPS
         })
     }
 
@@ -307,8 +308,8 @@ impl Blocks {
     /// Takes a whole turn out of the positions of the last rows, once two more follow the one that was
     /// wrapped: a spike goes back.
     fn unwrap_last(&mut self) {
-        let Some(first) = self.rows.mapping.slot(Signal::Q) else { return };
-        for (turns, column) in self.turns.iter_mut().zip(&mut self.columns[first..]) {
+        let slots = self.positions();
+        for (turns, column) in self.turns.iter_mut().zip(&mut self.columns[slots]) {
             if let Some(q) = column.last_mut().filter(|_| *turns != 0.0) {
                 *q += *turns;
             }

@@ -48,8 +48,8 @@ pub(crate) struct SignalRows {
 pub(crate) struct Origin {
     pub(crate) part: usize,
     pub(crate) number: u64,
-    /// Whether its device did not answer just before.
-    pub(crate) answers: bool,
+    /// Whether its device did not answer before.
+    pub(crate) resumes: bool,
 }
 
 impl SignalRows {
@@ -110,7 +110,7 @@ impl SignalRows {
             }
             self.last_t = Some(t);
             self.report.rows += 1;
-            return Ok(Some(Origin { part, number: self.number, answers: false }));
+            return Ok(Some(Origin { part, number: self.number, resumes: false }));
         }
     }
 

@@ -300,12 +300,15 @@ mod tests {
         assert!((friction.torque(0, -2.0) + 8.0).abs() < 1e-12);
         assert!((friction.torque(0, 5e-3) - 6.0).abs() < 0.01);
         assert!(friction.torque(0, 0.0).abs() < f64::MIN_POSITIVE);
-        let text = "[b]\ncoulomb = 2.0\n[b.backward]\ncoulomb = 1.0";
+        let whole = "[b]\ncoulomb = 1.0\n[b.backward]\ncoulomb = 2.0\nstiction = 2.0\nspeed = 1.0";
+        let less = "[b]\ncoulomb = 2.0\n[b.backward]\ncoulomb = 1.0";
+        for (text, v, [forward, backward]) in [(whole, 3.0, [1.0, -2.0]), (less, 0.5, [2.0, -1.0])]
+        {
+            let both = Friction::from_toml(text, &joints()).unwrap();
 
-        let both = Friction::from_toml(text, &joints()).unwrap();
-
-        assert_eq!(both.torques(&[3.0, 0.5]), [0.0, 2.0]);
-        assert_eq!(both.torques(&[3.0, -0.5]), [0.0, -1.0]);
+            assert_eq!(both.torques(&[3.0, v]), [0.0, forward]);
+            assert_eq!(both.torques(&[3.0, -v]), [0.0, backward]);
+        }
     }
 
     #[test]

@@ -4,10 +4,10 @@ use crate::predict::{Interval, MotionRange};
 use crate::{Error, Log, NOBODY, Observer, Prepared, Result, Rows, Source, Watched};
 use serde::{Serialize, Serializer};
 use serde_json::json;
-use torquewise_identify::score::{JointScore, MOSTLY, score_along};
+use torquewise_identify::score;
+use torquewise_identify::score::{JointScore, MOSTLY, note_of_rest, score_along};
 use torquewise_identify::verdict::{Verdict, judge_by};
 use torquewise_identify::warning::list;
-use torquewise_identify::{Warning, score};
 use torquewise_model::Model;
 use torquewise_model::rollout::{self, Drift, Others};
 use torquewise_motion::{Motion, Recording};
@@ -341,7 +341,7 @@ impl Held<'_> {
             let is_less = self.raw.get(k).is_some_and(|raw| raw < rmse);
             if self.rests[k] || self.unheld[k] < VISIBLY * rmse {
                 let counts = format!("{name} ({:.2} % counts)", 100.0 * errors[k]);
-                held.push((if errors[k].is_nan() { name.clone() } else { counts }, 0.0));
+                held.push(if errors[k].is_nan() { name.clone() } else { counts });
             }
             if !self.rests[k]
                 && self.unheld[k] >= MOSTLY * rmse
@@ -359,7 +359,7 @@ impl Held<'_> {
                 list(&cut)
             )
         });
-        let held = (!held.is_empty()).then(|| Warning::Held { joints: held }.to_string());
+        let held = (!held.is_empty()).then(|| note_of_rest(&held));
         cut.into_iter().chain(held)
     }
 }

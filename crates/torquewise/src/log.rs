@@ -260,19 +260,14 @@ impl Prepared {
 
     /// What should be known of torques of few levels, units, odd velocities and rows left out.
     pub fn warnings(&self) -> Vec<String> {
-        let doubts = self.logs().unit_doubts().into_iter();
-        let own = doubts.chain(self.odd_velocities()).chain(dropped(self.logs()));
+        let doubts = self.coarse_torques().into_iter().chain(self.logs().unit_doubts());
+        let own = [self.odd_velocities(), dropped(self.logs()), jumps(self.logs())];
         let stuck = self.report().into_iter().flat_map(|report| &report.stuck);
         let stuck = self.logs().joints().iter().zip(stuck).filter(|(_, stuck)| **stuck > LONG);
         let stuck = stuck.map(|(joint, stuck)| {
             format!("the torque of {joint} does not change for {stuck:.2} s while it moves on: leave that out")
         });
-        self.coarse_torques()
-            .into_iter()
-            .chain(own)
-            .chain(jumps(self.logs()))
-            .chain(stuck)
-            .collect()
+        doubts.chain(own.into_iter().flatten()).chain(stuck).collect()
     }
 
     /// Torques that a limit cut off as they were measured.
@@ -350,14 +345,9 @@ fn dropped(logs: &Logs) -> Option<String> {
         ));
     }
     if let Some(first) = report.first_held {
-        parts.push(format!(
-            "{}, the first is row {first} (the device did not answer)",
-            counted(
-                repairs.held_rows,
-                "row",
-                "with the position of the one before while the arm moves on"
-            )
-        ));
+        let what = "with the position of the one before while the arm moves on";
+        let rows = counted(repairs.held_rows, "row", what);
+        parts.push(format!("{rows}, the first is row {first} (the device did not answer)"));
     }
     if let Some(first) = report.first_back {
         parts.push(format!(

@@ -148,7 +148,8 @@ fn what_dry_friction_may_hold_at_rest_widens_bounds_and_does_not_count() {
         let because = said["because"].to_string();
         assert_eq!(because.contains("no joint of the test moves"), !is_judged, "{said}");
         let is_told = |word: &str| said["notes"].to_string().contains(word);
-        assert!(is_told("friction may hold joint1") && is_told("and joint2"), "{said}");
+        let second = if is_judged { " % counts) and joint2 (" } else { "joint1 and joint2" };
+        assert!(is_told("at rest dry friction may hold joint1") && is_told(second), "{said}");
         let line = "contacts arm.json still.csv --free log.csv -o external.csv";
         let contacts = terminal.json(line)["contacts"].as_array().unwrap().len();
         assert_eq!(contacts > 0, is_judged);
