@@ -13,7 +13,7 @@ use std::sync::Arc;
 use torquewise::identify::{find_patterns, survey};
 use torquewise::inspect::missing_patterns;
 use torquewise::logs::{self, Frame, Logs, Options, Profile};
-use torquewise::motion::{Motion, Pattern, Recording};
+use torquewise::motion::{Motion, Recording};
 use torquewise::{Filter, FitOptions, Rows};
 
 /// Logs of one arm; see :func:`torquewise.read_log`.
@@ -214,9 +214,7 @@ pub(crate) fn patterns<'py>(
         let found = find_patterns(&survey(&watched)?, &plan)?;
         let mut labels: Vec<u8> = Vec::new();
         watched.read(&mut |_, block| {
-            let place = |own: &Pattern| Pattern::ALL.iter().position(|all| all == own);
-            let label = |own: &Pattern| place(own).and_then(|k| u8::try_from(k).ok());
-            labels.extend(found.label(block).iter().filter_map(label));
+            labels.extend(found.label(block).into_iter().map(|own| own as u8));
             Ok(())
         })?;
         Ok((labels, found))

@@ -47,23 +47,16 @@ pub(crate) fn work<T: Send + 'static>(
             let told = receiver.recv_timeout(LOOK);
             (told, receiver)
         });
+        let stop = |_: &PyErr| stopped.store(true, Ordering::Relaxed);
         match told {
-            Ok(Told::Event(event)) => {
-                if let Err(error) = bar.show(event) {
-                    stopped.store(true, Ordering::Relaxed);
-                    return Err(error);
-                }
-            }
+            Ok(Told::Event(event)) => bar.show(event).inspect_err(stop)?,
             Ok(Told::Done(found)) => break Some(found),
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => break None,
         }
         if looked.elapsed() >= LOOK {
             looked = Instant::now();
-            if let Err(pressed) = py.check_signals() {
-                stopped.store(true, Ordering::Relaxed);
-                return Err(pressed);
-            }
+            py.check_signals().inspect_err(stop)?;
         }
     };
     if bar.rows > 0 {

@@ -93,7 +93,11 @@ pub(crate) fn check_files<'a>(
         }
         let refused = |source| CliError::Write { file: file.into(), source };
         destination(file).map_err(refused)?;
-        check_ending(file, endings)?;
+        let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        if !endings.is_empty() && ending.is_none_or(|ending| !endings.contains(&&*ending)) {
+            let expected: Vec<_> = endings.iter().map(|ending| format!(".{ending}")).collect();
+            return Err(CliError::Ending { file: file.into(), expected: expected.join(" or ") });
+        }
         // A file that does not exist yet has a folder that does.
         let folder = folder.canonicalize().unwrap_or_else(|_| folder.into());
         let new = || folder.join(file.file_name().unwrap_or_default());
@@ -109,15 +113,6 @@ pub(crate) fn check_files<'a>(
         seen.push(real);
     }
     Ok(())
-}
-
-fn check_ending(file: &Path, endings: &[&str]) -> Result<()> {
-    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    if endings.is_empty() || ending.is_some_and(|ending| endings.contains(&&*ending)) {
-        return Ok(());
-    }
-    let expected = endings.iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>();
-    Err(CliError::Ending { file: file.into(), expected: expected.join(" or ") })
 }
 
 pub(crate) fn check_rows(seconds: f64, rate: f64, most: f64) -> Result<()> {

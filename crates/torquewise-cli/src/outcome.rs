@@ -62,10 +62,8 @@ pub(crate) fn report(found: Result<Outcome>, as_json: bool, strict: bool) -> u8 
 /// Writes what the command line itself has to say: help, the version, or wrong usage.
 pub(crate) fn told(told: &clap::Error) -> u8 {
     let usual = if told.use_stderr() { WRONG_USAGE } else { 0 };
-    match quiet_if_closed(told.print().and_then(|()| io::stdout().flush())) {
-        Ok(()) => usual,
-        Err(source) => fail(&CliError::Stdout { source }, false),
-    }
+    let printed = quiet_if_closed(told.print().and_then(|()| io::stdout().flush()));
+    printed.map_or_else(|source| fail(&CliError::Stdout { source }, false), |()| usual)
 }
 
 /// A text whose control characters a terminal shows instead of obeying them.

@@ -25,10 +25,8 @@ impl PatternTable {
         count_patterns(&mut self.counts, patterns);
         let names: Vec<&str> = patterns.iter().map(|pattern| pattern.name()).collect();
         let numbers: Vec<u64> = (before + 1..).take(names.len()).collect();
-        match &mut self.writer {
-            Some(writer) => writer.append(&[Values::Counts(&numbers), Values::Texts(&names)]),
-            None => Ok(()),
-        }
+        let Some(writer) = &mut self.writer else { return Ok(()) };
+        writer.append(&[Values::Counts(&numbers), Values::Texts(&names)])
     }
 
     /// Puts the table in its place and returns the rows of each pattern, least active first.

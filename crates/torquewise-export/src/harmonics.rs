@@ -57,9 +57,6 @@ pub(crate) fn summed(
 }
 
 fn moves(term: &EnergyTerm, joint: usize) -> bool {
-    let own = match term.place {
-        Place::Potential => false,
-        Place::Inertia(i, j) => i == joint || j == joint,
-    };
+    let own = matches!(term.place, Place::Inertia(i, j) if i == joint || j == joint);
     own || term.function.depends_on(joint)
 }

@@ -248,10 +248,8 @@ impl Program {
 
     pub(crate) fn check_precision(&self, precision: Precision) -> Result<()> {
         let large = self.graph.constants().find(|constant| constant.abs() > f64::from(f32::MAX));
-        match large.filter(|_| precision == Precision::Single) {
-            Some(constant) => Err(ExportError::NotSingle { constant }),
-            None => Ok(()),
-        }
+        let large = large.filter(|_| precision == Precision::Single);
+        large.map_or(Ok(()), |constant| Err(ExportError::NotSingle { constant }))
     }
 }
 

@@ -100,7 +100,7 @@ pub fn tune<L: RawRecording>(
             let request = searched.refined(watch)?;
             return Ok(Tuned { recording, request, choices: Vec::new() });
         };
-        let is_last = grid.is_near(cutoff) && is_same(grid.delay, delay);
+        let is_last = grid.is_near(cutoff) && grid.delay.total_cmp(&delay).is_eq();
         (cutoff, delay) = ((cutoff * grid.cutoff).sqrt(), grid.delay);
         if is_last || is_second {
             return grid.tuned(logs, searched.refined(watch)?);
@@ -112,11 +112,6 @@ pub fn tune<L: RawRecording>(
 /// The delay that is set, or none.
 fn no_delay(logs: &impl RawRecording) -> f64 {
     if let [set] = logs.delays()[..] { set } else { 0.0 }
-}
-
-/// Whether two delays are the same one of the grid.
-fn is_same(a: f64, b: f64) -> bool {
-    a.total_cmp(&b).is_eq()
 }
 
 /// What candidates leave of raw torque: cut-offs without a delay and with the best one, and delays

@@ -78,10 +78,7 @@ impl DriveTerm {
     }
 
     pub(crate) fn law(&self) -> Option<&FrictionTerm> {
-        match self {
-            Self::Friction(term) => Some(term),
-            Self::Rotor(_) | Self::Energy(_) => None,
-        }
+        if let Self::Friction(term) = self { Some(term) } else { None }
     }
 
     /// The shaft that it brakes, if it is friction that is none at rest.

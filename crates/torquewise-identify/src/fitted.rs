@@ -210,7 +210,7 @@ fn held_out_rms(
     let share = few.n_rows() as f64 / survey.rows.max(1) as f64;
     let held_to = HeldTo::of(at, sizes, share * prior_rows);
     let tau = few.require_tau()?.to_owned();
-    let (target, columns) = ([(&tau, &tau)], at.columns_of(&few)?);
+    let (target, columns) = ([(&tau, &tau)], at.columns_of(&few, true)?);
     let rms = |blocks: Vec<HeldOut>| {
         let unseen = Unseen::of_columns(columns.clone(), few.n_rows(), &target, &blocks)?;
         Some(unseen.physical_errors(&held_to)?.rms_by_joint())

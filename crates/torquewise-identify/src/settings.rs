@@ -70,13 +70,10 @@ impl SumSettings {
 
     /// Fails unless summaries of both add up.
     pub(crate) fn check(&self, other: &Self) -> Result<(), IdentifyError> {
-        match std::iter::zip(self.described(), other.described()).find(|(own, other)| own != other)
-        {
-            Some(((what, expected), (_, found))) => {
-                Err(IdentifyError::Apart { what, expected, found })
-            }
-            None => Ok(()),
-        }
+        let mut pairs = std::iter::zip(self.described(), other.described());
+        let apart = pairs.find(|(own, other)| own != other);
+        let Some(((what, expected), (_, found))) = apart else { return Ok(()) };
+        Err(IdentifyError::Apart { what, expected, found })
     }
 
     /// All that must be alike.

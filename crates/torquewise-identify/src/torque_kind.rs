@@ -80,7 +80,7 @@ pub(crate) fn torque_kind(
         let motion = Motion::new(signals)?;
         let Ok(mut at) = at_a_glance((&motion, dq_peak), seed, watch) else { break };
         at.free = at.geometry.movable();
-        let (columns, weights) = at.columns_of(&motion)?;
+        let (columns, weights) = at.columns_of(&motion, true)?;
         let Some(left) = Gains::at(&at, &motion, (&columns, &weights)) else { break };
         for ([gain, error], [own, own_error]) in gains.iter_mut().zip(left.each()) {
             (*gain, *error) = (*gain * own, *gain * own_error);
@@ -97,7 +97,7 @@ fn kind_at(at: &Linearisation, sample: &Motion) -> Result<Option<Warning>, Ident
     if motion.n_rows() < CHOICE_ROWS || tau.col_iter().all(|tau| spread(tau) == 0.0) {
         return Ok(None);
     }
-    let (columns, weights) = at.columns_of(&motion)?;
+    let (columns, weights) = at.columns_of(&motion, true)?;
     let targets = [(&tau, &tau)];
     let held_out = both_ways(&motion, sample);
     let left = |columns: &Mat<f64>| -> Option<Vec<f64>> {
@@ -115,7 +115,7 @@ fn kind_at(at: &Linearisation, sample: &Motion) -> Result<Option<Warning>, Ident
     let leaves = |columns: &Mat<f64>, part: f64| {
         left(columns).is_some_and(|left| left.iter().zip(&as_it_is).all(|(a, b)| *a < part * b))
     };
-    let weightless = at.weightless_columns_of(&motion)?;
+    let (weightless, _) = at.columns_of(&motion, false)?;
     // On a slide, gravity and the offset of its sensor are one constant.
     let size = |columns: &Mat<f64>| -> f64 {
         let turning = (0..motion.n_joints()).filter(|&joint| !at.geometry.kinds().slides(joint));

@@ -181,7 +181,7 @@ impl SignTest {
         let tau =
             Mat::from_fn(tau.nrows(), tau.ncols(), |row, joint| turn(joint) * tau[(row, joint)]);
         let (target, blocks) = ([(&tau, &tau)], even_blocks(motion));
-        let columns = at.columns_of(motion).ok()?;
+        let columns = at.columns_of(motion, true).ok()?;
         let unseen = Unseen::of_columns(columns, motion.n_rows(), &target, &blocks)?;
         Some(unseen.physical_errors(&HeldTo::of(&at, sizes, 1.0))?.rms_by_joint())
     }

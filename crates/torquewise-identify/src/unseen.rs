@@ -183,7 +183,7 @@ impl<'a> Unseen<'a> {
         if m < CHOICE_ROWS {
             return Ok(None);
         }
-        let (mut columns, mut weights) = at.columns_of(motion)?;
+        let (mut columns, mut weights) = at.columns_of(motion, true)?;
         for (joint, weights) in weights.chunks_mut(m).enumerate() {
             let dq = motion.dq().col(joint);
             let slow = slow * dq.norm_l2() / (m as f64).sqrt();
@@ -232,13 +232,13 @@ impl<'a> Unseen<'a> {
             sums
         };
         let around = blocks.par_iter().map(|block| sums(&block.around)).collect();
-        let all = sums(&all_of(m));
+        let all = sums(&(0..m).collect::<Vec<_>>());
         Some(Self { targets, blocks, joints, all, around })
     }
 
     /// What all columns leave, see [`Self::errors`].
     pub(crate) fn errors_of_all(&self) -> Option<Vec<Errors>> {
-        self.errors(&all_of(self.all.0.ncols())).into_iter().collect()
+        self.errors(&(0..self.all.0.ncols()).collect::<Vec<_>>()).into_iter().collect()
     }
 
     /// What some columns, ascending, fitted to the torque but for each block and the rows around it,
@@ -298,10 +298,6 @@ impl<'a> Unseen<'a> {
         };
         spreads.iter().enumerate().map(of).collect()
     }
-}
-
-fn all_of(count: usize) -> Vec<usize> {
-    (0..count).collect()
 }
 
 /// Coefficients for each target without the rows around each block, p×targets; `None` where they

@@ -18,8 +18,9 @@ pub(crate) const HALF: f64 = 0.5;
 /// Percentage of the torque of a test that believable 95 % intervals hold in the mean of the joints.
 const HELD: f64 = 80.0;
 
-/// Errors over the spread of the torque, by joint, of the rows of a name.
-type Judged<'a> = (&'static str, Vec<(&'a String, f64)>);
+/// Errors over the spread of the torque, by joint, of the rows of a name: where the arm also went in
+/// other rows, and the larger of these and of those in regions held out.
+type Judged<'a> = (&'static str, Vec<(&'a String, [f64; 2])>);
 
 /// The verdict from rows that were held out, by time and by region, and what the motion leaves open.
 /// Where there are too few rows to hold any out, a model is at best usable.
@@ -44,8 +45,8 @@ pub fn judge(found: &Reconstruction) -> Verdict {
 ///   changes, tells nothing
 /// - `held`: percentage of the torques within their 95 % intervals, n; none where a model has no errors
 pub fn judge_by(model: &Model, errors: &[f64], held: Option<&[f64]>) -> Verdict {
-    let named = model.joints.iter().zip(errors.iter().copied());
-    let named: Vec<_> = named.filter(|(_, error)| error.is_finite()).collect();
+    let named = model.joints.iter().zip(errors.iter().map(|error| [*error; 2]));
+    let named: Vec<_> = named.filter(|(_, [error, _])| error.is_finite()).collect();
     let unchanging = named
         .is_empty()
         .then(|| "no joint of the test moves, or no torque of the test changes".to_owned());
@@ -60,10 +61,10 @@ pub fn judge_by(model: &Model, errors: &[f64], held: Option<&[f64]>) -> Verdict 
 }
 
 /// The verdict where some reasons make a model useless, doubts keep it from being good, and the larger
-/// errors decide what else there is.
+/// errors decide what else there is. A model that is lost where the arm never was may still be of use.
 fn graded(mut because: Vec<String>, doubts: Vec<String>, judged: &[Judged<'_>]) -> Verdict {
     let judged = judged.iter().filter(|(_, errors)| !errors.is_empty());
-    let missed = |is: &dyn Fn(f64) -> bool, how: &str| -> Vec<String> {
+    let missed = |is: &dyn Fn([f64; 2]) -> bool, how: &str| -> Vec<String> {
         let of = |(rows, errors): &Judged<'_>| {
             let named = errors.iter().filter(|(_, error)| is(*error));
             let named: Vec<String> = named.map(|(name, _)| (*name).clone()).collect();
@@ -72,11 +73,14 @@ fn graded(mut because: Vec<String>, doubts: Vec<String>, judged: &[Judged<'_>]) 
         judged.clone().filter_map(of).collect()
     };
     let is_useless = |error: f64| error.is_nan() || error >= USELESS;
-    because.extend(missed(&is_useless, "predicted hardly better than by its mean"));
+    let lost = "predicted hardly better than by its mean";
+    because.extend(missed(&|[near, _]| is_useless(near), lost));
+    let elsewhere = format!("{lost} in regions held out");
+    let mut poor = missed(&|[near, error]| !is_useless(near) && is_useless(error), &elsewhere);
     let how = format!("missed by more than {:.0} % of its spread", 100.0 * Training::POOR);
-    let poor = missed(&|error| (Training::POOR..USELESS).contains(&error), &how);
-    let errors_of = |errors: &[(&String, f64)]| -> Vec<f64> {
-        errors.iter().map(|(_, error)| *error).collect()
+    poor.extend(missed(&|[_, error]| (Training::POOR..USELESS).contains(&error), &how));
+    let errors_of = |errors: &[(&String, [f64; 2])]| -> Vec<f64> {
+        errors.iter().map(|(_, [_, error])| *error).collect()
     };
     let means = judged.clone().map(|(_, errors)| geometric_mean(&errors_of(errors)));
     let mean = means.fold(0.0, f64::max);
@@ -108,20 +112,23 @@ fn graded(mut because: Vec<String>, doubts: Vec<String>, judged: &[Judged<'_>]) 
 fn errors(found: &Reconstruction) -> [Judged<'_>; 2] {
     let (training, still) = (&found.model.training, found.survey.constant_joints());
     let all_rest = found.survey.stands_still();
-    let named = |errors: Vec<f64>| {
+    let named = |errors: Vec<[f64; 2]>| {
         let named = found.model.joints.iter().zip(errors);
-        let named = named.map(|(joint, error)| (joint, unheld(&found.warnings, joint, error)));
+        let unheld = |joint, error| unheld(&found.warnings, joint, error);
+        let named = named.map(|(joint, errors)| (joint, errors.map(|error| unheld(joint, error))));
         let named = named.zip(&training.torque_std).enumerate();
         let counts = |joint, std: f64| std > 0.0 && (all_rest || !still.contains(&joint));
         let named = named.filter(|(joint, (_, std))| counts(*joint, **std));
         named.map(|(_, (named, _))| named).collect::<Vec<_>>()
     };
-    let held_out = named(training.held_out_errors().unwrap_or_default());
+    let near = training.held_out_rms.iter().zip(&training.torque_std).map(|(rms, std)| rms / std);
+    let larger = training.held_out_errors().unwrap_or_default();
+    let held_out = named(near.zip(larger).map(|(near, larger)| [near, larger]).collect());
     let is_refit = found.warnings.iter().any(|own| matches!(own, Warning::Refit { .. }));
     // What was judged on held-out rows is not what a refit left.
     let left = training.residual_rms.iter().zip(&training.torque_std).map(|(rms, std)| rms / std);
-    let mut fitted = named(left.filter(|_| is_refit).collect());
-    fitted.retain(|(_, error)| error.is_finite());
+    let mut fitted = named(left.filter(|_| is_refit).map(|error| [error; 2]).collect());
+    fitted.retain(|(_, [error, _])| error.is_finite());
     [("held-out", held_out), ("fitted", fitted)]
 }
 

@@ -51,8 +51,6 @@ pub(crate) struct Blocks {
     /// Whether rows with absurd values are left out, and how many rows of `columns` were looked at.
     screens: bool,
     screened: usize,
-    /// The first value that was absurd: row of the file, name and value.
-    pub(crate) first_absurd: Option<(u64, String, f64)>,
     columns: Vec<Vec<f64>>,
     /// Rows that repeat the last one of `columns`, and the first that does not, until the next tells whether
     /// the arm stood still.
@@ -81,7 +79,6 @@ impl Blocks {
             joints: joints.to_vec(),
             screens: is_completed,
             screened: 0,
-            first_absurd: None,
             reach: if is_completed && !complete { HALF_WINDOW } else { 0 },
             columns,
             repeats: Vec::new(),
@@ -207,7 +204,7 @@ impl Blocks {
             for row in own.into_iter().filter(|row| (self.screened..end).contains(row)) {
                 let name = format!("{}{}", signal.name(), joint + 1);
                 let first = || (self.origins[row].number, name, column[row]);
-                self.first_absurd.get_or_insert_with(first);
+                self.rows.report.first_absurd.get_or_insert_with(first);
                 gone.push(row);
             }
         }
@@ -354,13 +351,15 @@ impl Blocks {
         Raw { joints: self.joints.clone(), t: part(&self.columns[0]), signals }
     }
 
-    /// Number in the file of the row at `place` of `columns`.
-    fn row(&self, place: usize) -> u64 {
-        self.origins.get(place).map_or(1, |origin| origin.number)
-    }
-
     fn refused(&self, place: usize, source: MotionError) -> LogError {
-        LogError::Motion { file: self.rows.place().file, row: self.row(place), source }
+        let (file, origin) = (self.rows.place().file, self.origins.get(place));
+        let row = origin.map_or(1, |origin| origin.number);
+        match source {
+            MotionError::TooFewRows { rows, needed } => {
+                LogError::TooShort { file, row, rows, needed }
+            }
+            source => LogError::Motion { file, row, source },
+        }
     }
 
     fn signal(&self, signal: Signal, start: usize, end: usize) -> Option<Mat<f64>> {
@@ -372,12 +371,7 @@ impl Blocks {
     /// Derivative of a signal on the next `rows`, from all rows that their windows reach.
     fn derived(&self, signal: Signal, order: usize, rows: usize) -> Result<Mat<f64>> {
         let end = self.known.min(self.done + rows + HALF_WINDOW);
-        let refused = |source| match source {
-            MotionError::TooFewRows { rows, needed } => {
-                LogError::TooShort { file: self.rows.place().file, row: self.row(0), rows, needed }
-            }
-            source => self.refused(0, source),
-        };
+        let refused = |source| self.refused(0, source);
         let x = self.signal(signal, 0, end).ok_or(refused(MotionError::Missing(signal.name())))?;
         let derived = derivative(&self.columns[0][..end], x.as_ref(), order);
         Ok(derived.map_err(refused)?.subrows(self.done, rows).to_owned())

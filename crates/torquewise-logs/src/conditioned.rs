@@ -195,10 +195,8 @@ impl RawRecording for RawLogs {
         let settings = Conditioning { cutoff: Cutoff::Hz(cutoff), delay, ..*settings };
         let (trajectory, first) = &self.first;
         let found = condition(first, &settings).map_err(|e| signals(logs, *trajectory, e))?.report;
-        let cutoff_from = match report.cutoff_from {
-            CutoffFrom::Setting => CutoffFrom::Setting,
-            CutoffFrom::Motion | CutoffFrom::HeldOut => CutoffFrom::HeldOut,
-        };
+        let is_set = report.cutoff_from == CutoffFrom::Setting;
+        let cutoff_from = if is_set { CutoffFrom::Setting } else { CutoffFrom::HeldOut };
         let stuck = report.stuck.clone();
         let mut report = ConditionReport { cutoff_from, stuck, ..found };
         let seen = &self.conditioned.report;

@@ -76,10 +76,7 @@ impl LogInput {
     #[cfg(feature = "formats")]
     pub(crate) fn open_whole(&self) -> Result<Opened> {
         let input = self.open().map_err(LogError::read(self))?;
-        match input.count() {
-            0 => Err(LogError::Empty { file: self.into() }),
-            _ => Ok(input),
-        }
+        if input.count() == 0 { Err(LogError::Empty { file: self.into() }) } else { Ok(input) }
     }
 }
 

@@ -37,8 +37,6 @@ struct Reading {
     trajectories: usize,
     /// Usual step of its last trajectory \[s\].
     usual_step: Option<f64>,
-    /// The first value that was absurd: row, column and value.
-    absurd: Option<(u64, String, f64)>,
 }
 
 /// Who is shown the blocks of logs, and the number of their trajectory.
@@ -199,7 +197,7 @@ impl Logs {
         self.each(only, false, |blocks, rows| Ok(blocks.raw_block(rows)), visit)
     }
 
-    /// What the last complete reading of each file came to: rows, and what was dropped or sorted.
+    /// What the last complete reading of the files came to: rows, and what was dropped or sorted.
     pub fn report(&self) -> ReadReport {
         let readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
         let mut all = ReadReport::default();
@@ -207,15 +205,11 @@ impl Logs {
         all
     }
 
-    /// The first value that the last complete reading left out as absurd: file, row in it, column and
-    /// value.
-    pub fn first_absurd(&self) -> Option<(PathBuf, u64, String, f64)> {
+    /// The first file that the last complete reading found something in, and what.
+    pub fn first<T>(&self, of: impl Fn(&ReadReport) -> Option<T>) -> Option<(&Path, T)> {
         let readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
         let mut files = self.paths.iter().zip(readings.iter());
-        files.find_map(|(path, reading)| {
-            let (row, column, value) = reading.absurd.clone()?;
-            Some((path.clone(), row, column, value))
-        })
+        files.find_map(|(path, reading)| Some((&**path, of(&reading.report)?)))
     }
 
     /// Clocks that hardly count seconds, by the last complete reading, and torques that a profile does
@@ -286,8 +280,8 @@ impl Logs {
                 visit(last, block)?;
             }
             let (report, trajectories) = (blocks.rows.report, last + 1 - first);
-            let (usual_step, absurd) = (blocks.usual_step.map(|step| step.0), blocks.first_absurd);
-            let reading = Reading { report, trajectories, usual_step, absurd };
+            let usual_step = blocks.usual_step.map(|step| step.0);
+            let reading = Reading { report, trajectories, usual_step };
             let mut readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some(old) = readings.get_mut(file) {
                 *old = reading;

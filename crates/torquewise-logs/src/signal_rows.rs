@@ -12,14 +12,14 @@ const LONGEST_RUN: f64 = 1e6;
 const FEW_REPEATED: u64 = 10;
 const MOST_REPEATED: u64 = 2;
 
-/// What a reading came to.
+/// What a reading came to; the first of each kind only of a single file, rows counted from 1.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadReport {
     /// Rows handed out.
     pub rows: u64,
     /// Rows dropped, and where the log was split.
     pub repairs: Repairs,
-    /// The first row that was earlier than one before, 1 for the first row of its file.
+    /// The first row that was earlier than one before.
     pub first_back: Option<u64>,
     /// The first row of those left out since they repeat the one before, though the arm moved on.
     pub first_held: Option<u64>,
@@ -27,6 +27,8 @@ pub struct ReadReport {
     pub jumps: u64,
     /// The first of them: row, joint, and how far \[rad, m\].
     pub first_jump: Option<(u64, String, f64)>,
+    /// The first value that was left out as absurd: row, column and value.
+    pub first_absurd: Option<(u64, String, f64)>,
 }
 
 pub(crate) struct SignalRows {
@@ -174,9 +176,6 @@ impl ReadReport {
     pub(crate) fn add(&mut self, other: &Self) {
         self.rows += other.rows;
         self.repairs.add(&other.repairs);
-        self.first_back = self.first_back.or(other.first_back);
-        self.first_held = self.first_held.or(other.first_held);
         self.jumps += other.jumps;
-        self.first_jump = self.first_jump.take().or_else(|| other.first_jump.clone());
     }
 }

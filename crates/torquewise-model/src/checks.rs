@@ -3,6 +3,7 @@
 use crate::{FrictionLaw, FrictionTerm, Model, ModelError, Torque, Weighted, number};
 use faer::{Mat, Side};
 use std::fmt;
+use torquewise_motion::grouped;
 
 /// What the checks found, the worst over the states looked at.
 #[derive(Clone, Debug, PartialEq)]
@@ -138,13 +139,8 @@ pub fn driving_friction(model: &Model) -> Option<DrivingFriction> {
 pub fn laws_of_shafts(model: &Model) -> Vec<(Vec<usize>, f64)> {
     let alike = |a: &FrictionTerm, b: &FrictionTerm| (&a.shaft, a.load) == (&b.shaft, b.load);
     let term = |place: usize| &model.friction[place].term;
-    let mut shafts: Vec<Vec<usize>> = Vec::new();
-    for place in (0..model.friction.len()).filter(|&k| term(k).law != FrictionLaw::Offset) {
-        match shafts.iter_mut().find(|laws| alike(term(laws[0]), term(place))) {
-            Some(laws) => laws.push(place),
-            None => shafts.push(vec![place]),
-        }
-    }
+    let places = (0..model.friction.len()).filter(|&k| term(k).law != FrictionLaw::Offset);
+    let shafts = grouped(places, |a, b| alike(term(*a), term(*b)));
     let peak = |shaft: &[f64]| -> f64 {
         let peaks = &model.training.dq_peak;
         let of = |(joint, share): (usize, &f64)| {

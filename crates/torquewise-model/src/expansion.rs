@@ -214,10 +214,7 @@ impl Basis {
 
     /// How many functions it is of, as many as points.
     pub(crate) fn size(self) -> usize {
-        match self.functions {
-            Functions::Harmonics => 2 * self.degree + 1,
-            Functions::Powers => self.degree + 1,
-        }
+        if self.functions == Functions::Powers { self.degree + 1 } else { 2 * self.degree + 1 }
     }
 
     /// A point of the grid: even angles \[rad\], or a place beside 0 \[m\].

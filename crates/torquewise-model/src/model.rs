@@ -249,16 +249,6 @@ impl Form {
         (0..n_joints).map(of_joint).collect()
     }
 
-    /// Number of coefficients that act on each joint, n.
-    pub fn active(&self, n_joints: usize) -> Vec<usize> {
-        match self {
-            Self::Torque(joints) => joints.iter().map(Vec::len).collect(),
-            Self::Energy(terms) => (0..n_joints)
-                .map(|joint| terms.iter().filter(|w| !w.term.torque(joint).is_empty()).count())
-                .collect(),
-        }
-    }
-
     /// Number of coefficients.
     pub fn n_coefficients(&self) -> usize {
         match self {
@@ -305,7 +295,12 @@ impl Model {
 
     /// Number of coefficients that act on each joint, those of friction included, n.
     pub fn active(&self) -> Vec<usize> {
-        let mut active = self.form.active(self.n_joints());
+        let mut active: Vec<usize> = match &self.form {
+            Form::Torque(joints) => joints.iter().map(Vec::len).collect(),
+            Form::Energy(terms) => (0..self.n_joints())
+                .map(|joint| terms.iter().filter(|w| !w.term.torque(joint).is_empty()).count())
+                .collect(),
+        };
         for (joint, count) in active.iter_mut().enumerate() {
             *count += self.friction.iter().filter(|w| w.term.acts_on(joint)).count();
         }

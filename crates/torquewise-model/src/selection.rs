@@ -5,6 +5,7 @@ use crate::{Kind, Place, Term};
 use crate::{LEAST_T, Weighted};
 use std::collections::BTreeMap;
 use std::ops::Range;
+use torquewise_motion::grouped;
 
 /// Part of the largest coefficient of a sum below which one is rounding.
 const ROUNDING: f64 = 1e-12;
@@ -77,15 +78,7 @@ fn is_resolved<T>(weighted: &Weighted<T>, largest: f64) -> bool {
 /// - `correlated`: whether errors of the terms follow from the same few parameters, so that those
 ///   of a sum add up; else they are independent
 pub fn shortest(terms: Vec<Weighted<Term>>, correlated: bool) -> Vec<Weighted<Term>> {
-    let mut groups: Vec<Vec<Weighted<Term>>> = Vec::new();
-    for weighted in terms {
-        let rates =
-            |other: &Term| (&other.dq, &other.ddq) == (&weighted.term.dq, &weighted.term.ddq);
-        match groups.iter_mut().find(|group| rates(&group[0].term)) {
-            Some(group) => group.push(weighted),
-            None => groups.push(vec![weighted]),
-        }
-    }
+    let groups = grouped(terms, |a, b| (&a.term.dq, &a.term.ddq) == (&b.term.dq, &b.term.ddq));
     let resolved = |terms: &[Weighted<Term>]| {
         let largest = largest(terms);
         terms.iter().filter(|weighted| is_resolved(weighted, largest)).count()

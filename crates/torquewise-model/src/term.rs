@@ -42,18 +42,6 @@ pub enum Kind {
     Inertia,
 }
 
-impl Kind {
-    /// `inertia`, `coriolis`, `gravity` or `friction`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Inertia => "inertia",
-            Self::Coriolis => "coriolis",
-            Self::Gravity => "gravity",
-            Self::Friction => "friction",
-        }
-    }
-}
-
 /// A function of the state: a product of sines and cosines, velocities and accelerations.
 ///
 /// Reads as `sin(q2)*cos(q3)*dq1*dq2`; no factor at all is the constant 1.

@@ -1,4 +1,4 @@
-//! Whole numbers, order statistics and correlation of values.
+//! Whole numbers, order statistics, groups and correlation of values.
 
 /// A whole number at most 2⁵³; what is less than zero or no number is 0.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a cast saturates")]
@@ -19,6 +19,21 @@ pub fn quantile(values: &mut [f64], share: f64) -> f64 {
     let last = values.len() - 1;
     let place = whole((share * last as f64).round()).min(last);
     *values.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
+/// Items that are alike together, groups and items in the order in which they come.
+pub fn grouped<T>(
+    items: impl IntoIterator<Item = T>,
+    alike: impl Fn(&T, &T) -> bool,
+) -> Vec<Vec<T>> {
+    let mut groups: Vec<Vec<T>> = Vec::new();
+    for item in items {
+        match groups.iter_mut().find(|group| alike(&group[0], &item)) {
+            Some(group) => group.push(item),
+            None => groups.push(vec![item]),
+        }
+    }
+    groups
 }
 
 /// Correlation of two series of one length; not finite where one of them is constant.

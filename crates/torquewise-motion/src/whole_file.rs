@@ -95,10 +95,8 @@ pub fn destination(file: &Path) -> io::Result<Option<PathBuf>> {
     }
     let mut path = file.to_owned();
     for _ in 0..MOST_LINKS {
-        match fs::read_link(&path) {
-            Ok(next) => path = folder_of(&path).join(next),
-            Err(_) => break,
-        }
+        let Ok(next) = fs::read_link(&path) else { break };
+        path = folder_of(&path).join(next);
     }
     let before = match fs::metadata(&path) {
         Ok(before) if !before.is_file() => return Ok(None),

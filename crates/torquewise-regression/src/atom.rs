@@ -31,10 +31,7 @@ impl Wave {
         if lead < 0 {
             multiples = multiples.into_iter().map(|k| -k).collect();
         }
-        let sign = match phase {
-            Phase::Sin => f64::from(lead.signum()),
-            Phase::Cos => 1.0,
-        };
+        let sign = if phase == Phase::Sin { f64::from(lead.signum()) } else { 1.0 };
         (sign != 0.0).then_some((sign, Self { multiples, phase }))
     }
 

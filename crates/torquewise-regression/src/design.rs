@@ -1,7 +1,7 @@
 //! A library in coordinates, as sparse sums over numbered atoms.
 
 use crate::atom::{Atom, Monomial, Numbering, Wave};
-use crate::{Result, expect};
+use crate::{Result, ascending, expect};
 
 /// One candidate: a sum of atoms, empty where the column is zero in an equation.
 pub type AtomSum = Vec<Atom>;
@@ -46,9 +46,7 @@ impl Design {
         let mut pair = |Atom { wave, monomial, .. }: &Atom| {
             (waves.place(wave.clone()), monomials.place(monomial.clone()))
         };
-        let mut atoms: Vec<_> = equations.iter().flatten().flatten().map(&mut pair).collect();
-        atoms.sort_unstable();
-        atoms.dedup();
+        let atoms = ascending(equations.iter().flatten().flatten().map(&mut pair).collect());
         let mut numbered = |a: &Atom| Some((atoms.binary_search(&pair(a)).ok()?, a.weight));
         let mut column = |column: &AtomSum| column.iter().filter_map(&mut numbered).collect();
         let equations =

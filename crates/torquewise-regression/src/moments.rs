@@ -35,10 +35,8 @@ impl MomentPlan {
         let mut wave_pairs = Vec::with_capacity(packed(0, design.waves.len()));
         for (b, right) in design.waves.iter().enumerate() {
             for left in &design.waves[..=b] {
-                wave_pairs.push(left.product(right).map(|term| match term {
-                    Some((sign, wave)) => (0.5 * sign, waves.place(wave)),
-                    None => (0.0, 0),
-                }));
+                let mut pair = |(sign, wave): (f64, Wave)| (0.5 * sign, waves.place(wave));
+                wave_pairs.push(left.product(right).map(|term| term.map_or((0.0, 0), &mut pair)));
             }
         }
         let mut monomial_pairs = Vec::with_capacity(design.monomials.len().pow(2));

@@ -95,10 +95,8 @@ impl NormalEquations {
             require("the energy of the response", energy, energy >= 0.0, "zero or more")?;
         }
         require("the number of rows", self.rows, self.rows >= 1.0, "one or more")?;
-        match mirror_lower(&mut self.gram) {
-            Some(entry) => Err(SparseError::NotFinite { what: "the Gram matrix", entry }),
-            None => Ok(self),
-        }
+        let Some(entry) = mirror_lower(&mut self.gram) else { return Ok(self) };
+        Err(SparseError::NotFinite { what: "the Gram matrix", entry })
     }
 
     /// Number of columns p.

@@ -47,13 +47,11 @@ impl ChainRows {
         if n > MOST_JOINTS || n == 0 {
             return Err(ChainError::TooManyJoints { joints: n, most: MOST_JOINTS });
         }
-        let check = |what, x: MatRef<'_, f64>, width: usize| {
-            let (found, expected) = (x.nrows() * x.ncols(), m * width);
-            let is_right = x.shape() == (m, width);
-            is_right.then_some(()).ok_or(ChainError::Shape { what, found, expected })
-        };
         for (what, x) in [("dq", dq), ("ddq", ddq), ("tau", tau)] {
-            check(what, x, n)?;
+            if x.shape() != (m, n) {
+                let (found, expected) = (x.nrows() * x.ncols(), m * n);
+                return Err(ChainError::Shape { what, found, expected });
+            }
         }
         expect("a column of extras", extras.nrows(), m * n)?;
         let states = [q, dq, ddq].map(|x| x.to_owned());

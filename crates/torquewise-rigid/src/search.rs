@@ -161,10 +161,7 @@ pub const UNWATCHED: SearchWatch<'static> = &|_| ControlFlow::Continue(());
 
 /// Fails where the work is not wanted any more.
 pub(crate) fn tell(watch: SearchWatch<'_>, stage: SearchStage) -> Result<()> {
-    match watch(stage) {
-        ControlFlow::Continue(()) => Ok(()),
-        ControlFlow::Break(()) => Err(ChainError::Stopped),
-    }
+    if watch(stage).is_continue() { Ok(()) } else { Err(ChainError::Stopped) }
 }
 
 /// What a search came to.

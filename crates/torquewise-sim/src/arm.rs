@@ -143,9 +143,7 @@ impl Arm {
         }
         Ok(self)
     }
-}
 
-impl Arm {
     /// The arm of a learned chain, called `twin`.
     ///
     /// - `joints`: names, base to tip, n

@@ -18,18 +18,6 @@ pub enum FrictionKind {
     Auto,
 }
 
-impl FrictionKind {
-    /// As the command line has it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Linear => "linear",
-            Self::Stribeck => "stribeck",
-            Self::Auto => "auto",
-        }
-    }
-}
-
 /// Half width of the smooth sign, as a part of the peak speed of a joint.
 const WIDTH: f64 = 0.01;
 /// Widths that are tried, in the same parts: noise in a speed and filters blur its reversal, but

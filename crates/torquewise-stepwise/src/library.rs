@@ -77,10 +77,8 @@ impl SummedLibrary {
 
     /// The patterns whose rows are summed apart; `None` stands for all rows.
     pub fn parts(&self) -> Vec<Option<Pattern>> {
-        match self.regression {
-            Regression::Stepwise => Pattern::ALL.map(Some).into(),
-            Regression::OneShot => vec![None],
-        }
+        let is_stepwise = self.regression == Regression::Stepwise;
+        if is_stepwise { Pattern::ALL.map(Some).into() } else { vec![None] }
     }
 }
 

@@ -152,12 +152,10 @@ impl Patterns {
 /// accelerate, and nearer to standstill, though its acceleration is plain.
 fn switches(centres: &[[f64; 2]]) -> [f64; 2] {
     std::array::from_fn(|axis| {
-        let side = |on: bool| {
-            let side = centres.iter().map(|centre| centre[axis]).filter(|&x| (x > HALF) == on);
-            side.collect::<Vec<f64>>()
-        };
-        let off = side(false).into_iter().fold(f64::NEG_INFINITY, f64::max);
-        let on = side(true).into_iter().fold(f64::INFINITY, f64::min);
+        let all = centres.iter().map(|centre| centre[axis]);
+        let (on, off): (Vec<f64>, Vec<f64>) = all.partition(|&x| x > HALF);
+        let off = off.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let on = on.into_iter().fold(f64::INFINITY, f64::min);
         if off.is_finite() && on.is_finite() { 0.5 * (off + on) } else { HALF }
     })
 }

@@ -70,10 +70,7 @@ impl Progress {
     /// # Errors
     /// [`IdentifyError::Stopped`] if the work is not wanted any more.
     pub fn tell(self, watch: Watch<'_>) -> Result<(), IdentifyError> {
-        match watch(self) {
-            ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(IdentifyError::Stopped),
-        }
+        if watch(self).is_continue() { Ok(()) } else { Err(IdentifyError::Stopped) }
     }
 
     /// What is done of how much, at most, where that is known.

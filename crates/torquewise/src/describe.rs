@@ -18,9 +18,10 @@ pub fn description(model: &Model, selection: &Selection) -> Result<Value, ModelE
     let joints = joints.filter(|(joint, _)| selection.has_joint(*joint));
     let joints = joints.map(|(_, (name, (equation, friction)))| {
         let terms = equation.iter().filter(|w| selection.has_part(w.term.kind()));
-        let terms = terms.map(|w| term_json(w, &w.term.name(), kind_of(w.term.kind())));
+        let terms = terms.map(|w| term_json(w, &w.term.name(), ("kind", json!(w.term.kind()))));
         let friction = friction.iter().filter(|_| selection.has_part(Kind::Friction));
-        let friction = friction.map(|w| term_json(w, &w.term.formula(), kind_of(Kind::Friction)));
+        let friction =
+            friction.map(|w| term_json(w, &w.term.formula(), ("kind", json!(Kind::Friction))));
         let mut terms: Vec<Value> = terms.chain(friction).collect();
         if let Some(top) = selection.top {
             let size = |term: &Value| term["coefficient"].as_f64().unwrap_or_default().abs();
@@ -64,10 +65,6 @@ pub fn description(model: &Model, selection: &Selection) -> Result<Value, ModelE
         "choices": model.choices,
         "conditioning": all_repairs(&model.training.conditioning),
     }))
-}
-
-fn kind_of(kind: Kind) -> (&'static str, Value) {
-    ("kind", json!(kind.name()))
 }
 
 /// A weighted term, and what else is said of it.

@@ -268,6 +268,7 @@ fn scored(
     let held = Held { model, joints: &joints, rests: &rests, unheld: &unheld, raw: &raw_rmse };
     notes.extend(held.remarks());
     let errors = held.errors();
+    notes.extend(changed(model, &errors).filter(|_| !is_trained));
     Ok(Evaluation {
         warnings: still.collect(),
         verdict: by_fit.unwrap_or_else(|| judge_by(model, &errors, covered.as_deref())),
@@ -292,6 +293,26 @@ fn is_trained(
     let is_known = digests.least().iter().any(|own| training.digests.contains(own));
     is_known
         && joints.iter().zip(left).all(|(own, (rms, std))| own.rmse <= most * rms + ROUNDING * std)
+}
+
+/// An arm whose torque is missed so many times as much as held-out torque was, and by this part of its
+/// spread, may carry another load.
+const CHANGED: [f64; 2] = [3.0, 0.1];
+
+/// Joints of a chain that are missed by far more than its fit lets expect.
+fn changed(model: &Model, errors: &[f64]) -> Option<String> {
+    let held_out = model.training.held_out_errors().filter(|_| model.chain.is_some())?;
+    let joints = model.joints.iter().zip(errors.iter().zip(&held_out));
+    let missed = joints.filter(|(_, (error, own))| **error > (CHANGED[0] * *own).max(CHANGED[1]));
+    let missed: Vec<String> = missed.map(|(name, _)| name.clone()).collect();
+    (!missed.is_empty()).then(|| {
+        format!(
+            "the torque of {} is missed more than {} times as much as held-out torque of the fit: does the \
+             arm carry another load or tool here, as payload would tell, or was it mounted anew?",
+            list(&missed),
+            CHANGED[0]
+        )
+    })
 }
 
 /// A filter that cuts the motion errs by this \[%\] more than raw torque, and so many times as much.

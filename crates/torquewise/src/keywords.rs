@@ -99,13 +99,11 @@ impl FitOptions {
                 return Err(Error::WrongValue { setting, reason });
             }
         }
-        match self.threshold {
-            Some(x) if !(x >= 0.0 && x.is_finite()) => Err(Error::WrongValue {
-                setting: "threshold",
-                reason: "expected a number that is zero or more".to_owned(),
-            }),
-            _ => Ok(()),
+        if self.threshold.is_none_or(|x| x >= 0.0 && x.is_finite()) {
+            return Ok(());
         }
+        let reason = "expected a number that is zero or more".to_owned();
+        Err(Error::WrongValue { setting: "threshold", reason })
     }
 }
 
@@ -113,44 +111,24 @@ pub(crate) trait Word: Clone {
     fn all() -> Vec<(&'static str, Self)>;
 }
 
-impl Word for Library {
-    fn all() -> Vec<(&'static str, Self)> {
-        vec![("energy", Self::Energy), ("product", Self::Product), ("chain", Self::Chain)]
-    }
+macro_rules! word {
+    ($($kind:ident: $($word:expr => $value:expr),+;)+) => {
+        $(impl Word for $kind {
+            fn all() -> Vec<(&'static str, Self)> {
+                vec![$(($word, $value)),+]
+            }
+        })+
+    };
 }
-
-impl Word for Regression {
-    fn all() -> Vec<(&'static str, Self)> {
-        vec![("stepwise", Self::Stepwise), ("sindy", Self::OneShot)]
-    }
-}
-
-impl Word for FrictionKind {
-    fn all() -> Vec<(&'static str, Self)> {
-        [Self::None, Self::Linear, Self::Stribeck, Self::Auto].map(|k| (k.name(), k)).to_vec()
-    }
-}
-
-impl Word for Refine {
-    fn all() -> Vec<(&'static str, Self)> {
-        vec![("rollout", Self::Rollout)]
-    }
-}
-
-impl Word for Selector {
-    fn all() -> Vec<(&'static str, Self)> {
-        vec![
-            ("bic", Self::Criterion(Criterion::default())),
-            ("lasso", Self::Lasso(Lasso::default())),
-            ("stlsq", Self::Stlsq(Stlsq::default())),
-        ]
-    }
-}
-
-impl Word for Scaling {
-    fn all() -> Vec<(&'static str, Self)> {
-        vec![("scaled", Self::Scaled), ("paper", Self::Paper)]
-    }
+word! {
+    Library: "energy" => Self::Energy, "product" => Self::Product, "chain" => Self::Chain;
+    Regression: "stepwise" => Self::Stepwise, "sindy" => Self::OneShot;
+    FrictionKind: "none" => Self::None, "linear" => Self::Linear, "stribeck" => Self::Stribeck,
+        "auto" => Self::Auto;
+    Refine: "rollout" => Self::Rollout;
+    Selector: "bic" => Self::Criterion(Criterion::default()),
+        "lasso" => Self::Lasso(Lasso::default()), "stlsq" => Self::Stlsq(Stlsq::default());
+    Scaling: "scaled" => Self::Scaled, "paper" => Self::Paper;
 }
 
 pub(crate) fn names() -> Vec<&'static str> {

@@ -321,12 +321,12 @@ impl Prepared {
 const LONG: f64 = 0.2;
 
 fn jumps(logs: &Logs) -> Option<String> {
-    let report = logs.report();
-    let (row, joint, by) = report.first_jump?;
+    let (file, (row, joint, by)) = logs.first(|own| own.first_jump.clone())?;
     Some(format!(
-        "the log is split at {}, the first by {by:.3} of {joint} in row {row}: are rows missing, does a \
-         counter wrap, or did the joint slip?",
-        counted(report.jumps, "jump", "of a position")
+        "the log is split at {}, the first by {by:.3} of {joint} in row {row} of {}: are rows missing, \
+         does a counter wrap, or did the joint slip?",
+        counted(logs.report().jumps, "jump", "of a position"),
+        file.display()
     ))
 }
 
@@ -337,24 +337,24 @@ fn dropped(logs: &Logs) -> Option<String> {
     if repairs.not_finite > 0 {
         parts.push(counted(repairs.not_finite, "row", "without a number"));
     }
-    if let Some((file, row, column, value)) = logs.first_absurd() {
+    if let Some((file, (row, column, value))) = logs.first(|own| own.first_absurd.clone()) {
         parts.push(format!(
             "{}, the first is {column} = {value:e} in row {row} of {}",
             counted(repairs.absurd, "row", "with a value far beyond its neighbours"),
             file.display()
         ));
     }
-    if let Some(first) = report.first_held {
-        let what = "with the position of the one before while the arm moves on";
-        let rows = counted(repairs.held_rows, "row", what);
-        parts.push(format!("{rows}, the first is row {first} (the device did not answer)"));
-    }
-    if let Some(first) = report.first_back {
-        parts.push(format!(
-            "{}, the first is row {first} (if the clock began anew there, put what follows in a file \
-             of its own)",
-            counted(repairs.earlier_stamps, "row", "earlier than a row before")
-        ));
+    let stale = "with the position of the one before while the arm moves on";
+    let anew = "if the clock began anew there, put what follows in a file of its own";
+    let [held, back] = [logs.first(|own| own.first_held), logs.first(|own| own.first_back)];
+    for (first, rows, what, why) in [
+        (held, repairs.held_rows, stale, "the device did not answer"),
+        (back, repairs.earlier_stamps, "earlier than a row before", anew),
+    ] {
+        parts.extend(first.map(|(file, row)| {
+            let rows = counted(rows, "row", what);
+            format!("{rows}, the first is row {row} of {} ({why})", file.display())
+        }));
     }
     (!parts.is_empty()).then(|| format!("left out: {}", parts.join(", ")))
 }

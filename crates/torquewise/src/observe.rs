@@ -50,10 +50,8 @@ impl<'a> Watched<'a> {
     }
 
     fn tell(&self, block: &Motion) -> ReadResult {
-        match (self.observer)(Event::Rows(block.n_rows())) {
-            ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(Error::Interrupted.into()),
-        }
+        let told = (self.observer)(Event::Rows(block.n_rows()));
+        if told.is_continue() { Ok(()) } else { Err(Error::Interrupted.into()) }
     }
 }
 

@@ -209,16 +209,16 @@ impl FitOptions {
         let by_step = fitted == (Library::Product, Regression::Stepwise);
         let one_shot = fitted == (Library::Product, Regression::OneShot);
         let all: [(_, _, _, Remedy); 10] = [
-            ("friction", self.has_friction(), !one_shot, stepwise),
-            ("interaction", self.interaction.is_some(), energy, energies),
-            ("trig_order", self.trig_order.is_some(), product, products),
-            ("gravity_order", self.gravity_order.is_some(), by_step, products_by_step),
+            ("friction", self.has_friction(), !one_shot, STEPWISE),
+            ("interaction", self.interaction.is_some(), energy, ENERGIES),
+            ("trig_order", self.trig_order.is_some(), product, PRODUCTS),
+            ("gravity_order", self.gravity_order.is_some(), by_step, PRODUCTS_BY_STEP),
             ("select", self.selector.is_some(), !chain, terms),
             ("threshold", self.threshold.is_some(), !chain, terms),
             ("n_bootstrap", self.n_bootstrap.is_some(), !chain, terms),
-            ("urdf", self.geometry.is_some(), chain, chains),
-            ("counterbalance", !self.counterbalanced.is_empty(), chain, chains),
-            ("refine", self.refine.is_some(), chain, chains),
+            ("urdf", self.geometry.is_some(), chain, CHAINS),
+            ("counterbalance", !self.counterbalanced.is_empty(), chain, CHAINS),
+            ("refine", self.refine.is_some(), chain, CHAINS),
         ];
         for (setting, is_given, is_used, remedy) in all {
             if is_given && !is_used && !spared.contains(&setting) {
@@ -300,29 +300,15 @@ fn name(fitted: Fitted) -> &'static str {
     }
 }
 
-fn energies(word: Wording) -> String {
-    word("library", Some("energy"))
-}
-
-fn products(word: Wording) -> String {
-    word("library", Some("product"))
-}
-
-fn chains(word: Wording) -> String {
-    word("library", Some("chain"))
-}
-
-fn stepwise(word: Wording) -> String {
-    word("method", Some("stepwise"))
-}
-
-fn products_by_step(word: Wording) -> String {
-    format!("{} with {}", products(word), stepwise(word))
-}
+const ENERGIES: Remedy = |word| word("library", Some("energy"));
+const PRODUCTS: Remedy = |word| word("library", Some("product"));
+const CHAINS: Remedy = |word| word("library", Some("chain"));
+const STEPWISE: Remedy = |word| word("method", Some("stepwise"));
+const PRODUCTS_BY_STEP: Remedy = |word| format!("{} with {}", PRODUCTS(word), STEPWISE(word));
 
 fn terms(word: Wording) -> String {
     let [energies, products, interaction] =
-        [energies(word), products(word), word("interaction", None)];
+        [ENERGIES(word), PRODUCTS(word), word("interaction", None)];
     format!("{energies} or {products} (energy needs {interaction} beyond four joints)")
 }
 

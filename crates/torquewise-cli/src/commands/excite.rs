@@ -159,10 +159,8 @@ impl Files {
 
 /// `[JOINT=]VALUE` as name and text of the value.
 fn named(text: &str) -> (Option<String>, &str) {
-    match text.rsplit_once('=') {
-        Some((joint, value)) => (Some(joint.trim().to_owned()), value),
-        None => (None, text),
-    }
+    let named = text.rsplit_once('=');
+    named.map_or((None, text), |(joint, value)| (Some(joint.trim().to_owned()), value))
 }
 
 fn number_of_joint(text: &str) -> Result<(Option<String>, f64), String> {

@@ -123,7 +123,7 @@ fn repeated_stamps_and_a_restarted_clock_are_left_out_and_told() {
         &said,
         &[
             "note: left out: 1 row with the time stamp of the row before",
-            "left out: 300 rows earlier than a row before, the first is row 2002",
+            "left out: 300 rows earlier than a row before, the first is row 2002 of log.csv",
             "put what follows in a file of its own",
         ],
     );

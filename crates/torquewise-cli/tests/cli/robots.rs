@@ -179,6 +179,10 @@ fn a_load_is_weighed_and_added_to_a_model_of_its_own() {
     terminal
         .done("simulate loaded.urdf -o test.csv --seconds 10 --rate 50 --seed 5 --motion sines");
     assert_predicts(&terminal, "both.json test.csv", 1.0);
+    for (model, is_told) in [("arm", true), ("both", false)] {
+        let said = terminal.run(&format!("evaluate {model}.json test.csv")).stderr;
+        assert_eq!(said.contains("carry another load"), is_told, "{said}");
+    }
     // The equations that are read are those of the arm with its load.
     let both = from_json(&terminal.read("both.json")).unwrap();
     let read = Model { chain: None, ..both.clone() };

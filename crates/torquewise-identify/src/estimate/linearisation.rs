@@ -230,21 +230,16 @@ impl Linearisation {
     }
 
     /// Columns of the linear parameters and of steps of the geometry that may move, in units of the
-    /// noise, (m·n)×p, joint by joint, and what each row was multiplied by, m·n.
+    /// noise, (m·n)×p, joint by joint, and what each row was multiplied by, m·n; with `weighs` of an
+    /// arm under gravity, else where nothing weighs.
     pub(crate) fn columns_of(
         &self,
         motion: &Motion,
+        weighs: bool,
     ) -> Result<(Mat<f64>, Vec<f64>), IdentifyError> {
-        self.tangent_columns(&self.weighed(motion, motion)?)
-    }
-
-    /// The same columns where nothing weighs.
-    pub(crate) fn weightless_columns_of(&self, motion: &Motion) -> Result<Mat<f64>, IdentifyError> {
-        Ok(self.tangent_columns(&self.weighed(motion, motion)?.weightless())?.0)
-    }
-
-    fn tangent_columns(&self, rows: &ChainRows) -> Result<(Mat<f64>, Vec<f64>), IdentifyError> {
-        let tangent = self.chain().tangent(rows, &self.weights, &self.free)?;
+        let rows = self.weighed(motion, motion)?;
+        let rows = if weighs { rows } else { rows.weightless() };
+        let tangent = self.chain().tangent(&rows, &self.weights, &self.free)?;
         Ok((tangent.columns, tangent.weights))
     }
 }

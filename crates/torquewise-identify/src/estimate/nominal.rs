@@ -5,6 +5,7 @@ use crate::DriveTerm;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use torquewise_model::{FrictionLaw, FrictionTerm};
+use torquewise_motion::grouped;
 use torquewise_motion::path::TRAVELS;
 use torquewise_rigid::feasible::{Positive, Prior};
 use torquewise_rigid::geometry::GRAVITY;
@@ -93,7 +94,7 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> (Prior, Vec<f64>) {
                 prior.rotors.push((index, start[index]));
             }
             DriveTerm::Friction(term) => {
-                let usual = usual_friction(term, sizes);
+                let usual = USUAL_FRICTION * torque_of(term, sizes);
                 prior.small.push((index, deviation(term, (sizes, kinds))));
                 let of_element = usual / TRAVELS.len() as f64;
                 if term.element().is_some() || term.load {
@@ -130,18 +131,12 @@ fn passive(
     (sizes, kinds): (&Sizes, &JointKinds),
 ) -> Vec<Positive> {
     let laws = drive.iter().enumerate().filter_map(|(k, term)| Some((first + k, term.law()?)));
-    let mut shafts: Vec<Vec<(usize, &FrictionTerm)>> = Vec::new();
-    for (k, term) in laws.filter(|(_, term)| term.law != FrictionLaw::Offset) {
-        let is_of = |any: &FrictionTerm| (&any.shaft, any.load) == (&term.shaft, term.load);
-        match shafts.iter_mut().find(|own| is_of(own[0].1)) {
-            Some(own) => own.push((k, term)),
-            None => shafts.push(vec![(k, term)]),
-        }
-    }
+    let laws = laws.filter(|(_, term)| term.law != FrictionLaw::Offset);
+    let shafts = grouped(laws, |(_, a), (_, b)| (&a.shaft, a.load) == (&b.shaft, b.load));
     let mut all = Vec::new();
     for own in shafts {
         let (_, any) = own[0];
-        let (peak, usual) = (speed_of(any, (sizes, kinds)), usual_friction(any, sizes));
+        let (peak, usual) = (speed_of(any, (sizes, kinds)), USUAL_FRICTION * torque_of(any, sizes));
         let dead = own.iter().fold(0.0_f64, |most, (_, term)| match term.law {
             FrictionLaw::Coulomb { width } => most.max(width),
             _ => most,
@@ -196,10 +191,6 @@ fn torque_of(term: &FrictionTerm, sizes: &Sizes) -> f64 {
     }
     let turning = term.shaft.iter().zip(&sizes.torque).filter(|(shaft, _)| **shaft != 0.0);
     or_one(turning.fold(0.0_f64, |most, (_, torque)| most.max(*torque)))
-}
-
-fn usual_friction(term: &FrictionTerm, sizes: &Sizes) -> f64 {
-    USUAL_FRICTION * torque_of(term, sizes)
 }
 
 /// How large a coefficient may well be.

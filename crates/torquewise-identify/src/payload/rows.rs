@@ -3,7 +3,7 @@
 use crate::drive_terms::SHARE_AT_REST;
 use crate::{AT_REST, state_of};
 use faer::{ColRef, Mat};
-use torquewise_model::{FrictionLaw, Model, RigidChain, Torque};
+use torquewise_model::{FrictionLaw, Model, RigidChain, Torque, Training};
 use torquewise_motion::Recording;
 use torquewise_rigid::{Kinematics, MotionState, Moved, PER_BODY};
 use torquewise_stepwise::IdentifyError;
@@ -21,19 +21,12 @@ impl Weights {
     pub(super) fn of(model: &Model) -> Self {
         let rest = |joint: usize| {
             let widths = model.friction.iter().filter(|own| own.term.acts_on(joint)).map(|own| {
-                match own.term.law {
-                    FrictionLaw::Coulomb { width } => width,
-                    _ => 0.0,
-                }
+                if let FrictionLaw::Coulomb { width } = own.term.law { width } else { 0.0 }
             });
             AT_REST * widths.fold(0.0_f64, f64::max)
         };
-        let training = &model.training;
-        let noise = if training.held_out_rms.is_empty() {
-            &training.residual_rms
-        } else {
-            &training.held_out_rms
-        };
+        let Training { held_out_rms, residual_rms, .. } = &model.training;
+        let noise = if held_out_rms.is_empty() { residual_rms } else { held_out_rms };
         let one = |joint: usize| match noise.get(joint) {
             Some(rms) if *rms > 0.0 => 1.0 / rms,
             _ => 1.0,

@@ -1,7 +1,7 @@
 //! Held-out error of a physical arm: the parameters of each trial are held to what those of the whole
 //! fit were held to (E14).
 
-use super::{Errors, HeldOut, Sums, Unseen, all_of};
+use super::{Errors, HeldOut, Sums, Unseen};
 use crate::estimate::{STRENGTH, prior};
 use crate::{Linearisation, Sizes};
 use faer::Mat;
@@ -61,7 +61,8 @@ impl Unseen<'_> {
         };
         let solved = self.around.par_iter().zip(self.blocks).map(trial);
         let solved = solved.collect::<Option<Vec<Mat<f64>>>>()?;
-        self.measured(&[solved], &all_of(gram.ncols())).into_iter().next().flatten()
+        let all: Vec<usize> = (0..gram.ncols()).collect();
+        self.measured(&[solved], &all).into_iter().next().flatten()
     }
 }
 

@@ -22,6 +22,9 @@ fn what_is_wrong_decides_the_grade_and_stands_among_its_reasons() {
     let mut short = good.clone();
     short.model.training.held_out_rms.clear();
     short.model.training.held_out_by_region_rms.clear();
+    let mut elsewhere = good.clone();
+    elsewhere.model.training.held_out_by_region_rms = good.model.training.torque_std.clone();
+    elsewhere.model.training.held_out_by_region_rms[1] = 0.0;
     let (joints, gains) = (good.model.joints.clone(), vec![[2.0, 0.1], [0.5, 0.1]]);
     let gains = Warning::Gains { joints: joints.clone(), gains };
     let cases = vec![
@@ -34,6 +37,7 @@ fn what_is_wrong_decides_the_grade_and_stands_among_its_reasons() {
         (tested(&[0.6, 0.6], None), Grade::Unusable, "60 % of the torque is missed"),
         (tested(&[0.01, f64::NAN], None), Grade::Good, "test error 1.00 to 1.00 %"),
         (judged(unsure), Grade::Usable, "by only 1 of 48 starts"),
+        (judged(elsewhere), Grade::Usable, "hardly better than by its mean in regions held out"),
         (judged(short), Grade::Usable, "too few rows to hold any out"),
         (warned(Warning::Repeated), Grade::Usable, "given twice"),
         (warned(Warning::NotPhysical(String::new())), Grade::Usable, "not positive definite"),

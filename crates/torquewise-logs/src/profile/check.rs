@@ -25,7 +25,7 @@ impl Profile {
         if let Some(t) = &self.t {
             let unit = t.unit.as_deref();
             if unit::time_factor(unit).is_none() {
-                return wrong("t.unit", quoted(unit), one_of(&unit::known(None)));
+                return wrong("t.unit", quoted(unit), format!("one of {}", unit::known(None)));
             }
         }
         if !in_order(&self.rows) || self.rows.iter().any(|range| range[0] == 0) {
@@ -38,13 +38,11 @@ impl Profile {
         }
         let is_unknown = |name: &&String| !self.joints.is_empty() && !self.joints.contains(name);
         if let Some(name) = self.leave_out.iter().find(is_unknown) {
-            return wrong("leave_out", shown(name.as_bytes()), one_of(&self.joints.join(", ")));
+            let expected = format!("one of {}", self.joints.join(", "));
+            return wrong("leave_out", shown(name.as_bytes()), expected);
         }
-        for signal in Signal::ALL {
-            if let Some(parts) = self.signal(signal) {
-                check_values(signal, parts, from)?;
-            }
-        }
+        let mut present = Signal::ALL.into_iter().filter_map(|own| Some((own, self.signal(own)?)));
+        present.try_for_each(|(signal, parts)| check_values(signal, parts, from))?;
         self.check_counts((!self.joints.is_empty()).then_some(self.joints.len()), from)
     }
 
@@ -56,15 +54,11 @@ impl Profile {
         let first = counts.first().map(|(key, count)| (format!("{key} has"), *count));
         let known = n.map(|n| ("joints are".to_owned(), n)).or(first);
         let Some((by, expected)) = known else { return Ok(()) };
-        match counts.into_iter().find(|(_, count)| *count != expected) {
-            Some((key, count)) => Err(LogError::ProfileKey {
-                profile: from.into(),
-                key,
-                found: format!("{count} entries"),
-                expected: format!("{expected}, one per joint, as {by} {expected}"),
-            }),
-            None => Ok(()),
-        }
+        let wrong = counts.into_iter().find(|(_, count)| *count != expected);
+        let Some((key, count)) = wrong else { return Ok(()) };
+        let found = format!("{count} entries");
+        let expected = format!("{expected}, one per joint, as {by} {expected}");
+        Err(LogError::ProfileKey { profile: from.into(), key, found, expected })
     }
 }
 
@@ -100,7 +94,7 @@ fn check_values(signal: Signal, parts: &SignalColumns, from: &str) -> Result<()>
     };
     let unit = parts.unit.as_deref();
     if unit::factor(signal, unit).is_none() {
-        return wrong("unit", quoted(unit), one_of(&unit::known(Some(signal))));
+        return wrong("unit", quoted(unit), format!("one of {}", unit::known(Some(signal))));
     }
     if unit::is_current(unit) && parts.torque_constant.is_none() {
         let expected = "torque_constant = [N·m/A of each motor, with its sign], and gear if the \
@@ -131,10 +125,6 @@ fn in_order<T: PartialOrd>(ranges: &[[T; 2]]) -> bool {
 
 fn quoted(text: Option<&str>) -> String {
     format!("\"{}\"", shown(text.unwrap_or_default().as_bytes()))
-}
-
-fn one_of(names: &str) -> String {
-    format!("one of {names}")
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use crate::html::number::rounded;
 use crate::html::thin::{rows_of, sorted};
 use crate::{Result, script_json};
 use serde_json::{Value, json};
+use torquewise_motion::grouped;
 
 pub(crate) fn spec_json(chart: &Chart) -> Result<String> {
     let mut columns: Vec<Vec<Value>> = Vec::new();
@@ -53,23 +54,14 @@ pub(crate) fn spec_json(chart: &Chart) -> Result<String> {
 /// Places and drawn points of series: those that are lines over the same abscissae stay together,
 /// every other one is alone.
 fn groups(chart: &Chart) -> Vec<Vec<(usize, Series)>> {
-    let mut groups: Vec<Vec<(usize, Series)>> = Vec::new();
-    for (place, series) in chart.series.iter().enumerate() {
-        let own = sorted(series, chart.x.log);
-        let same = |group: &&mut Vec<(usize, Series)>| {
-            let other = &group[0].1;
-            let mut pairs = other.points.iter().zip(&own.points);
-            other.mark.is_line()
-                && own.mark.is_line()
-                && other.points.len() == own.points.len()
-                && pairs.all(|(a, b)| a[0].total_cmp(&b[0]).is_eq())
-        };
-        match groups.iter_mut().find(same) {
-            Some(group) => group.push((place, own)),
-            None => groups.push(vec![(place, own)]),
-        }
-    }
-    groups
+    let all = chart.series.iter().map(|series| sorted(series, chart.x.log)).enumerate();
+    grouped(all, |(_, other), (_, own)| {
+        let mut pairs = other.points.iter().zip(&own.points);
+        other.mark.is_line()
+            && own.mark.is_line()
+            && other.points.len() == own.points.len()
+            && pairs.all(|(a, b)| a[0].total_cmp(&b[0]).is_eq())
+    })
 }
 
 /// The axis without a range that cannot be.

@@ -43,7 +43,7 @@ impl Staged {
         rng: &mut ChaCha8Rng,
     ) -> Self {
         let mut staged = Self { arcs: Vec::new(), rate };
-        let stages: [Stage; 3] = [hold, sweep, accelerate];
+        let stages: [Stage; 3] = [|n, _| (HOLD, State::at_rest(&vec![0.0; n])), sweep, accelerate];
         let mut first_row = 0;
         for (stage, last) in stages.into_iter().zip([n_rows / 3, 2 * n_rows / 3, n_rows]) {
             while first_row < last {
@@ -84,10 +84,6 @@ impl Staged {
         let way = q.iter().zip(&end.q).map(|(to, from)| (to - from).abs()).fold(0.0, f64::max);
         t + (way / TRANSFER_SPEED).max(TRANSFER).max(GAP_ROWS / self.rate)
     }
-}
-
-fn hold(n: usize, _: &mut ChaCha8Rng) -> (f64, State) {
-    (HOLD, State::at_rest(&vec![0.0; n]))
 }
 
 /// Every joint moves at its own constant speed, in either direction.

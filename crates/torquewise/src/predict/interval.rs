@@ -2,7 +2,7 @@
 
 use crate::{Error, Result};
 use faer::Mat;
-use torquewise_model::{Model, RigidChain, Torque};
+use torquewise_model::{Model, RigidChain, Torque, Training};
 use torquewise_motion::{Motion, ReadError, Recording};
 use torquewise_stepwise::{IdentifyError, NoiseFloor};
 
@@ -32,11 +32,8 @@ impl<'a> Interval<'a> {
     pub fn new(model: &'a Model, recording: &dyn Recording, percent: f64) -> Result<Self> {
         let chain = model.chain.as_ref().filter(|chain| !chain.covariance_root.is_empty());
         let chain = chain.ok_or(Error::NoCovariance)?;
-        let training = &model.training;
-        let left = match &training.unexplained_rms[..] {
-            [] => &training.residual_rms,
-            left => left,
-        };
+        let Training { unexplained_rms, residual_rms, .. } = &model.training;
+        let left = if unexplained_rms.is_empty() { residual_rms } else { unexplained_rms };
         Ok(Self {
             model,
             chain,
