@@ -23,8 +23,8 @@ const WIDER: f64 = 2.5;
 /// A chain that was searched at a bandwidth this little worse than the best need not be searched
 /// again there.
 const NEAR: f64 = 0.02;
-/// Near a reversal friction that no law holds looks like a torque that is early: a delay must be better
-/// than none also by the rows at which a joint has more than this part of its RMS speed.
+/// Near a reversal friction that no law holds looks like a torque that is early: a delay is chosen by the
+/// rows at which a joint has more than this part of its RMS speed.
 const SLOW: f64 = 0.1;
 /// A delay must lower the error by this part, and by so many standard errors of the gain over the
 /// blocks: what friction lacks can pass for a small one.
@@ -138,12 +138,11 @@ impl Grid {
         let Some(cutoff) = lowest_near_best(&cutoffs) else { return Ok(None) };
         let delays = delays(logs, (chain, cutoff), watch)?;
         let mut delay = none;
-        if let Some(best) = best_delay(&delays) {
-            let with = |slow| at(logs, chain, (cutoff, &[none, best]), slow, watch);
-            if is_clear(&with(0.0)?) && is_better(&with(SLOW)?) {
-                delay = best;
-                cutoffs = self::cutoffs(logs, (chain, delay), watch)?;
-            }
+        if let Some(best) = best_delay(&delays)
+            && is_clear(&at(logs, chain, (cutoff, &[none, best]), SLOW, watch)?)
+        {
+            delay = best;
+            cutoffs = self::cutoffs(logs, (chain, delay), watch)?;
         }
         let best = lowest_near_best(&cutoffs);
         Ok(best.map(|cutoff| Self { cutoffs, delays, cutoff, delay }))
@@ -176,7 +175,7 @@ impl Grid {
         let delays = self.delays.iter().map(|tried| of(tried, milliseconds(tried.delay))).collect();
         let lowest =
             ("cut-off of the filter", hertz(cutoff), "lowest near the least error", cutoffs);
-        let rule = "lowest of a parabola, but none without a clear gain, in motion too,";
+        let rule = "lowest of a parabola, but none without a clear gain, in motion,";
         let clear = ("delay of the torque", milliseconds(delay), rule, delays);
         let choice = |(what, chosen, rule, from): (&str, String, &str, Vec<Candidate>)| Choice {
             what: what.to_owned(),
@@ -218,11 +217,6 @@ fn is_clear(tried: &[Tried]) -> bool {
     gain > LEAST_GAIN && mean(&gains) > LEAST_CERTAINTY * standard_error(&gains)
 }
 
-/// Whether the second of two delays is better than the first.
-fn is_better(tried: &[Tried]) -> bool {
-    matches!(tried, [without, with] if with.errors.all() < without.errors.all())
-}
-
 /// What cut-offs leave with a delay: every second one, then those beside the best.
 fn cutoffs(
     logs: &impl RawRecording,
@@ -256,7 +250,7 @@ fn delays(
     (chain, cutoff): (&Linearisation, f64),
     watch: Watch<'_>,
 ) -> Result<Vec<Tried>, IdentifyError> {
-    let mut tried = at(logs, chain, (cutoff, &logs.delays()), 0.0, watch)?;
+    let mut tried = at(logs, chain, (cutoff, &logs.delays()), SLOW, watch)?;
     for _ in 0..MORE_DELAYS.1 {
         let [.., before, last] = &tried[..] else { break };
         if tried.iter().any(|own| own.errors.all() < last.errors.all()) {
@@ -264,7 +258,7 @@ fn delays(
         }
         let step = last.delay - before.delay;
         let more = (1..=MORE_DELAYS.0).map(|k| last.delay + f64::from(k) * step);
-        tried.extend(at(logs, chain, (cutoff, &more.collect::<Vec<f64>>()), 0.0, watch)?);
+        tried.extend(at(logs, chain, (cutoff, &more.collect::<Vec<f64>>()), SLOW, watch)?);
     }
     Ok(tried)
 }

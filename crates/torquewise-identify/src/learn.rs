@@ -13,7 +13,9 @@ use std::ops::ControlFlow;
 use torquewise_model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
 use torquewise_regression::ascending;
-use torquewise_rigid::search::{FINAL_ROWS, SearchStage, all_parameters};
+use torquewise_rigid::search::{
+    FINAL_ROWS, Found, SearchStage, SearchWatch, all_parameters, turned,
+};
 use torquewise_rigid::{Chain, ChainError, ChainRows, JointKinds, Search, refine, search};
 use torquewise_stepwise::friction::FrictionLibrary;
 use torquewise_stepwise::held_out::CvScore;
@@ -43,10 +45,14 @@ pub(crate) struct Learned {
 /// No axis is farther \[rad\] than this from the nearest right angle.
 const ANY_ANGLE: f64 = 1.0;
 /// Axes farther \[rad\] than this from a right angle may lie anywhere, where that lowers the error on
-/// held-out rows by a part that no public arm reaches: all stand at right angles, and seem to gain up
-/// to 5 %.
+/// held-out rows by a part that no public arm reaches but an MTM: the others stand at right angles, and
+/// seem to gain up to 5 %.
 const OBLIQUE: f64 = 0.2;
 const WORTH_OF_ANGLES: f64 = 0.1;
+/// No axis of an arm that is looked for anywhere is held.
+const ANYWHERE: f64 = 0.0;
+/// An arm is another than those before only if its error is less by this part.
+const CLEARLY: f64 = 0.02;
 /// Parallel neighbours must lower the error by this part: a wrist that hardly turns fits either way,
 /// and its axes stand across each other.
 const WORTH_OF_PARALLEL: f64 = 0.05;
@@ -172,6 +178,28 @@ fn balanced(motion: &Motion, names: &[String]) -> Result<Vec<usize>, IdentifyErr
 /// A chain by its error on held-out rows, with what was fitted.
 type Judged = (CvScore, ChainSpec, Chain);
 
+/// How near \[rad\] to a right angle an axis stands there, how many starts led to the arm, of how many,
+/// and the arm.
+type Way = (f64, [usize; 2], Judged);
+
+/// Judges a chain, its axes nearer than `angle` to a right angle put there.
+fn judged(
+    label: &str,
+    angle: f64,
+    start: &Chain,
+    (spec, rows): (&ChainSpec, &ChainRows),
+    watch: SearchWatch<'_>,
+) -> Result<Judged, IdentifyError> {
+    let (geometry, free) = start.geometry.snapped(angle);
+    let (spec, start) = (ChainSpec { free, ..spec.clone() }, Chain { geometry, ..start.clone() });
+    Ok((trial(label.to_owned(), &spec, rows, &start, watch)?, spec, start))
+}
+
+fn best(all: Result<Vec<Judged>, IdentifyError>) -> Result<Judged, IdentifyError> {
+    let best = all?.into_iter().min_by(|a, b| a.0.error().total_cmp(&b.0.error()));
+    best.ok_or(IdentifyError::Chain(ChainError::Singular))
+}
+
 const AXES: &str = "axes at right angles";
 
 /// The log in the hands of the learner.
@@ -209,59 +237,28 @@ impl<'a> ChainLearner<'a> {
         of_joints.filter(|term| term.joint().is_some()).all(|term| linear.contains(term))
     }
 
-    /// Searches the geometry. Its axes stand at right angles, as those of nearly all arms do, unless
-    /// held-out rows are clear: on real logs an axis that may lie anywhere follows what the model
-    /// lacks. Of parallel neighbours it is asked whether they may as well stand across each other.
+    /// Searches the geometry. Of parallel neighbours it is asked whether they may as well stand across
+    /// each other.
     fn geometry(
         &mut self,
         spec: &mut ChainSpec,
         known: Option<Chain>,
         choices: &mut Vec<Choice>,
     ) -> Result<Chain, IdentifyError> {
-        let found = search(&self.rows(spec, LAST_ROWS)?, &spec.search, &searching(self.watch))?;
-        let (times, starts_made) = (found.times, found.starts);
-        let mut starts = found.chains;
-        starts.dedup_by(|a, b| (a.cost - b.cost).abs() < SAME * b.cost);
-        starts.extend(known);
-        let rows = self.rows(spec, TRIAL_ROWS)?;
-        let watch = searching(self.watch);
-        let judged = |label: &str, angle: f64, start: &Chain| -> Result<Judged, IdentifyError> {
-            let (geometry, free) = start.geometry.snapped(angle);
-            let (spec, start) =
-                (ChainSpec { free, ..spec.clone() }, Chain { geometry, ..start.clone() });
-            Ok((trial(label.to_owned(), &spec, &rows, &start, &watch)?, spec, start))
-        };
-        let best = |all: Vec<Judged>| {
-            let best = all.into_iter().min_by(|a, b| a.0.error().total_cmp(&b.0.error()));
-            best.ok_or(IdentifyError::Chain(ChainError::Singular))
-        };
-        let held: Result<Vec<Judged>, _> =
-            starts.par_iter().map(|start| judged("held", ANY_ANGLE, start)).collect();
-        let held = held?;
-        let free = starts.par_iter().zip(&held).map(|(start, held)| {
-            if start.geometry.snapped(OBLIQUE) != start.geometry.snapped(ANY_ANGLE) {
-                return judged("free", OBLIQUE, start);
-            }
-            let (trial, spec, start) = held.clone();
-            Ok((CvScore { label: "free".to_owned(), ..trial }, spec, start))
-        });
-        let free = free.collect::<Result<Vec<Judged>, IdentifyError>>()?;
-        let mut ways = vec![best(held)?, best(free)?];
-        let trials: Vec<CvScore> = ways.iter().map(|(trial, ..)| trial.clone()).collect();
-        let place = record_worth(AXES, &trials, WORTH_OF_ANGLES, choices);
-        let angle = [ANY_ANGLE, OBLIQUE][place];
-        let (mut least, own, mut start) = ways.swap_remove(place);
+        let (watch, rows) = (searching(self.watch), self.rows(spec, TRIAL_ROWS)?);
+        let found = self.axes((spec, &rows), known, choices)?;
+        let (angle, [times, starts], (mut least, own, mut start)) = found;
         let mut unresolved = Vec::new();
         for joint in 1..self.motion.n_joints() {
             // Those beyond an axis that was turned may have become parallel.
-            if !start.geometry.is_parallel(joint) {
+            if angle == ANYWHERE || !start.geometry.is_parallel(joint) {
                 continue;
             }
-            let turned = start.geometry.turned_across(joint).into_iter();
-            let turned: Vec<Chain> =
-                turned.map(|geometry| Chain { geometry, ..start.clone() }).collect();
-            let turned = turned.par_iter().map(|turned| judged(&least.label, angle, turned));
-            let across = best(turned.collect::<Result<Vec<_>, IdentifyError>>()?)?;
+            let across = start.geometry.turned_across(joint).into_par_iter().map(|geometry| {
+                let start = Chain { geometry, ..start.clone() };
+                judged(&least.label, angle, &start, (spec, &rows), &watch)
+            });
+            let across = best(across.collect())?;
             if across.0.error() < (1.0 + UNRESOLVED) * least.error() {
                 unresolved.push(joint);
             }
@@ -269,12 +266,64 @@ impl<'a> ChainLearner<'a> {
                 (least, _, start) = across;
             }
         }
-        self.found = Some(GeometryFound { times, starts: starts_made, unresolved });
+        self.found = Some(GeometryFound { times, starts, unresolved });
         *spec = own;
         let rows = self.rows(spec, FINAL_ROWS)?;
         let chain = refine(&rows, &start, &spec.free, &spec.search, &watch)?;
         let chain = self.falling(spec, &rows, chain)?;
         self.exact(spec, &rows, chain)
+    }
+
+    /// Searches arms whose axes stand at right angles, as those of nearly all do, unless held-out rows
+    /// are clear: on real logs an axis that may lie anywhere follows what the model lacks. Where freeing
+    /// some lowers the error at all, starts lie anywhere too.
+    fn axes(
+        &self,
+        at: (&ChainSpec, &ChainRows),
+        known: Option<Chain>,
+        choices: &mut Vec<Choice>,
+    ) -> Result<Way, IdentifyError> {
+        let (watch, many) = (searching(self.watch), self.rows(at.0, LAST_ROWS)?);
+        let Found { chains: mut starts, times, starts: made } =
+            search(&many, &at.0.search, &watch)?;
+        starts.dedup_by(|a, b| (a.cost - b.cost).abs() < SAME * b.cost);
+        starts.extend(known);
+        let held = starts.par_iter().map(|start| judged("held", ANY_ANGLE, start, at, &watch));
+        let held = held.collect::<Result<Vec<Judged>, IdentifyError>>()?;
+        let free = starts.par_iter().zip(&held).map(|(start, held)| {
+            if start.geometry.snapped(OBLIQUE) != start.geometry.snapped(ANY_ANGLE) {
+                return judged("free", OBLIQUE, start, at, &watch);
+            }
+            let (trial, spec, start) = held.clone();
+            Ok((CvScore { label: "free".to_owned(), ..trial }, spec, start))
+        });
+        let free = best(free.collect())?;
+        let held = best(Ok(held))?;
+        let is_asked = free.0.error() < held.0.error();
+        let mut ways = [(ANY_ANGLE, [times, made], held), (OBLIQUE, [times, made], free)];
+        if is_asked {
+            let offer = |from: &[Chain], counts, own: &mut Way| -> Result<(), IdentifyError> {
+                let all = from.par_iter().map(|own| judged("free", ANYWHERE, own, at, &watch));
+                let anywhere = best(all.collect())?;
+                if anywhere.0.error() < (1.0 - CLEARLY) * own.2.0.error() {
+                    *own = (ANYWHERE, counts, anywhere);
+                }
+                Ok(())
+            };
+            offer(&starts, [times, made], &mut ways[1])?;
+            let oblique = Search { is_oblique: true, ..at.0.search.clone() };
+            // Where these starts cannot be fitted, those at right angles can; who stops is asked again.
+            if let Ok(found) = search(&many, &oblique, &watch) {
+                offer(&found.chains, [found.times, found.starts], &mut ways[1])?;
+            }
+            if let Ok(turned) = turned(&many, &ways[1].2.2, &oblique, &watch) {
+                offer(&[turned], [1, ways[1].1[1]], &mut ways[1])?;
+            }
+        }
+        let trials = ways.each_ref().map(|(.., own)| own.0.clone());
+        let place = record_worth(AXES, &trials, WORTH_OF_ANGLES, choices);
+        let [held, free] = ways;
+        Ok(if place == 0 { held } else { free })
     }
 
     /// Fits the chosen specification on a sample of many rows.

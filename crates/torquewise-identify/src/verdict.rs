@@ -79,13 +79,17 @@ fn graded(mut because: Vec<String>, doubts: Vec<String>, judged: &[Judged<'_>]) 
     let mut poor = missed(&|[near, error]| !is_useless(near) && is_useless(error), &elsewhere);
     let how = format!("missed by more than {:.0} % of its spread", 100.0 * Training::POOR);
     poor.extend(missed(&|[_, error]| (Training::POOR..USELESS).contains(&error), &how));
-    let errors_of = |errors: &[(&String, [f64; 2])]| -> Vec<f64> {
-        errors.iter().map(|(_, [_, error])| *error).collect()
+    let [near, all] = [0, 1];
+    let errors_of = |errors: &[(&String, [f64; 2])], which: usize| -> Vec<f64> {
+        errors.iter().map(|(_, error)| error[which]).collect()
     };
-    let means = judged.clone().map(|(_, errors)| geometric_mean(&errors_of(errors)));
-    let mean = means.fold(0.0, f64::max);
-    if mean >= HALF && because.is_empty() {
-        let missed = 100.0 * mean;
+    let mean = |which| {
+        let means = judged.clone().map(|(_, own)| geometric_mean(&errors_of(own, which)));
+        means.fold(0.0, f64::max)
+    };
+    let (missed, mean) = (mean(near), mean(all));
+    if missed >= HALF && because.is_empty() {
+        let missed = 100.0 * missed;
         because.push(format!("{missed:.0} % of the torque is missed in the mean of the joints"));
     }
     let has_no_doubt = poor.is_empty() && doubts.is_empty();
@@ -96,7 +100,8 @@ fn graded(mut because: Vec<String>, doubts: Vec<String>, judged: &[Judged<'_>]) 
     };
     because.extend(doubts.into_iter().chain(poor));
     because.extend(judged.map(|(rows, errors)| {
-        let [least, most] = [f64::min, f64::max].map(|of| errors_of(errors).into_iter().reduce(of));
+        let [least, most] =
+            [f64::min, f64::max].map(|of| errors_of(errors, all).into_iter().reduce(of));
         let [least, most] = [least, most].map(|error| 100.0 * error.unwrap_or_default());
         format!("{rows} error {least:.2} to {most:.2} % of the spread of the torque")
     }));

@@ -42,11 +42,7 @@ impl Verdict {
 
 impl fmt::Display for Grade {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Good => "good",
-            Self::Usable => "usable",
-            Self::Unusable => "unusable",
-        })
+        f.write_str(["good", "usable", "unusable"][*self as usize])
     }
 }
 

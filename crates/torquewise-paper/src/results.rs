@@ -104,11 +104,7 @@ pub enum ClaimVerdict {
 impl ClaimVerdict {
     /// As one reads it.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Holds => "holds",
-            Self::HoldsInPart => "holds in part",
-            Self::Contradicted => "contradicted",
-        }
+        ["holds", "holds in part", "contradicted"][self as usize]
     }
 }
 

@@ -1,4 +1,4 @@
-//! Search of the geometry: many starts with axes at right angles, the best of them refined.
+//! Search of the geometry: many starts, with axes at right angles or anywhere, the best of them refined.
 
 use crate::geometry::{PER_JOINT, RIGHT_ANGLES};
 use crate::levenberg_marquardt::Target;
@@ -9,7 +9,12 @@ use crate::{
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use std::f64::consts::TAU;
 use std::ops::ControlFlow;
+
+pub use turned::turned;
+
+mod turned;
 
 /// How a chain is looked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +22,8 @@ pub struct Search {
     /// Starts at most: arms whose axes lie at right angles at random. Fewer are made where several
     /// of them lead to the same arm.
     pub starts: usize,
+    /// Whether the axes of the starts lie anywhere instead; gravity too in every second start.
+    pub is_oblique: bool,
     /// Rounds of refinement of a start.
     pub rounds: usize,
     /// Rounds of weighing joints by their residual and refining again, at least 1.
@@ -34,7 +41,8 @@ pub struct Search {
 impl Default for Search {
     fn default() -> Self {
         let (coupling, kinds) = (Coupling::default(), JointKinds::default());
-        Self { starts: 48, rounds: 25, weighings: 3, ridge: 1e-4, seed: 0, coupling, kinds }
+        let (starts, is_oblique, rounds) = (48, false, 25);
+        Self { starts, is_oblique, rounds, weighings: 3, ridge: 1e-4, seed: 0, coupling, kinds }
     }
 }
 
@@ -169,7 +177,7 @@ pub(crate) fn tell(watch: SearchWatch<'_>, stage: SearchStage) -> Result<()> {
 pub struct Found {
     /// Chains refined on at most [`FINAL_ROWS`] rows, the best first.
     pub chains: Vec<Chain>,
-    /// Starts within 2 % of the lowest residual, the best among them.
+    /// Starts within 2 % of the lowest residual, the best among them, on their rows or once refined.
     pub times: usize,
     /// Starts that were made.
     pub starts: usize,
@@ -192,7 +200,7 @@ pub fn search(rows: &ChainRows, search: &Search, watch: SearchWatch<'_>) -> Resu
     let (glance, start) = (rows.thinned(GLANCE_ROWS), rows.thinned(START_ROWS));
     let free = Geometry::straight(n).of_kinds(search.kinds.clone()).movable();
     let made = |place: usize| {
-        let fitted = right_angles(&glance, &weights, (search, place), watch)?;
+        let fitted = first_fit(&glance, &weights, (search, place), watch)?;
         // A joint whose torque is mostly noise must not dominate the others.
         let first = Chain::new(&fitted, &glance, &weights);
         let weighed = Search { weighings: START_WEIGHINGS, ..search.clone() };
@@ -200,7 +208,7 @@ pub fn search(rows: &ChainRows, search: &Search, watch: SearchWatch<'_>) -> Resu
     };
     let rank = |chain: &Chain| score(chain, &start, LEAST_RESIDUAL);
     let mut found: Vec<(usize, Chain)> = Vec::new();
-    let (mut starts, mut times) = (0, 0);
+    let (mut starts, mut times, within) = (0, 0, SAME * n as f64);
     while starts < search.starts && times < AGREEING {
         let batch = starts..(starts + BATCH).min(search.starts);
         starts = batch.end;
@@ -208,7 +216,6 @@ pub fn search(rows: &ChainRows, search: &Search, watch: SearchWatch<'_>) -> Resu
         found.sort_by(|a, b| rank(&a.1).total_cmp(&rank(&b.1)).then(a.0.cmp(&b.0)));
         let scores: Vec<f64> =
             found.iter().map(|own| score(&own.1, &start, NOTHING / FIRST_NOISE)).collect();
-        let within = SAME * start.n_joints() as f64;
         times = scores.iter().filter(|own| (*own - scores[0]).abs() < within).count();
         tell(watch, SearchStage::Starts { made: starts, agreeing: times })?;
     }
@@ -219,6 +226,10 @@ pub fn search(rows: &ChainRows, search: &Search, watch: SearchWatch<'_>) -> Resu
     tell(watch, SearchStage::Round)?;
     let rank = |chain: &Chain| score(chain, &finals, LEAST_RESIDUAL);
     chains.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
+    // Some that seemed apart were not refined to the end.
+    let coarse = |chain: &Chain| score(chain, &finals, NOTHING / FIRST_NOISE);
+    let agree = |own: &&Chain| (coarse(own) - coarse(&chains[0])).abs() < within;
+    let times = times.max(chains.iter().filter(agree).count());
     if chains.is_empty() { Err(ChainError::Singular) } else { Ok(Found { chains, times, starts }) }
 }
 
@@ -228,8 +239,7 @@ pub fn search(rows: &ChainRows, search: &Search, watch: SearchWatch<'_>) -> Resu
 pub fn glance(rows: &ChainRows, search: &Search, watch: SearchWatch<'_>) -> Vec<f64> {
     let weights = first_weights(rows);
     let left = (0..search.starts).into_par_iter().filter_map(|place| {
-        let chain =
-            Chain::new(&right_angles(rows, &weights, (search, place), watch)?, rows, &weights);
+        let chain = Chain::new(&first_fit(rows, &weights, (search, place), watch)?, rows, &weights);
         Some((score(&chain, rows, LEAST_RESIDUAL), chain.residual_rms))
     });
     let best = left.min_by(|a, b| a.0.total_cmp(&b.0));
@@ -290,9 +300,16 @@ fn weights_of(residual_rms: &[f64], first: &[f64]) -> Vec<f64> {
     first.iter().enumerate().map(weight).collect()
 }
 
+/// A direction, all alike, as the rotation vector that turns z to it.
+fn anywhere(random: &mut ChaCha8Rng) -> [f64; 2] {
+    let angle = random.random_range(-1.0_f64..1.0).acos();
+    let (sin, cos) = random.random_range(0.0..TAU).sin_cos();
+    [angle * cos, angle * sin]
+}
+
 /// A start, by its number: random right angles and places, then each axis in turn takes the right angle
-/// that leaves least, until none changes.
-fn right_angles(
+/// that leaves least, until none changes; or random directions, of gravity in every second start.
+fn first_fit(
     rows: &ChainRows,
     weights: &[f64],
     (search, place): (&Search, usize),
@@ -305,14 +322,19 @@ fn right_angles(
         Geometry::straight(n).coupled(search.coupling.clone()).of_kinds(search.kinds.clone());
     let (usual, strength) = (UsualArm::near(&geometry), 0.0);
     let target = Target { rows, weights, ridge: search.ridge, usual, strength };
-    for joint in 1..n {
-        geometry.set_turn(joint, RIGHT_ANGLES[random.random_range(0..RIGHT_ANGLES.len())]);
+    for joint in usize::from(!search.is_oblique || place % 2 == 1)..n {
+        let mut right = || RIGHT_ANGLES[random.random_range(0..RIGHT_ANGLES.len())];
+        let turn = if search.is_oblique { anywhere(&mut random) } else { right() };
+        geometry.set_turn(joint, turn);
         let place = [random.random_range(-PLACE..PLACE), random.random_range(-PLACE..PLACE)];
         if geometry.has_place(joint) {
             geometry.set_place(joint, place);
         }
     }
     let mut best = target.fit(&geometry).ok()?;
+    if search.is_oblique {
+        return Some(best);
+    }
     let mut least = logarithm(&best, &target);
     // How many axes had changed when an axis was tried last: none has since, its turn is over.
     let (mut changes, mut tried_at) = (0, vec![None; n]);

@@ -268,7 +268,7 @@ fn scored(
     let held = Held { model, joints: &joints, rests: &rests, unheld: &unheld, raw: &raw_rmse };
     notes.extend(held.remarks());
     let errors = held.errors();
-    notes.extend(changed(model, &errors).filter(|_| !is_trained));
+    notes.extend(changed(model, &errors, &unheld).filter(|_| !is_trained));
     Ok(Evaluation {
         warnings: still.collect(),
         verdict: by_fit.unwrap_or_else(|| judge_by(model, &errors, covered.as_deref())),
@@ -295,16 +295,24 @@ fn is_trained(
         && joints.iter().zip(left).all(|(own, (rms, std))| own.rmse <= most * rms + ROUNDING * std)
 }
 
-/// An arm whose torque is missed so many times as much as held-out torque was, and by this part of its
-/// spread, may carry another load.
+/// An arm whose torque is missed by so many times as many \[N·m\] as held-out torque was, and by this part
+/// of its spread, may carry another load.
 const CHANGED: [f64; 2] = [3.0, 0.1];
 
 /// Joints of a chain that are missed by far more than its fit lets expect.
-fn changed(model: &Model, errors: &[f64]) -> Option<String> {
-    let held_out = model.training.held_out_errors().filter(|_| model.chain.is_some())?;
-    let joints = model.joints.iter().zip(errors.iter().zip(&held_out));
-    let missed = joints.filter(|(_, (error, own))| **error > (CHANGED[0] * *own).max(CHANGED[1]));
-    let missed: Vec<String> = missed.map(|(name, _)| name.clone()).collect();
+///
+/// - `errors`: over the spread of the torque, n
+/// - `unheld`: RMS \[N·m\], n
+fn changed(model: &Model, errors: &[f64], unheld: &[f64]) -> Option<String> {
+    let training = &model.training;
+    let held_out = training.held_out_errors().filter(|_| model.chain.is_some())?;
+    let is_missed = |k: &usize| {
+        let expected = held_out[*k] * training.torque_std[*k];
+        let is_clear = expected > 0.0 && unheld[*k] > CHANGED[0] * expected;
+        is_clear && errors[*k].is_finite() && errors[*k] > CHANGED[1]
+    };
+    let missed = (0..held_out.len()).filter(is_missed).map(|k| model.joints[k].clone());
+    let missed: Vec<String> = missed.collect();
     (!missed.is_empty()).then(|| {
         format!(
             "the torque of {} is missed more than {} times as much as held-out torque of the fit: does the \

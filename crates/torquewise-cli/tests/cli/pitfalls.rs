@@ -18,7 +18,7 @@ fn a_sound_log_is_not_suspected() {
         for word in TORQUE_WORDS {
             assert!(!said.stderr.contains(word), "{word}: {}", said.stderr);
         }
-        assert!(!said.stdout.contains("tau advanced"), "{}", said.stdout);
+        assert!(!said.stdout.contains("late: advanced"), "{}", said.stdout);
         assert!(!said.stdout.contains("conditioning"), "{said:?}");
         assert!(!said.stderr.contains("note:"), "{said:?}");
     }

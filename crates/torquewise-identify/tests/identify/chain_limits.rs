@@ -1,6 +1,6 @@
 //! Logs that are short, still, without friction, of one joint or of six, fitted along a chain.
 
-use crate::chain::{NOISE, WRIST, linear, rubbing, sines};
+use crate::chain::{NOISE, WRIST, chosen, linear, rubbing, sines};
 use crate::support::{
     assert_predicts, chain, fit, motion, noisy, reference_arm, threads_leave_no_trace,
 };
@@ -41,6 +41,17 @@ fn a_pendulum_is_a_chain_of_one() {
     let found = fit(&rubbing(&motion, &friction, NOISE), &chain(FrictionKind::Auto));
 
     assert_predicts(&found.model, &rubbing(&sines(&arm, 10.0, 2), &friction, 0.0), 1.0);
+}
+
+#[test]
+fn an_arm_whose_axes_stand_at_no_right_angle_is_found() {
+    let arm = Arm::from_dh_toml(include_str!("oblique.toml")).unwrap();
+    let moves = |seed| motion(&arm, MotionKind::Moves, 20.0, 50.0, seed);
+
+    let found = fit(&noisy(&moves(0), 2, 0), &chain(FrictionKind::None));
+
+    assert_predicts(&found.model, &moves(1), 5.0);
+    assert_eq!(chosen(&found, "axes at right angles"), Some("free"));
 }
 
 #[test]

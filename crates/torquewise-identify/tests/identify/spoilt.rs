@@ -2,18 +2,19 @@
 //! one (E12).
 
 use crate::chain::rubbing;
-use crate::support::{deviation, percent};
+use crate::support::{deviation, percent, with_torque};
 use faer::MatRef;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use std::fmt::Write;
+use tempfile::TempDir;
 use torquewise_identify::bandwidth::{Tuned, tune};
 use torquewise_identify::reconstruct::reconstruct_from;
 use torquewise_identify::{ChainOptions, Plan, UNWATCHED};
-use torquewise_logs::Logs;
 use torquewise_logs::conditioned::RawLogs;
+use torquewise_logs::{ConditionedLogs, Logs};
 use torquewise_model::Model;
 use torquewise_motion::{Conditioning, Motion, Signals};
 use torquewise_sim::{Arm, MotionKind};
@@ -118,14 +119,20 @@ fn text(fine: &Motion, rows: &Rows) -> String {
     text
 }
 
-fn fit(fine: &Motion, rows: &Rows) -> Model {
+/// The log, tuned, in a folder that must stay as long as it is read.
+fn tuned(fine: &Motion, rows: &Rows) -> (TempDir, Plan, Tuned<ConditionedLogs>) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("log.csv");
     std::fs::write(&file, text(fine, rows)).unwrap();
     let logs = Logs::open(&[file]).unwrap();
     let raw = RawLogs::new(logs, &Conditioning::default(), true).unwrap();
     let plan: Plan = ChainOptions::default().into();
-    let Tuned { recording, request, .. } = tune(&raw, &plan, UNWATCHED).unwrap();
+    let tuned = tune(&raw, &plan, UNWATCHED).unwrap();
+    (folder, plan, tuned)
+}
+
+fn fit(fine: &Motion, rows: &Rows) -> Model {
+    let (_folder, plan, Tuned { recording, request, .. }) = tuned(fine, rows);
     reconstruct_from(&recording, Some(request), &plan, UNWATCHED).unwrap().model
 }
 
@@ -157,4 +164,25 @@ fn a_spoilt_log_teaches_as_much_as_a_clean_one() {
     };
     let failed: Vec<String> = spoilt().into_par_iter().filter_map(one).collect();
     assert!(failed.is_empty(), "{failed:?}");
+}
+
+#[test]
+fn friction_that_turns_round_before_its_joint_does_is_no_delay() {
+    let rough = motion(1, FINE);
+    let size: Vec<f64> =
+        (0..rough.n_joints()).map(|joint| 0.3 * deviation(rough.tau().unwrap(), joint)).collect();
+    // As a joint that stands still while its drive winds up.
+    let early = with_torque(rough, |[_, dq, ddq], tau| {
+        for (joint, tau) in tau.iter_mut().enumerate() {
+            *tau += size[joint] * (1e3 * (dq[joint] + 0.02 * ddq[joint])).tanh();
+        }
+    });
+
+    for lag in [0, 30] {
+        let (_folder, _, found) = tuned(&early, &Rows { lag, ..plain(RATE) });
+        let delay = found.recording.settings.delay;
+
+        let truth = lag as f64 / FINE as f64;
+        assert!((delay - truth).abs() < 0.003, "{delay} s, not {truth}");
+    }
 }

@@ -193,8 +193,8 @@ impl fmt::Display for ConditionReport {
             write!(f, "\n{:.2} s dropped at each end", self.trimmed)?;
         }
         if self.delay != 0.0 {
-            let way = if self.delay > 0.0 { "advanced" } else { "delayed" };
-            write!(f, "\ntau {way} by {:.1} ms", 1e3 * self.delay.abs())?;
+            let is = if self.delay > 0.0 { "late: advanced" } else { "early: delayed" };
+            write!(f, "\ntau {:.1} ms {is}", 1e3 * self.delay.abs())?;
         }
         for Outliers { signal, joint, rows } in &self.outliers {
             let outliers = counted(rows.len() as u64, "outlier", "replaced");

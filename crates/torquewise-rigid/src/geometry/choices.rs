@@ -49,6 +49,14 @@ impl Geometry {
         across.map(|direction| self.turned(joint, *direction)).collect()
     }
 
+    /// The same arm but for one axis, which is turned by an eighth and a quarter of a turn in each of four
+    /// ways, and round; the axes beyond lie where they lay at q = 0.
+    pub fn turned_each_way(&self, joint: usize) -> impl Iterator<Item = Self> {
+        let eighths = RIGHT_ANGLES[1..5].iter().map(|direction| direction.map(|w| 0.5 * w));
+        let all = RIGHT_ANGLES[1..].iter().copied().chain(eighths);
+        all.map(move |direction| self.turned(joint, direction))
+    }
+
     /// The same arm but for one axis, which points the other way.
     pub fn turned_back(&self, joint: usize) -> Self {
         self.turned(joint, [PI, 0.0])

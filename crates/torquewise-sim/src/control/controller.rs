@@ -31,13 +31,7 @@ impl Law {
 
     /// Name in tables and files.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Pid => "pid",
-            Self::Controller1 => "controller1",
-            Self::Controller2 => "controller2",
-            Self::ComputedTorque => "computed_torque",
-            Self::HandGuiding => "hand_guiding",
-        }
+        ["pid", "controller1", "controller2", "computed_torque", "hand_guiding"][self as usize]
     }
 }
 
