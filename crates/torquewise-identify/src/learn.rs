@@ -10,7 +10,7 @@ use kinds::upright;
 use offers::Offer;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
-use torquewise_model::{Choice, GeometryFound};
+use torquewise_model::{Choice, GeometryFound, Training};
 use torquewise_motion::Motion;
 use torquewise_regression::ascending;
 use torquewise_rigid::search::{
@@ -305,7 +305,8 @@ impl<'a> ChainLearner<'a> {
             let offer = |from: &[Chain], counts, own: &mut Way| -> Result<(), IdentifyError> {
                 let all = from.par_iter().map(|own| judged("free", ANYWHERE, own, at, &watch));
                 let anywhere = best(all.collect())?;
-                if anywhere.0.error() < (1.0 - CLEARLY) * own.2.0.error() {
+                // An arm that misses more tells no angles.
+                if anywhere.0.error() < Training::POOR.min((1.0 - CLEARLY) * own.2.0.error()) {
                     *own = (ANYWHERE, counts, anywhere);
                 }
                 Ok(())
