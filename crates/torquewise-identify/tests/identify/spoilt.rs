@@ -178,11 +178,7 @@ fn friction_that_turns_round_before_its_joint_does_is_no_delay() {
         }
     });
 
-    for lag in [0, 30] {
-        let (_folder, _, found) = tuned(&early, &Rows { lag, ..plain(RATE) });
-        let delay = found.recording.settings.delay;
+    let (_folder, _, found) = tuned(&early, &plain(RATE));
 
-        let truth = lag as f64 / FINE as f64;
-        assert!((delay - truth).abs() < 0.003, "{delay} s, not {truth}");
-    }
+    assert_eq!(found.recording.settings.delay.to_bits(), 0.0_f64.to_bits());
 }
