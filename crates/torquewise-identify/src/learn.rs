@@ -178,9 +178,13 @@ fn balanced(motion: &Motion, names: &[String]) -> Result<Vec<usize>, IdentifyErr
 /// A chain by its error on held-out rows, with what was fitted.
 type Judged = (CvScore, ChainSpec, Chain);
 
-/// How near \[rad\] to a right angle an axis stands there, how many starts led to the arm, of how many,
-/// and the arm.
-type Way = (f64, [usize; 2], Judged);
+/// The best arm whose axes nearer \[rad\] than `angle` to a right angle stand there, and how many starts
+/// led to it, of how many.
+struct Way {
+    angle: f64,
+    times: [usize; 2],
+    arm: Judged,
+}
 
 /// Judges a chain, its axes nearer than `angle` to a right angle put there.
 fn judged(
@@ -246,8 +250,9 @@ impl<'a> ChainLearner<'a> {
         choices: &mut Vec<Choice>,
     ) -> Result<Chain, IdentifyError> {
         let (watch, rows) = (searching(self.watch), self.rows(spec, TRIAL_ROWS)?);
-        let found = self.axes((spec, &rows), known, choices)?;
-        let (angle, [times, starts], (mut least, own, mut start)) = found;
+        let Way { angle, times: [times, starts], arm } =
+            self.axes((spec, &rows), known, choices)?;
+        let (mut least, own, mut start) = arm;
         let mut unresolved = Vec::new();
         for joint in 1..self.motion.n_joints() {
             // Those beyond an axis that was turned may have become parallel.
@@ -297,33 +302,31 @@ impl<'a> ChainLearner<'a> {
             let (trial, spec, start) = held.clone();
             Ok((CvScore { label: "free".to_owned(), ..trial }, spec, start))
         });
-        let free = best(free.collect())?;
-        let held = best(Ok(held))?;
-        let is_asked = free.0.error() < held.0.error();
-        let mut ways = [(ANY_ANGLE, [times, made], held), (OBLIQUE, [times, made], free)];
-        if is_asked {
-            let offer = |from: &[Chain], counts, own: &mut Way| -> Result<(), IdentifyError> {
+        let times = [times, made];
+        let mut free = Way { angle: OBLIQUE, times, arm: best(free.collect())? };
+        let held = Way { angle: ANY_ANGLE, times, arm: best(Ok(held))? };
+        if free.arm.0.error() < held.arm.0.error() {
+            let offer = |from: &[Chain], times, own: &mut Way| -> Result<(), IdentifyError> {
                 let all = from.par_iter().map(|own| judged("free", ANYWHERE, own, at, &watch));
-                let anywhere = best(all.collect())?;
+                let arm = best(all.collect())?;
                 // An arm that misses more tells no angles.
-                if anywhere.0.error() < Training::POOR.min((1.0 - CLEARLY) * own.2.0.error()) {
-                    *own = (ANYWHERE, counts, anywhere);
+                if arm.0.error() < Training::POOR.min((1.0 - CLEARLY) * own.arm.0.error()) {
+                    *own = Way { angle: ANYWHERE, times, arm };
                 }
                 Ok(())
             };
-            offer(&starts, [times, made], &mut ways[1])?;
+            offer(&starts, times, &mut free)?;
             let oblique = Search { is_oblique: true, ..at.0.search.clone() };
-            // Where these starts cannot be fitted, those at right angles can; who stops is asked again.
+            // Where these cannot be fitted, those found so far can; a stop is seen by the next trial.
             if let Ok(found) = search(&many, &oblique, &watch) {
-                offer(&found.chains, [found.times, found.starts], &mut ways[1])?;
+                offer(&found.chains, [found.times, found.starts], &mut free)?;
             }
-            if let Ok(turned) = turned(&many, &ways[1].2.2, &oblique, &watch) {
-                offer(&[turned], [1, ways[1].1[1]], &mut ways[1])?;
+            if let Ok(turned) = turned(&many, &free.arm.2, &oblique, &watch) {
+                offer(&[turned], [1, free.times[1]], &mut free)?;
             }
         }
-        let trials = ways.each_ref().map(|(.., own)| own.0.clone());
+        let trials = [&held, &free].map(|way| way.arm.0.clone());
         let place = record_worth(AXES, &trials, WORTH_OF_ANGLES, choices);
-        let [held, free] = ways;
         Ok(if place == 0 { held } else { free })
     }
 
