@@ -4,7 +4,7 @@ use crate::arrays::{Rows, array, is_one_state, motion, rows_of, same_rows};
 use crate::errors::{choice, raised, value_error, wrong};
 use crate::friction_state::FrictionState;
 use crate::log::Log;
-use crate::states::Answer;
+use crate::states::{Answer, by_rows};
 use crate::work::work;
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -119,7 +119,7 @@ impl Model {
         let inputs = [&q, &dq, &ddq];
         if !follow || !self.has_memory() || is_one_state(inputs) {
             let named = [("q", &q), ("dq", &dq), ("ddq", &ddq)];
-            return self.at_each(py, named, |torque, [q, dq, ddq]| torque.at(q, dq, ddq));
+            return self.each(py, named, 1, |torque, [q, dq, ddq]| torque.at(q, dq, ddq));
         }
         let motion = self.motion(inputs)?;
         let tau = py.detach(|| self.torque.over(&motion)).map_err(raised)?;
@@ -128,28 +128,28 @@ impl Model {
 
     /// M(q) [kg·m²]: n×n, or m×n×n of several states.
     fn mass_matrix<'py>(&self, py: Python<'py>, q: Rows<'py>) -> Answer<'py> {
-        self.matrix_at_each(py, [("q", &q)], |torque, [q]| torque.mass_matrix(q))
+        self.each(py, [("q", &q)], 2, |torque, [q]| torque.mass_matrix(q).map(by_rows))
     }
 
     /// C(q, dq) [N·m·s] by Christoffel symbols: n×n, or m×n×n of several states.
     fn coriolis_matrix<'py>(&self, py: Python<'py>, q: Rows<'py>, dq: Rows<'py>) -> Answer<'py> {
         let inputs = [("q", &q), ("dq", &dq)];
-        self.matrix_at_each(py, inputs, |torque, [q, dq]| torque.coriolis_matrix(q, dq))
+        self.each(py, inputs, 2, |torque, [q, dq]| torque.coriolis_matrix(q, dq).map(by_rows))
     }
 
     /// G(q) [N·m].
     fn gravity<'py>(&self, py: Python<'py>, q: Rows<'py>) -> Answer<'py> {
-        self.at_each(py, [("q", &q)], |torque, [q]| torque.gravity(q))
+        self.each(py, [("q", &q)], 1, |torque, [q]| torque.gravity(q))
     }
 
     /// C(q, dq) dq [N·m].
     fn coriolis<'py>(&self, py: Python<'py>, q: Rows<'py>, dq: Rows<'py>) -> Answer<'py> {
-        self.at_each(py, [("q", &q), ("dq", &dq)], |torque, [q, dq]| torque.coriolis(q, dq))
+        self.each(py, [("q", &q), ("dq", &dq)], 1, |torque, [q, dq]| torque.coriolis(q, dq))
     }
 
     /// F(q, dq) [N·m], as after a long way in the direction of dq; :meth:`state` follows a path.
     fn friction<'py>(&self, py: Python<'py>, q: Rows<'py>, dq: Rows<'py>) -> Answer<'py> {
-        self.at_each(py, [("q", &q), ("dq", &dq)], |torque, [q, dq]| torque.friction(q, dq))
+        self.each(py, [("q", &q), ("dq", &dq)], 1, |torque, [q, dq]| torque.friction(q, dq))
     }
 
     /// ddq [rad/s²] of an arm whose motors give tau.
@@ -161,7 +161,7 @@ impl Model {
         tau: Rows<'py>,
     ) -> Answer<'py> {
         let inputs = [("q", &q), ("dq", &dq), ("tau", &tau)];
-        self.at_each(py, inputs, Torque::forward_dynamics)
+        self.each(py, inputs, 1, Torque::forward_dynamics)
     }
 
     /// The torque of a trajectory in parts: a dict of inertia, coriolis, gravity and friction, each of

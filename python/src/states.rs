@@ -12,37 +12,17 @@ use torquewise::{Torque, model};
 pub(crate) type Answer<'py> = PyResult<Bound<'py, PyAny>>;
 
 impl Model {
-    /// A quantity of n numbers at one state, or at each of several.
-    pub(crate) fn at_each<'py, const K: usize>(
+    /// A quantity at one state, or at each of several.
+    ///
+    /// - `dimensions`: 1 of n numbers, 2 of a matrix n×n, whose numbers come row by row
+    pub(crate) fn each<'py, const K: usize>(
         &self,
         py: Python<'py>,
         inputs: [(&str, &Rows<'py>); K],
+        dimensions: usize,
         of: impl Fn(&Torque, [&[f64]; K]) -> Result<Vec<f64>, model::ModelError> + Send + Sync,
     ) -> Answer<'py> {
-        self.each(py, inputs, vec![self.n()], of)
-    }
-
-    /// The same of a matrix, n×n.
-    pub(crate) fn matrix_at_each<'py, const K: usize>(
-        &self,
-        py: Python<'py>,
-        inputs: [(&str, &Rows<'py>); K],
-        of: impl Fn(&Torque, [&[f64]; K]) -> Result<Mat<f64>, model::ModelError> + Send + Sync,
-    ) -> Answer<'py> {
-        let by_rows = |torque: &Torque, state: [&[f64]; K]| {
-            Ok(of(torque, state)?.row_iter().flat_map(|row| row.iter().copied()).collect())
-        };
-        self.each(py, inputs, vec![self.n(); 2], by_rows)
-    }
-
-    /// - `shape`: of the quantity at one state, whose numbers come row by row
-    fn each<'py, const K: usize>(
-        &self,
-        py: Python<'py>,
-        inputs: [(&str, &Rows<'py>); K],
-        mut shape: Vec<usize>,
-        of: impl Fn(&Torque, [&[f64]; K]) -> Result<Vec<f64>, model::ModelError> + Send + Sync,
-    ) -> Answer<'py> {
+        let mut shape = vec![self.n(); dimensions];
         let found = if let Some(one) = one_state(&inputs) {
             of(&self.torque, one)
         } else {
@@ -55,6 +35,11 @@ impl Model {
         let found = ArrayD::from_shape_vec(shape, found.map_err(raised)?).map_err(value_error)?;
         Ok(PyArray::from_owned_array(py, found).into_any())
     }
+}
+
+/// The numbers of a matrix row by row.
+pub(crate) fn by_rows(matrix: Mat<f64>) -> Vec<f64> {
+    matrix.row_iter().flat_map(|row| row.iter().copied()).collect()
 }
 
 /// The numbers of one state, if all inputs are of one.

@@ -1,9 +1,8 @@
 //! A program as one file of C99: no allocation, no library but `math.h`.
 
-use crate::text::{Body, Language, number, signal_of, values};
+use crate::text::{Body, Language, number, quoted, signal_of, values};
 use crate::{ExportError, Function, Precision, Program, Result, Role, filled};
 use minijinja::context;
-use std::fmt::Write;
 
 pub(crate) struct C(pub(crate) Precision);
 
@@ -33,16 +32,7 @@ impl Language for C {
 
     /// A string literal: bytes beyond ASCII by their octal codes, and no trigraphs.
     fn quoted(&self, text: &str) -> String {
-        let mut quoted = String::from("\"");
-        for byte in text.bytes() {
-            match byte {
-                b'"' | b'\\' | b'?' => quoted.extend(['\\', char::from(byte)]),
-                b' '..=b'~' => quoted.push(char::from(byte)),
-                // Writing to a String cannot fail.
-                _ => drop(write!(quoted, "\\{byte:03o}")),
-            }
-        }
-        quoted + "\""
+        quoted(text.bytes().map(char::from), "\"\\?", |byte| format!("\\{byte:03o}"))
     }
 
     fn statements(&self, body: &Body, role: Role, program: &Program) -> Vec<String> {

@@ -1,8 +1,7 @@
 //! A program as one file of Python that needs the standard library alone.
 
-use crate::text::{Body, Language, number, values};
+use crate::text::{Body, Language, number, quoted, values};
 use crate::{Function, Precision, Program, Result, Role, filled};
-use std::fmt::Write;
 
 pub(crate) struct Python;
 
@@ -24,16 +23,7 @@ impl Language for Python {
 
     /// Whatever is not plain by its code.
     fn quoted(&self, text: &str) -> String {
-        let mut quoted = String::from("\"");
-        for letter in text.chars() {
-            match letter {
-                '"' | '\\' => quoted.extend(['\\', letter]),
-                ' '..='~' => quoted.push(letter),
-                // Writing to a String cannot fail.
-                _ => drop(write!(quoted, "\\U{:08x}", u32::from(letter))),
-            }
-        }
-        quoted + "\""
+        quoted(text.chars(), "\"\\", |letter| format!("\\U{letter:08x}"))
     }
 
     /// Signals by the names of their entries, steps, results; a sequence of another length is refused.

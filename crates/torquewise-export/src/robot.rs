@@ -74,6 +74,14 @@ impl<'a> Robot<'a> {
         let (losses, shared, mut left_out) = losses(model, chain);
         let [efforts, lost] = within_log(model, (&losses, &shared))?;
         left_out.extend(lost_friction(model, &lost));
+        let still = model.training.constant_joints().into_iter();
+        let still: Vec<&str> = still.map(|joint| model.joints[joint].as_str()).collect();
+        if !still.is_empty() {
+            left_out.push(format!(
+                "the true friction and rotor of {}, which never moved: the file holds guesses",
+                still.join(", ")
+            ));
+        }
         let (joints, links) = if let Some(names) = &chain.robot {
             (names.joints.clone(), names.links.clone())
         } else {

@@ -15,6 +15,20 @@ pub(crate) trait Language {
     fn statements(&self, body: &Body, role: Role, program: &Program) -> Vec<String>;
 }
 
+/// A string literal: `marked` letters behind a backslash, what is not plain by the code of its number.
+pub(crate) fn quoted(
+    letters: impl Iterator<Item = char>,
+    marked: &str,
+    code: fn(u32) -> String,
+) -> String {
+    let letter = |letter: char| match letter {
+        _ if marked.contains(letter) => format!("\\{letter}"),
+        ' '..='~' => letter.to_string(),
+        _ => code(letter.into()),
+    };
+    format!("\"{}\"", letters.map(letter).collect::<String>())
+}
+
 impl Role {
     /// The signals that are given; what else is read is part of the state.
     pub(crate) fn signals(self) -> Vec<&'static str> {

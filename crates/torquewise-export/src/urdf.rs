@@ -111,7 +111,13 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
     let [said, found] = [&chain.geometry, &geometry].map(|own| Vector3::from(own.gravity()));
     let tilt = said.angle(&found).to_degrees();
     if tilt > LEAST_TILT {
-        left_out.push(format!("that gravity is {tilt:.1}° from where the base of the file has it"));
+        // As it is printed, without -0.000.
+        let along = |row| (1e3 * Vector3::from(row).dot(&found.normalize())).round() / 1e3 + 0.0;
+        let [x, y, z] = chain.base_of_geometry.map(along);
+        left_out.push(format!(
+            "that gravity is {tilt:.1}° from where the base of the file has it, along \
+             ({x:.3}, {y:.3}, {z:.3})"
+        ));
     }
     let known = robot.chain.links.iter().zip(&robot.losses);
     for (joint, (link, losses)) in chain.joints.iter().zip(known) {

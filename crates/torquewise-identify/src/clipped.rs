@@ -1,6 +1,6 @@
 //! Torques that were clipped: a drive at its limit, a sensor at its end.
 
-use torquewise_motion::Motion;
+use torquewise_motion::{Motion, ends};
 
 /// Part of the range of the torque that counts as its end.
 const END: f64 = 0.005;
@@ -17,7 +17,7 @@ const MOVING: f64 = 0.05;
 /// Dry friction alone looks like this too: to be asked of joints that a model misses.
 pub(crate) fn clipped(sample: &Motion, joint: usize) -> Option<f64> {
     let tau = sample.tau()?.col(joint);
-    let (low, high) = ends(tau.iter());
+    let [low, high] = ends(tau.iter().copied());
     let margin = END * (high - low);
     let dq = sample.dq().col(joint);
     let peak = dq.norm_max();
@@ -25,8 +25,4 @@ pub(crate) fn clipped(sample: &Motion, joint: usize) -> Option<f64> {
     let at_end = moving().filter(|(tau, _)| **tau > high - margin || **tau < low + margin).count();
     let share = at_end as f64 / moving().count().max(1) as f64;
     (at_end >= LEAST_ROWS && share > MANY).then_some(share)
-}
-
-pub(crate) fn ends<'a>(values: impl Iterator<Item = &'a f64>) -> (f64, f64) {
-    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)))
 }

@@ -72,6 +72,8 @@ pub struct Observed<'a> {
     pub row: usize,
     /// \[s\].
     pub t: f64,
+    /// Time since the row before \[s\]; 0 of the first of a trajectory.
+    dt: f64,
     /// External torque \[N·m\], n; NaN during the transient of the observer.
     pub torque: &'a [f64],
     /// What the spread of each joint follows, n.
@@ -152,7 +154,7 @@ pub fn external_torques(
             let Follower { followed, held, .. } = &follower;
             let is_settled = t - begin > SETTLING / gain;
             let torque = if is_settled { external } else { &settling };
-            see(Observed { trajectory, block, row, t, torque, followed, held })?;
+            see(Observed { trajectory, block, row, t, dt, torque, followed, held })?;
         }
         Ok(())
     })?;
@@ -237,14 +239,9 @@ fn sample(
     bandwidth: f64,
 ) -> Result<(Vec<Vec<spread::Row>>, usize, f64), IdentifyError> {
     let mut of_joints = vec![Vec::new(); model.n_joints()];
-    let (mut rows, mut seconds, mut stride, mut last) = (0_usize, 0.0, 1, None);
+    let (mut rows, mut seconds, mut stride) = (0_usize, 0.0, 1);
     external_torques(model, free, bandwidth, &mut |row| {
-        if let Some((own, before)) = last
-            && own == row.trajectory
-        {
-            seconds += row.t - before;
-        }
-        last = Some((row.trajectory, row.t));
+        seconds += row.dt;
         if row.torque.iter().any(|x| x.is_nan()) {
             return Ok(());
         }

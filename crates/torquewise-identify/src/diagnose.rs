@@ -1,7 +1,7 @@
 //! Diagnosis of a model: its residuals, and which terms carry the torque.
 
 use crate::turning::Turning;
-use crate::{Scores, score, state_of};
+use crate::{Scores, score};
 use faer::Mat;
 use std::collections::VecDeque;
 use torquewise_model::print::weighted_friction;
@@ -215,8 +215,7 @@ fn turning(model: &Model) -> Vec<Option<Turning>> {
 
 /// RMS of each term of each joint, friction too, over the rows of a motion.
 fn importance(model: &Model, motion: &Motion) -> Result<Vec<Vec<Importance>>, IdentifyError> {
-    let states: Vec<[Vec<f64>; 3]> =
-        (0..motion.n_rows()).map(|row| state_of(motion, row)).collect();
+    let states: Vec<[Vec<f64>; 3]> = (0..motion.n_rows()).map(|row| motion.state(row)).collect();
     let rms =
         |weight: f64, squares: f64| weight.abs() * (squares / states.len().max(1) as f64).sqrt();
     let of_equation = |(weight, term): (f64, Term)| {

@@ -56,7 +56,7 @@ pub use reconstruction::Reconstruction;
 pub(crate) use reconstruction::{Progress, Watch};
 pub use samples::samples;
 pub use score::{Scores, score};
-pub(crate) use states::{States, state_of};
+pub(crate) use states::States;
 pub use summary::{Summary, summarise};
 pub use torque_kind::weightless;
 pub use torquewise_stepwise::progress::UNWATCHED;

@@ -1,6 +1,6 @@
 //! Held-out error of the terms of a library.
 
-use crate::{DriveTerm, HeldOut, States, Unseen, both_ways, state_of};
+use crate::{DriveTerm, HeldOut, States, Unseen, both_ways};
 use faer::Mat;
 use torquewise_model::{Form, FrictionTerm, Model, Term, Weighted};
 use torquewise_motion::Motion;
@@ -48,7 +48,7 @@ fn columns(model: &Model, motion: &Motion) -> Vec<(std::ops::Range<usize>, Mat<f
     let laws = model.friction.iter().map(law);
     match &model.form {
         Form::Torque(joints) => {
-            let rows: Vec<[Vec<f64>; 3]> = (0..m).map(|row| state_of(motion, row)).collect();
+            let rows: Vec<[Vec<f64>; 3]> = (0..m).map(|row| motion.state(row)).collect();
             let laws: Vec<Mat<f64>> = laws.collect();
             let of_joint = |(joint, terms): (usize, &Vec<Weighted<Term>>)| {
                 let value = |row: usize, k: usize| match k.checked_sub(terms.len()) {

@@ -54,6 +54,9 @@ pub struct Payload {
     /// Whether the verdict of the fit of the model is that it should not be used.
     #[serde(skip)]
     of_useless: bool,
+    /// Whether the axes of the model were given.
+    #[serde(skip)]
+    is_given: bool,
     #[serde(skip)]
     on: usize,
     #[serde(skip)]
@@ -190,6 +193,7 @@ impl Payload {
             residual_with: rms(&with.squares),
             at_odds: Vec::new(),
             of_useless: model.training.useless().is_some(),
+            is_given: is_given(chain),
             on: link,
             inertial,
             own,
@@ -214,8 +218,11 @@ impl Payload {
         }
         let is_some = self.mass.value > 2.0 * self.mass.std_error;
         if let Some(link) = self.elsewhere.as_ref().filter(|_| is_some) {
+            let learned = "; the axes of the model were learned, those of a wrist may be off by more \
+                           than the errors say: a fit with a URDF tells which link it is";
             hints.push(format!(
-                "a load on {link} explains the torque better: say which link carries it"
+                "a load on {link} explains the torque better: say which link carries it{}",
+                if self.is_given { "" } else { learned }
             ));
         }
         if self.disagreement > DISAGREE {
@@ -270,6 +277,11 @@ impl Payload {
         let terms = loaded_equations(model, [chain_of(model)?, &chain])?;
         Ok(Model { form: Form::Energy(terms), chain: Some(chain), ..model.clone() })
     }
+}
+
+/// Whether the axes of a chain were given, not learned.
+fn is_given(chain: &RigidChain) -> bool {
+    chain.robot.is_some() || chain.fitted.is_empty()
 }
 
 fn chain_of(model: &Model) -> Result<&RigidChain, IdentifyError> {

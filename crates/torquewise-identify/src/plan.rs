@@ -1,7 +1,7 @@
 //! The plan of a fit: a method with its own options, clusters and a seed.
 
+use nalgebra::Vector3;
 use torquewise_model::RobotNames;
-use torquewise_rigid::geometry::GRAVITY;
 use torquewise_rigid::{Geometry, JointKinds};
 use torquewise_stepwise::PatternPlan;
 
@@ -63,22 +63,29 @@ impl KnownGeometry {
 
     /// Whether gravity pulls about where it was said to.
     pub(crate) fn is_as_said(&self, own: &Geometry) -> bool {
-        let along = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let said = self.geometry.gravity();
-        along(own.gravity(), said) > ELSEWHERE * along(said, said)
+        self.as_said(own) > ELSEWHERE
+    }
+
+    /// Cosine of the angle between gravity and where it was said to pull.
+    fn as_said(&self, own: &Geometry) -> f64 {
+        let [said, own] = [&self.geometry, own].map(|own| Vector3::from(own.gravity()));
+        said.angle(&own).cos()
     }
 
     /// The line along which gravity pulls by a fit, in the base of the file, as one writes it: gravity
-    /// that is turned round is explained as well by first moments that are.
+    /// that is turned round is explained as well by first moments that are. Where it was said to pull
+    /// the other way along it, the way.
     pub(crate) fn line_of_gravity(&self, found: &Geometry) -> String {
-        let along =
-            |row: [f64; 3]| row.iter().zip(found.gravity()).map(|(a, b)| a * b).sum::<f64>();
-        let down = self.base.map(|row| along(row) / GRAVITY);
-        let largest =
-            down.into_iter().fold(0.0_f64, |most, x| if x.abs() > most.abs() { x } else { most });
+        let pull = Vector3::from(found.gravity()).normalize();
+        let down = self.base.map(|row| Vector3::from(row).dot(&pull));
+        let (line, sign) = if self.as_said(found) < -ELSEWHERE {
+            ("", 1.0)
+        } else {
+            ("±", down[Vector3::from(down).iamax()].signum())
+        };
         // As it is printed, without -0.00.
-        let [x, y, z] = down.map(|x| (100.0 * x * largest.signum()).round() / 100.0 + 0.0);
-        format!("±({x:.2}, {y:.2}, {z:.2})")
+        let [x, y, z] = down.map(|x| (100.0 * x * sign).round() / 100.0 + 0.0);
+        format!("{line}({x:.2}, {y:.2}, {z:.2})")
     }
 }
 

@@ -2,10 +2,9 @@
 //! Each asks for another cure.
 
 use crate::Warning;
-use crate::clipped::ends;
 use std::fmt;
 use torquewise_model::{Model, Torque};
-use torquewise_motion::Motion;
+use torquewise_motion::{Motion, ends};
 use torquewise_stepwise::IdentifyError;
 
 /// Rows in which most of what is left of a torque lies.
@@ -50,7 +49,7 @@ pub(crate) fn shapes(
 /// Where the squared residual of a joint is densest, if most of it is there.
 fn densest(q: &[f64], dq: &[f64], left: &[f64]) -> Option<(ResidualPlace, [f64; 2])> {
     let peak = dq.iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()));
-    let (low, high) = ends(q.iter());
+    let [low, high] = ends(q.iter().copied());
     let speed = |row: usize| dq[row].abs() / peak.max(f64::MIN_POSITIVE);
     let edge = |part: usize| low + (high - low) * part as f64 / POSES as f64;
     let mut places = vec![ResidualPlace::Rest, ResidualPlace::Slow, ResidualPlace::Fast];

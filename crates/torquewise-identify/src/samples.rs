@@ -2,7 +2,6 @@
 //! physical. What a simulator randomises a robot by, and what errors are propagated with.
 
 use crate::basis::Wanted;
-use crate::state_of;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -42,7 +41,7 @@ fn directions(model: &Model, chain: &RigidChain) -> Result<Mat<f64>, IdentifyErr
     let laws = Torque::new(model).laws(&states)?;
     let mut gram = Mat::<f64>::zeros(p, p);
     for row in 0..states.n_rows() {
-        let state = state_of(&states, row);
+        let state = states.state(row);
         let laws: Vec<f64> = laws.row(row).iter().copied().collect();
         let state = state.each_ref().map(Vec::as_slice);
         let rows = chain.sensitivities((&model.friction, &laws), state)?;

@@ -8,11 +8,6 @@ use torquewise_model::{EnergyTerm, Factor, FrictionTerm, Place, Trig};
 use torquewise_motion::Motion;
 use torquewise_motion::motion::Memory;
 
-/// q \[rad\], q̇ \[rad/s\] and q̈ \[rad/s²\] of a row, n each.
-pub(crate) fn state_of(motion: &Motion, row: usize) -> [Vec<f64>; 3] {
-    [motion.q(), motion.dq(), motion.ddq()].map(|x| x.row(row).iter().copied().collect())
-}
-
 /// States of an arm, each sine and cosine of them once.
 pub(crate) struct States {
     /// `[joint]` → cos q, sin q, cos 2q, sin 2q of each state, from the first term that asks for them.

@@ -28,6 +28,9 @@ pub fn judge(found: &Reconstruction) -> Verdict {
     let judged = errors(found);
     let mut doubts = doubts(found);
     let mut grave = grave(&found.warnings);
+    if found.warnings.iter().any(|own| matches!(own, Warning::Gravity { .. })) {
+        grave.push("gravity pulls elsewhere than was said".to_owned());
+    }
     if found.model.training.torque_std.iter().all(|std| *std == 0.0) {
         grave.push("no torque ever changes".to_owned());
     } else if judged[0].1.is_empty() {
@@ -185,7 +188,6 @@ fn doubts(found: &Reconstruction) -> Vec<String> {
         Warning::ConstantJoints { joints } => Some(never_move(joints)),
         Warning::Weightless => Some("gravity does nothing".to_owned()),
         Warning::Sliding { .. } => Some("joints seem to slide".to_owned()),
-        Warning::Gravity { .. } => Some("gravity pulls elsewhere than was said".to_owned()),
         Warning::Axes { .. } => Some("axes elsewhere than in the URDF leave less".to_owned()),
         Warning::Coordinates { .. } => {
             Some("joints seem to be counted otherwise than in the URDF".to_owned())

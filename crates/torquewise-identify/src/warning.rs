@@ -347,7 +347,7 @@ impl fmt::Display for Warning {
             Self::Gravity { line } => write!(
                 f,
                 "gravity pulls along {line} of the base of the URDF, not as said: does the arm hang on a \
-                 wall or a ceiling? Give that direction of gravity, down positive"
+                 wall or a ceiling? Give the direction of gravity, in which things fall"
             ),
             Self::Coordinates { joints } => write!(
                 f,

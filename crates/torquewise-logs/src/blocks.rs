@@ -31,6 +31,8 @@ const LEAST_JUMP: f64 = 0.1;
 const JUMPS: f64 = 5.0;
 const AROUND: usize = 32;
 const LEAST_MOVING: usize = 16;
+/// A row of fewer values, its time among them, may be all zeros by chance.
+const LEAST_VALUES: usize = 5;
 const SLOW: f64 = 0.1;
 
 /// The blocks of one log file.
@@ -53,9 +55,10 @@ pub(crate) struct Blocks {
     screened: usize,
     columns: Vec<Vec<f64>>,
     /// Rows that repeat the last one of `columns`, and the first that does not, until the next tells whether
-    /// the arm stood still.
+    /// the arm stood still; and the number of the last row lost.
     repeats: Vec<(Vec<f64>, Origin)>,
     after: Option<(Vec<f64>, Origin)>,
+    lost: u64,
     /// Turns that were added to the position of each joint \[rad\], and rows since its file or part began.
     turns: Vec<f64>,
     run: usize,
@@ -83,6 +86,7 @@ impl Blocks {
             columns,
             repeats: Vec::new(),
             after: None,
+            lost: 0,
             turns: vec![0.0; joints.len()],
             run: 0,
             done: 0,
@@ -129,12 +133,18 @@ impl Blocks {
         let wanted = self.done + BLOCK_ROWS + self.reach + NEAR + AROUND + 1;
         let mut row = vec![0.0; self.columns.len()];
         while self.columns[0].len() < wanted && !self.at_end_of_file {
-            if let Some(origin) = self.rows.next(&mut row)? {
-                self.take(&row, origin)?;
-            } else {
+            let Some(origin) = self.rows.next(&mut row)? else {
                 self.at_end_of_file = true;
                 self.release();
+                break;
+            };
+            if self.is_lost(&row, origin) {
+                self.rows.report.repairs.zeros += 1;
+                self.rows.report.first_zeros.get_or_insert(origin.number);
+                self.lost = origin.number;
+                continue;
             }
+            self.take(&row, Origin { resumes: origin.number == self.lost + 1, ..origin })?;
         }
         self.screen();
         let t = &self.columns[0][..self.screened];
@@ -248,6 +258,14 @@ impl Blocks {
             (false, false) => self.after = Some((row.to_vec(), origin)),
         }
         Ok(())
+    }
+
+    /// Whether a row is all zeros, though the arm was elsewhere in the one before.
+    fn is_lost(&self, row: &[f64], origin: Origin) -> bool {
+        row.len() >= LEAST_VALUES
+            && row[1..].iter().all(|value| *value == 0.0)
+            && self.origins.last().is_some_and(|last| last.part == origin.part)
+            && self.steps_to(row).any(|step| step.abs() > LEAST_JUMP)
     }
 
     /// How far each joint is in a row from where it last was.

@@ -21,6 +21,8 @@ pub struct ReadReport {
     pub repairs: Repairs,
     /// The first row that was earlier than one before.
     pub first_back: Option<u64>,
+    /// The first row of those left out since they are all zeros.
+    pub first_zeros: Option<u64>,
     /// The first row of those left out since they repeat the one before, though the arm moved on.
     pub first_held: Option<u64>,
     /// Jumps of positions, at which the log was split.

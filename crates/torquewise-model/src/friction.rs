@@ -97,6 +97,11 @@ impl FrictionLaw {
         }
     }
 
+    /// Half width of the reversal of dry friction that does not fade \[rad/s\]; 0 of other laws.
+    pub fn width(self) -> f64 {
+        if let Self::Coulomb { width } = self { width } else { 0.0 }
+    }
+
     /// Whether it is friction that holds a shaft at rest.
     pub(crate) fn is_dry(self) -> bool {
         matches!(self, Self::Coulomb { .. } | Self::Stribeck { .. } | Self::Dahl { .. })

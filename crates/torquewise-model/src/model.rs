@@ -179,6 +179,16 @@ impl Training {
     /// Held-out error over the spread of the torque from which a joint is predicted poorly.
     pub const POOR: f64 = 0.3;
 
+    /// A joint whose position changes by no more \[rad or m\] never moves.
+    pub const AT_REST: f64 = 1e-3;
+
+    /// Joints whose position never changes, but for quanta of an encoder.
+    pub fn constant_joints(&self) -> Vec<usize> {
+        let range = |[low, high]: [f64; 2]| high - low;
+        let is_constant = |joint: &usize| range(self.q_range[*joint]) <= Self::AT_REST;
+        (0..self.q_range.len()).filter(is_constant).collect()
+    }
+
     /// The verdict of a fit that says that the model should not be used.
     pub fn useless(&self) -> Option<&Verdict> {
         self.verdict.as_ref().filter(|own| own.grade == Grade::Unusable)

@@ -169,10 +169,7 @@ impl<'m> ShaftFriction<'m> {
         let stiction = self.sum(|term| one(acts(term) && is_dry(term)));
         let viscous = self.sum(|term| one(acts(term) && term.law == FrictionLaw::Viscous));
         let speed = excess.and_then(|_| self.decay(exponential, (-1.0_f64).exp(), 2));
-        let width = self.laws().fold(0.0_f64, |most, (_, term)| match term.law {
-            FrictionLaw::Coulomb { width } => most.max(width),
-            _ => most,
-        });
+        let width = self.laws().fold(0.0_f64, |most, (_, term)| most.max(term.law.width()));
         let is_seen = |speed: &Estimated| speed.value > SEEN * width;
         let excess = excess.filter(|_| speed.as_ref().is_none_or(is_seen));
         Sliding {

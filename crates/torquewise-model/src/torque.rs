@@ -179,17 +179,11 @@ impl Torque {
         motion: &Motion,
         mut add: impl FnMut(usize, usize, Kind, f64),
     ) -> Result<(), ModelError> {
-        let n = self.n_joints;
         // What friction remembers, followed from the first row where it was not.
         let motion = self.path().follow(0, motion);
-        let signals = [motion.q(), motion.dq(), motion.ddq()];
-        let mut state = vec![0.0; 3 * n];
         for row in 0..motion.n_rows() {
-            for (place, x) in state.iter_mut().enumerate() {
-                *x = signals[place / n][(row, place % n)];
-            }
-            let (q, rates) = state.split_at(n);
-            let (dq, ddq) = rates.split_at(n);
+            let state = motion.state(row);
+            let [q, dq, ddq] = state.each_ref().map(Vec::as_slice);
             let memory = |joint, travel| motion.memory()?.state(row, joint, travel);
             let add = |joint, kind, value| add(row, joint, kind, value);
             self.visit_terms(MotionState { q, dq, ddq }, &memory, add)?;

@@ -42,4 +42,4 @@ pub use pattern::Pattern;
 pub use recording::{BLOCK_ROWS, RawRecording, ReadError, ReadResult, Recording, Visit, VisitPair};
 pub use repairs::Repairs;
 pub use signals::{Conditioning, Raw, Signal};
-pub use stats::{grouped, median, quantile, whole};
+pub use stats::{ends, grouped, median, quantile, whole};

@@ -69,6 +69,17 @@ pub(crate) fn place(travels: &[f64], joint: usize, travel: f64) -> Option<usize>
     Some(joint * travels.len() + element)
 }
 
+/// Matrices of so many columns, one below the other.
+pub fn stacked(columns: usize, parts: &[MatRef<'_, f64>]) -> Mat<f64> {
+    let mut all = Mat::zeros(parts.iter().map(MatRef::nrows).sum(), columns);
+    let mut first = 0;
+    for part in parts {
+        all.subrows_mut(first, part.nrows()).copy_from(part);
+        first += part.nrows();
+    }
+    all
+}
+
 /// What an arm did: q, q̇, q̈ and, if measured, τ of n joints at m instants.
 ///
 /// All signals have the same shape and are finite.
@@ -112,20 +123,10 @@ impl Motion {
     /// As [`new`](Self::new).
     pub fn joined(joints: &[String], blocks: &[Self]) -> Result<Self> {
         let t: Vec<f64> = blocks.iter().flat_map(Self::t).copied().collect();
-        let mut q = Mat::zeros(t.len(), joints.len());
-        let (mut dq, mut ddq, mut tau) = (q.clone(), q.clone(), q.clone());
-        let mut start = 0;
-        for block in blocks {
-            let rows = block.n_rows();
-            q.subrows_mut(start, rows).copy_from(block.q());
-            dq.subrows_mut(start, rows).copy_from(block.dq());
-            ddq.subrows_mut(start, rows).copy_from(block.ddq());
-            if let Some(measured) = block.tau() {
-                tau.subrows_mut(start, rows).copy_from(measured);
-            }
-            start += rows;
-        }
-        let tau = blocks.iter().all(|block| block.tau().is_some()).then_some(tau);
+        let joined = |parts: Vec<_>| stacked(joints.len(), &parts);
+        let [q, dq, ddq] =
+            [Self::q, Self::dq, Self::ddq].map(|of| joined(blocks.iter().map(of).collect()));
+        let tau = blocks.iter().map(Self::tau).collect::<Option<_>>().map(joined);
         Self::new(Signals { joints: joints.to_vec(), t, q, dq, ddq, tau })
     }
 
@@ -175,6 +176,11 @@ impl Motion {
     /// [`MotionError::Missing`] if the log holds no torque.
     pub fn require_tau(&self) -> Result<MatRef<'_, f64>> {
         self.tau().ok_or(MotionError::Missing("tau"))
+    }
+
+    /// q \[rad\], q̇ \[rad/s\] and q̈ \[rad/s²\] of a row, n each.
+    pub fn state(&self, row: usize) -> [Vec<f64>; 3] {
+        [self.q(), self.dq(), self.ddq()].map(|x| x.row(row).iter().copied().collect())
     }
 
     /// What friction remembers of the path at each row, where that was followed.

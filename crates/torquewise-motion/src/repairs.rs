@@ -17,6 +17,8 @@ pub struct Repairs {
     pub not_finite: u64,
     /// Rows left out since a value was absurd: far beyond its neighbours.
     pub absurd: u64,
+    /// Rows left out since they were all zeros and the arm was elsewhere before: what they held was lost.
+    pub zeros: u64,
     /// Rows left out since they repeated the row before: the device was slower than its logger, or did
     /// not answer.
     pub held_rows: u64,
@@ -61,6 +63,7 @@ impl Repairs {
         self.earlier_stamps += other.earlier_stamps;
         self.not_finite += other.not_finite;
         self.absurd += other.absurd;
+        self.zeros += other.zeros;
         self.held_rows += other.held_rows;
         self.too_short += other.too_short;
         other.spikes.iter().for_each(|(signal, &count)| self.add_spikes(signal, count));
@@ -99,6 +102,7 @@ impl fmt::Display for Repairs {
             (self.earlier_stamps, "row", "with an earlier time stamp than a row before"),
             (self.not_finite, "row", "without a number"),
             (self.absurd, "row", "with a value far beyond its neighbours"),
+            (self.zeros, "row", "of zeros alone, far from where the arm was"),
             (self.held_rows, "row", "that repeat the one before, though the joints move"),
             (self.too_short, "row", "of trajectories too short for the filter"),
         ]);

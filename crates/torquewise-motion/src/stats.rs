@@ -21,6 +21,12 @@ pub fn quantile(values: &mut [f64], share: f64) -> f64 {
     *values.select_nth_unstable_by(place, f64::total_cmp).1
 }
 
+/// The least and the greatest of some values; infinite, the wrong way round, of none.
+pub fn ends(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    values.into_iter().fold(none, |[low, high], x| [low.min(x), high.max(x)])
+}
+
 /// Items that are alike together, groups and items in the order in which they come.
 pub fn grouped<T>(
     items: impl IntoIterator<Item = T>,

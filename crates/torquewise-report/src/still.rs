@@ -6,6 +6,7 @@ use plotters::chart::SeriesAnno;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
+use torquewise_motion::ends;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
@@ -86,9 +87,7 @@ fn range(axis: &Axis, numbers: impl Iterator<Item = f64>) -> std::ops::Range<f64
     if let Some([low, high]) = axis.range.filter(|ends| ends.iter().all(|x| drawable(axis, *x))) {
         return low..high;
     }
-    let numbers = numbers.filter(|x| drawable(axis, *x));
-    let (low, high) = numbers
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    let [low, high] = ends(numbers.filter(|x| drawable(axis, *x)));
     match (low <= high, axis.log) {
         (false, false) => 0.0..1.0,
         (false, true) => 1.0..10.0,

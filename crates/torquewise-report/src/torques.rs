@@ -2,7 +2,7 @@
 
 use crate::{Axis, Chart, Colour, Mark, Series};
 use faer::{Mat, MatRef};
-use torquewise_motion::{Motion, MotionError};
+use torquewise_motion::{Motion, MotionError, ends};
 
 /// Space beyond the torque that is needed, as a share of its range.
 const SPACE: f64 = 0.15;
@@ -29,8 +29,7 @@ pub fn torque_charts(
             rows.map(|(&t, &tau)| [t, tau]).collect()
         };
         let needed = over_time(needed);
-        let low = needed.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
-        let high = needed.iter().map(|point| point[1]).fold(f64::NEG_INFINITY, f64::max);
+        let [low, high] = ends(needed.iter().map(|point| point[1]));
         let space = (SPACE * (high - low)).max(1e-6);
         let range = Some([low - space, high + space]);
         let mut series = vec![Series::new(label, Mark::BroadLine, Colour::Measured, needed)];

@@ -55,7 +55,8 @@ pub enum SimError {
     Branches { link: String, lock: String },
     #[error("the URDF has no joint `{unknown}`: it has {known}")]
     #[diagnostic(help(
-        "name the joints of the log after them, by `joints` in a profile; lock those that it lacks"
+        "name the joints of the log after them, by `joints` in a profile, or leave one out, by \
+         `leave_out`; lock those that the log lacks"
     ))]
     UnknownJoints { unknown: String, known: String },
     #[error("the joints of the log are {found}, the URDF has them in the order {expected}")]

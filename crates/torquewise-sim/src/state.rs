@@ -1,7 +1,7 @@
 //! Positions, velocities and accelerations of n joints: at one instant, and row by row.
 
 use crate::Result;
-use faer::{Mat, MatRef};
+use faer::Mat;
 use torquewise_motion::{Motion, Signals};
 
 /// Where the joints are and how they move at one instant, n each.
@@ -35,8 +35,8 @@ impl State {
     }
 
     pub(crate) fn of(motion: &Motion, row: usize) -> Self {
-        let of = |x: MatRef<'_, f64>| x.row(row).iter().copied().collect();
-        Self { q: of(motion.q()), dq: of(motion.dq()), ddq: of(motion.ddq()) }
+        let [q, dq, ddq] = motion.state(row);
+        Self { q, dq, ddq }
     }
 }
 

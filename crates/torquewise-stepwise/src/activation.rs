@@ -99,12 +99,9 @@ impl Activation {
 
     /// \[I(q̇) I(q̈)\] of each row of a motion, m.
     pub fn over(&self, motion: &Motion) -> Vec<[f64; 2]> {
-        let index = |index: &ActivationIndex, rates: MatRef<'_, f64>, row: usize| {
-            index.of(&rates.row(row).iter().copied().collect::<Vec<f64>>())
-        };
         let pair = |row| {
-            let velocity = index(&self.velocity, motion.dq(), row);
-            [velocity, index(&self.acceleration, motion.ddq(), row)]
+            let [_, dq, ddq] = motion.state(row);
+            [self.velocity.of(&dq), self.acceleration.of(&ddq)]
         };
         (0..motion.n_rows()).map(pair).collect()
     }

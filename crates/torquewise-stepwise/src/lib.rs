@@ -36,3 +36,4 @@ pub use plan::{LibraryKind, LibraryOptions, Regression};
 pub use progress::Progress;
 pub(crate) use rows::{PatternSums, clear_of_reversals, samples_of};
 pub use survey::{Survey, survey, thinned};
+pub use torquewise_rigid::rows::evenly;

@@ -51,8 +51,6 @@ const SIGNALS: usize = 5;
 
 /// From here on a number, in SI units, is that of a damaged file, not of an arm.
 const LARGEST: f64 = 1e9;
-/// A joint whose position changes by no more \[rad or m\] never moves.
-pub const AT_REST: f64 = 1e-3;
 
 impl Survey {
     /// Whether its numbers may be those of an arm.
@@ -114,7 +112,7 @@ impl Survey {
 
     /// Joints whose position never changes, but for quanta of an encoder.
     pub fn constant_joints(&self) -> Vec<usize> {
-        (0..self.joints.len()).filter(|&joint| self.range(joint) <= AT_REST).collect()
+        self.training(Vec::new()).constant_joints()
     }
 
     /// Whether no joint moves.

@@ -346,8 +346,10 @@ fn dropped(logs: &Logs) -> Option<String> {
     }
     let stale = "with the position of the one before while the arm moves on";
     let anew = "if the clock began anew there, put what follows in a file of its own";
+    let zeros = "of zeros alone, far from where the arm was";
     let [held, back] = [logs.first(|own| own.first_held), logs.first(|own| own.first_back)];
     for (first, rows, what, why) in [
+        (logs.first(|own| own.first_zeros), repairs.zeros, zeros, "what it held was lost"),
         (held, repairs.held_rows, stale, "the device did not answer"),
         (back, repairs.earlier_stamps, "earlier than a row before", anew),
     ] {

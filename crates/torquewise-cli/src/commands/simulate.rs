@@ -5,7 +5,6 @@ use crate::files::{check_rows, read_arm, read_friction};
 use crate::pattern_table::PatternTable;
 use crate::{Outcome, Result, Table, check_files, staged, watch};
 use clap::Args;
-use faer::MatRef;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use torquewise::Watched;
@@ -137,13 +136,9 @@ fn write_log(file: &Path, recording: &dyn Recording) -> Result<()> {
 /// Counts the rows of each pattern, and writes row by row which it is.
 fn write_truth(file: Option<&Path>, clean: &SimulatedLog) -> Result<[u64; 3]> {
     let mut table = PatternTable::create(file)?;
-    let row_of =
-        |signal: MatRef<'_, f64>, row| -> Vec<f64> { signal.row(row).iter().copied().collect() };
     clean.read(&mut |_, block| {
-        let rows = 0..block.n_rows();
-        let truth: Vec<Pattern> = rows
-            .map(|row| Pattern::of(&row_of(block.dq(), row), &row_of(block.ddq(), row)))
-            .collect();
+        let states = (0..block.n_rows()).map(|row| block.state(row));
+        let truth: Vec<Pattern> = states.map(|[_, dq, ddq]| Pattern::of(&dq, &ddq)).collect();
         Ok(table.append(&truth)?)
     })?;
     Ok(table.finish()?)

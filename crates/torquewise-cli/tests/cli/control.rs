@@ -52,18 +52,6 @@ fn every_controller_is_told_and_drawn() {
 }
 
 #[test]
-fn one_seed_gives_the_same_numbers() {
-    let terminal = Terminal::with_model();
-    let line = format!("control model.json --arm planar-2 {SHORT} --noise 1e-5 --controllers pid");
-
-    let [one, other] = [(); 2].map(|()| terminal.json(&line));
-    let third = terminal.json(&format!("{line} --noise-seed 1"));
-
-    assert_eq!(one, other);
-    assert_ne!(one["pid"], third["pid"]);
-}
-
-#[test]
 fn drives_that_are_too_weak_are_a_warning() {
     let terminal = Terminal::with_model();
 

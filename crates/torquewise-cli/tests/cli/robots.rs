@@ -53,6 +53,15 @@ fn an_arm_on_a_wall_is_told_from_one_on_the_floor() {
 }
 
 #[test]
+fn an_arm_on_a_ceiling_is_no_arm_on_the_floor() {
+    let (terminal, stderr) = fitted_as_on_a_floor("3.1415927 0 0");
+    let said = terminal.run("fit log.csv --urdf floor.urdf --gravity 0,0,1 -o arm.json");
+
+    assert!(stderr.contains("gravity pulls along (0.00, 0.00, 1.00) of the base"), "{stderr}");
+    assert!(said.code == 0 && !said.stderr.contains("gravity pulls"), "{said:?}");
+}
+
+#[test]
 fn a_base_that_is_not_level_is_tilted() {
     let (terminal, stderr) = fitted_as_on_a_floor("0 0.0523599 0");
 

@@ -137,10 +137,7 @@ fn passive(
     for own in shafts {
         let (_, any) = own[0];
         let (peak, usual) = (speed_of(any, (sizes, kinds)), USUAL_FRICTION * torque_of(any, sizes));
-        let dead = own.iter().fold(0.0_f64, |most, (_, term)| match term.law {
-            FrictionLaw::Coulomb { width } => most.max(width),
-            _ => most,
-        });
+        let dead = own.iter().fold(0.0_f64, |most, (_, term)| most.max(term.law.width()));
         let part = |k: i32| 10.0_f64.powf(f64::from(k) / f64::from(PER_DECADE));
         let parts: Vec<f64> = (-DECADES * PER_DECADE..=0).map(part).chain(FAST_SPEEDS).collect();
         let at_speed = |speed: f64| -> Option<Positive> {

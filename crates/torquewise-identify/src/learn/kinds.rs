@@ -5,16 +5,14 @@ use super::{
     ChainLearner, DriveTerm, LEFT_BY_RIDGE, Learned, NO_RIDGE, TRIAL_ROWS, UNRESOLVED, Watch,
     searching,
 };
-use crate::clipped::ends;
 use crate::excitation::LEAST_RANGE;
 use crate::{ChainSpec, geometric_mean, record_worth, trial};
 use rayon::prelude::*;
-use torquewise_model::{Choice, FrictionLaw, FrictionTerm, JointKind, JointKinds};
-use torquewise_motion::Motion;
+use torquewise_model::{Choice, FrictionLaw, FrictionTerm, JointKind, JointKinds, Training};
+use torquewise_motion::{Motion, ends};
 use torquewise_rigid::search::{all_parameters, glance};
 use torquewise_rigid::{Chain, ChainRows, Search, refine};
 use torquewise_stepwise::IdentifyError;
-use torquewise_stepwise::survey::AT_REST;
 
 /// Travel \[m\] of a slide at most: a joint that goes farther is taken to turn. Arms with longer ones
 /// are told of them.
@@ -204,11 +202,12 @@ impl ChainLearner<'_> {
         };
         let q = self.motion.q();
         let travel = |joint: usize| {
-            let (low, high) = ends(q.col(joint).iter());
+            let [low, high] = ends(q.col(joint).iter().copied());
             high - low
         };
         // One that rests is no slide that is found.
-        let is_short = |joint: &usize| (AT_REST..=LONGEST_SLIDE).contains(&travel(*joint));
+        let is_short =
+            |joint: &usize| (Training::AT_REST..=LONGEST_SLIDE).contains(&travel(*joint));
         let short: Vec<usize> = (0..n).filter(is_short).collect();
         if short.is_empty() {
             return Ok(FirstLook::default());

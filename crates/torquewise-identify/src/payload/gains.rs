@@ -2,7 +2,7 @@
 
 use super::pass::Pass;
 use super::rows::WithLoad;
-use super::{LoadPlace, Payload, STRENGTH, chain_of};
+use super::{LoadPlace, Payload, STRENGTH, chain_of, is_given};
 use crate::Disagreement;
 use crate::clustered::{Stretches, scatter, score};
 use crate::warning::list;
@@ -185,7 +185,7 @@ impl DriveGains {
             rows: pass.rows,
             at_odds: Vec::new(),
             joints: model.joints.clone(),
-            is_given: chain.robot.is_some() || chain.fitted.is_empty(),
+            is_given: is_given(chain),
         })
     }
 

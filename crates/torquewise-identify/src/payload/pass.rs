@@ -3,7 +3,6 @@
 use super::rows::{Columns, Weights, visit};
 use super::{STRENGTH, TOLD};
 use crate::clustered::{Stretches, scatter, score};
-use crate::state_of;
 use faer::{ColRef, Mat};
 use nalgebra::Vector3;
 use torquewise_model::{Model, RigidChain};
@@ -54,7 +53,7 @@ impl Pass {
         let mut y = Mat::zeros(n, PER_BODY * n);
         visit(model, recording, &mut |block, left, _| {
             for row in 0..block.n_rows() {
-                let state = state_of(block, row);
+                let state = block.state(row);
                 columns.at(state.each_ref().map(Vec::as_slice), &mut y);
                 for (link, pass) in passes.iter_mut().enumerate() {
                     for (joint, sums) in pass.sums.iter_mut().enumerate() {

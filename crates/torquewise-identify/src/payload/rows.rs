@@ -1,9 +1,9 @@
 //! Rows for a payload: what each counts, the columns of the last body, what the model leaves.
 
+use crate::AT_REST;
 use crate::drive_terms::SHARE_AT_REST;
-use crate::{AT_REST, state_of};
 use faer::{ColRef, Mat};
-use torquewise_model::{FrictionLaw, Model, RigidChain, Torque, Training};
+use torquewise_model::{Model, RigidChain, Torque, Training};
 use torquewise_motion::Recording;
 use torquewise_rigid::{Kinematics, MotionState, Moved, PER_BODY};
 use torquewise_stepwise::IdentifyError;
@@ -20,10 +20,8 @@ pub(super) struct Weights {
 impl Weights {
     pub(super) fn of(model: &Model) -> Self {
         let rest = |joint: usize| {
-            let widths = model.friction.iter().filter(|own| own.term.acts_on(joint)).map(|own| {
-                if let FrictionLaw::Coulomb { width } = own.term.law { width } else { 0.0 }
-            });
-            AT_REST * widths.fold(0.0_f64, f64::max)
+            let laws = model.friction.iter().filter(|own| own.term.acts_on(joint));
+            AT_REST * laws.fold(0.0_f64, |most, own| most.max(own.term.law.width()))
         };
         let Training { held_out_rms, residual_rms, .. } = &model.training;
         let noise = if held_out_rms.is_empty() { residual_rms } else { held_out_rms };
@@ -110,7 +108,7 @@ impl WithLoad {
         let (mut all_y, mut rows) = (Mat::zeros(n, PER_BODY * n), 0_usize);
         visit(model, recording, &mut |block, left, laws| {
             for row in 0..block.n_rows() {
-                let state = state_of(block, row);
+                let state = block.state(row);
                 let at = state.each_ref().map(Vec::as_slice);
                 columns.at(at, &mut all_y);
                 let y = all_y.subcols(PER_BODY * link, PER_BODY);

@@ -43,8 +43,7 @@ pub(crate) fn row_of(x: MatRef<'_, f64>, row: usize) -> Vec<f64> {
 }
 
 pub(crate) fn states_of(motion: &Motion) -> Vec<State> {
-    let signals = [motion.q(), motion.dq(), motion.ddq()];
-    (0..motion.n_rows()).map(|row| signals.map(|x| row_of(x, row))).collect()
+    (0..motion.n_rows()).map(|row| motion.state(row)).collect()
 }
 
 /// States of an arm, with the torque that it needs for them.

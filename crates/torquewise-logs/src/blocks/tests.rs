@@ -145,6 +145,37 @@ fn stamps_of(q: &dyn Fn(u32) -> f64) -> (Vec<f64>, ReadReport) {
 }
 
 #[test]
+fn rows_of_zeros_are_lost_but_where_an_arm_is_at_zero() {
+    let read = |q: &dyn Fn(u32) -> f64| {
+        let row = |row: u32| {
+            let (t, q) = (0.01 * f64::from(row), q(row));
+            format!("{t:?},{q:?},{:?},{:?},{q:?}\n", q + 0.5 * q.signum() * q.abs(), -q)
+        };
+        let text = "t,q1,q2,tau1,tau2\n".to_owned() + &(0..300).map(row).collect::<String>();
+        let joints = ["joint1".to_owned(), "joint2".to_owned()];
+        let mut blocks = Blocks::new(signal_rows(text.as_bytes()).unwrap(), &joints, true);
+        let mut rows = 0;
+        while let Some((_, block)) = blocks.next(Blocks::block).unwrap() {
+            rows += block.n_rows() as u64;
+        }
+        let ReadReport { first_zeros, repairs, .. } = blocks.rows.report;
+        (rows, first_zeros, repairs.zeros, repairs.splits)
+    };
+    let wave = |row: u32| 1.0 + 0.5 * (0.05 * f64::from(row)).sin();
+    let lost = |from: u32, to: u32| {
+        read(&move |row| if (from..to).contains(&row) { 0.0 } else { wave(row) })
+    };
+
+    assert_eq!(lost(100, 101), (299, Some(101), 1, 0));
+    // Up to 0.2 s are bridged, and no jump is seen; longer ones split the log.
+    assert_eq!(lost(100, 118), (282, Some(101), 18, 0));
+    assert_eq!(lost(100, 140), (260, Some(101), 40, 1));
+    let at_zero = |row: u32| wave(row.min(200)) - wave(200).min(wave(row));
+    let (rows, _, zeros, _) = read(&at_zero);
+    assert_eq!((rows, zeros), (300, 0), "an arm that stops at zero");
+}
+
+#[test]
 fn a_log_is_split_where_a_position_jumps_and_not_where_it_spikes_or_a_joint_starts() {
     let wave = |row: u32| (0.03 * f64::from(row)).sin();
     for from in [30, 1_000, 1_024, 1_030, 3_990] {

@@ -55,9 +55,8 @@ impl Torque {
     ) -> Result<(), ModelError> {
         self.check_joints(motion)?;
         let motion = self.path().follow(0, motion);
-        let signals = [motion.q(), motion.dq()];
         for row in 0..motion.n_rows() {
-            let [q, dq] = signals.map(|x| x.row(row).iter().copied().collect::<Vec<f64>>());
+            let [q, dq, _] = motion.state(row);
             let memory = |joint, travel| motion.memory()?.state(row, joint, travel);
             let gravity = if self.is_load_dependent { self.gravity(&q)? } else { Vec::new() };
             self.visit_laws((&gravity, &dq), &memory, |k, law| put(row, k, &dq, law));

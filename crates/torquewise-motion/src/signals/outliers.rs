@@ -1,8 +1,8 @@
 //! Outliers of a signal: a Hampel filter that follows the motion.
 
-use crate::median;
 use crate::signals::noise::quantisation;
 use crate::signals::spline::lagrange;
+use crate::{ends, median};
 use std::ops::RangeInclusive;
 
 const ROUNDS: usize = 3;
@@ -30,9 +30,7 @@ pub(crate) fn spike_scale(x: &[f64]) -> f64 {
 /// The step of a signal at rest that goes to and fro between two values, each of a hundredth of the rows
 /// at least; else 0.
 fn between_two(x: &[f64]) -> f64 {
-    let (low, high) = x
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+    let [low, high] = ends(x.iter().copied());
     let of = |value: f64| x.iter().filter(|x| x.total_cmp(&value).is_eq()).count();
     let [lows, highs] = [low, high].map(of);
     if lows + highs == x.len() && lows.min(highs) > x.len() / 100 { high - low } else { 0.0 }

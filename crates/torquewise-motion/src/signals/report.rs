@@ -5,7 +5,7 @@ use crate::signals::clean::Outliers;
 use crate::signals::delay::Shift;
 use crate::signals::noise::Quantisation;
 use crate::signals::resample::Timing;
-use crate::{Raw, Signal, median};
+use crate::{Raw, Signal, ends, median};
 use std::fmt;
 use std::ops::Range;
 
@@ -144,9 +144,7 @@ fn stuck(raw: &Raw, joint: usize) -> f64 {
     const MOST_ROWS: f64 = 0.9;
     const PART: f64 = 0.1;
     let (tau, q) = (&raw.of(Signal::Tau)[joint], &raw.of(Signal::Q)[joint]);
-    let ends = |x: &[f64]| {
-        x.iter().fold([f64::MAX, f64::MIN], |[low, high], x| [low.min(*x), high.max(*x)])
-    };
+    let ends = |x: &[f64]| ends(x.iter().copied());
     let way = |rows: &Range<usize>| ends(&q[rows.clone()])[1] - ends(&q[rows.clone()])[0];
     let runs = tau.chunk_by(|a, b| a.to_bits() == b.to_bits()).scan(0, |begin, run| {
         let rows = *begin..*begin + run.len();

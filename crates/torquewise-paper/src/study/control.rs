@@ -155,12 +155,10 @@ fn friction(plant: &Plant, model: &Model, study: &mut Study) -> Result {
 /// The torque that a motion takes, and what each step predicts of it.
 fn steps(plant: &Plant, model: &Model, wanted: &Motion, study: &mut Study) -> Result {
     let rows: Vec<usize> = (0..wanted.n_rows()).step_by(SHOWN).collect();
+    let states = rows.iter().map(|&row| wanted.state(row));
+    let needed: Vec<Vec<f64>> =
+        states.map(|[q, dq, ddq]| plant.needed_torque(&q, &dq, &ddq)).collect();
     let mut signals = wanted.select(&rows).into_signals();
-    let needed = |row: usize| {
-        let at = |x: &Mat<f64>| x.row(row).iter().copied().collect::<Vec<f64>>();
-        plant.needed_torque(&at(&signals.q), &at(&signals.dq), &at(&signals.ddq))
-    };
-    let needed: Vec<Vec<f64>> = (0..rows.len()).map(needed).collect();
     signals.tau = Some(Mat::from_fn(rows.len(), needed[0].len(), |row, j| needed[row][j]));
     let motion = Motion::new(signals)?;
     let steps = trial::steps(model, sharp, &motion)?;

@@ -2,6 +2,7 @@
 
 use crate::{Colour, Stretches};
 use torquewise_motion::Pattern;
+use torquewise_stepwise::evenly;
 
 pub(crate) const LABEL: &str = "time [s]";
 
@@ -51,8 +52,7 @@ impl Clock {
         let surplus = 0.5 * (self.t.last().copied().unwrap_or_default() - seconds).max(0.0);
         let first = self.t.partition_point(|t| *t < surplus).min(m.saturating_sub(2));
         let end = self.t.partition_point(|t| *t <= surplus + seconds).max(first + 2).min(m);
-        let taken = (end - first).min(most);
-        (0..taken).map(|k| first + k * (end - first) / taken).collect()
+        evenly(end - first, most).into_iter().map(|k| first + k).collect()
     }
 
     pub(crate) fn curve(&self, value: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {

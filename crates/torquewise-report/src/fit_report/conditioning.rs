@@ -44,7 +44,8 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
 }
 
 fn row(log: &str, repairs: &Repairs) -> Vec<Label> {
-    let others = repairs.earlier_stamps + repairs.not_finite + repairs.absurd + repairs.too_short;
+    let Repairs { earlier_stamps, not_finite, absurd, zeros, too_short, .. } = repairs;
+    let others = earlier_stamps + not_finite + absurd + zeros + too_short;
     let left_out = [repairs.repeated_stamps, repairs.held_rows, others];
     let moved = [repairs.late_stamps, repairs.whole_turns, repairs.gaps];
     let counts = std::iter::once(repairs.spikes.values().sum()).chain(left_out).chain(moved);

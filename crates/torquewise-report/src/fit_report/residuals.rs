@@ -2,11 +2,11 @@
 
 use crate::fit_report::clock;
 use crate::fit_report::torques::LINK;
-use crate::html::thin::rows_of_cloud;
 use crate::{Chart, Clock, Colour, Findings, Guide, Item, Mark, Section, Series, significant};
 use faer::MatRef;
 use std::f64::consts::PI;
 use torquewise_model::units::unit;
+use torquewise_stepwise::evenly;
 
 const MOST_POINTS: usize = 1_500;
 /// Half width of the interval that holds 95 % of a standard normal distribution.
@@ -67,7 +67,7 @@ impl Residual<'_> {
     }
 
     fn over(&self, signal: MatRef<'_, f64>, label: &str) -> Chart {
-        let rows = rows_of_cloud(signal.nrows(), MOST_POINTS).into_iter();
+        let rows = evenly(signal.nrows(), MOST_POINTS).into_iter();
         let points = rows.map(|row| [signal[(row, self.joint)], self.at(row)]).collect();
         let name = label.split(' ').next().unwrap_or(label);
         let series = vec![Series::new("residual", Mark::Cloud, Colour::Series(0), points)];

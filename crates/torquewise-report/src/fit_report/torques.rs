@@ -35,16 +35,15 @@ fn charts(findings: &Findings<'_>, diagnosis: &Diagnosis, link: &str) -> Item {
     let clock = Clock::new(diagnosis.trace.motion.t());
     let charts = (0..diagnosis.scores.joints.len()).map(|joint| {
         let rubs = model.friction.iter().any(|law| law.term.acts_on(joint));
+        let curve = |tau: &Mat<f64>| clock.curve(|row| tau[(row, joint)]);
         let friction = parts.as_ref().filter(|_| rubs).map(|parts| {
-            let points = clock.curve(|row| parts.friction[(row, joint)]);
-            Series::new("friction", Mark::Line, Colour::Series(1), points)
+            Series::new("friction", Mark::Line, Colour::Series(1), curve(&parts.friction))
         });
         let (trace, score) = (&diagnosis.trace, &diagnosis.scores.joints[joint]);
         let measured = trace.motion.tau().map(|tau| {
             let points = clock.curve(|row| tau[(row, joint)]);
             Series::new("measured", Mark::BroadLine, Colour::Measured, points)
         });
-        let curve = |tau: &Mat<f64>| clock.curve(|row| tau[(row, joint)]);
         let predicted = match &trace.bounds {
             None => Series::line("predicted", curve(&trace.tau_hat)),
             Some([low, high]) => Series {

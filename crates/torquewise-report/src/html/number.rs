@@ -1,6 +1,7 @@
 //! Numbers as text: significant digits, aligned at the decimal point.
 
 use serde_json::Value;
+use torquewise_motion::ends;
 
 const FIGURE_SPACE: char = '\u{2007}';
 /// As wide as a decimal point.
@@ -84,9 +85,7 @@ fn plotted(x: f64) -> Value {
 
 /// Rounds to six significant digits, of the range of all values where that is the finer.
 pub(crate) fn rounded(values: &[f64]) -> Vec<Value> {
-    let finite = values.iter().copied().filter(|x| x.is_finite());
-    let [low, high] =
-        finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+    let [low, high] = ends(values.iter().copied().filter(|x| x.is_finite()));
     let of_range = decimals_of(high - low);
     values
         .iter()

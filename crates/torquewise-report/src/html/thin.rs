@@ -1,6 +1,7 @@
 //! Thinned points to draw: from left to right, few, with every peak among them.
 
 use crate::html::chart::Series;
+use torquewise_stepwise::evenly;
 
 /// Points of a chart at most, per curve.
 pub(crate) const MOST_POINTS: usize = 4_000;
@@ -53,16 +54,10 @@ fn rows_of_curves(curves: &[&[[f64; 2]]], most: usize) -> Vec<usize> {
     rows
 }
 
-/// Rows of a cloud of `m` points, evenly taken, at most `most`.
-pub(crate) fn rows_of_cloud(m: usize, most: usize) -> Vec<usize> {
-    let drawn = m.min(most);
-    (0..drawn).map(|place| place * m / drawn).collect()
-}
-
 /// Rows to draw of series over the same abscissae.
 pub(crate) fn rows_of(all: &[&Series]) -> Vec<usize> {
     if !all[0].mark.is_line() {
-        return rows_of_cloud(all[0].points.len(), MOST_POINTS);
+        return evenly(all[0].points.len(), MOST_POINTS);
     }
     rows_of_curves(&all.iter().map(|own| &*own.points).collect::<Vec<_>>(), MOST_POINTS)
 }
@@ -134,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn thinned_curves_keep_their_peaks_gaps_and_ends_and_clouds_are_even() {
+    fn thinned_curves_keep_their_peaks_gaps_and_ends() {
         let m = 100_000;
         let mut first = vec![[0.0; 2]; m];
         let mut second = first.clone();
@@ -147,7 +142,5 @@ mod tests {
             assert!(rows.contains(&row), "{row}");
         }
         assert!(rows.windows(2).all(|pair| pair[0] < pair[1]), "in order");
-        assert_eq!(rows_of_cloud(10, 5), [0, 2, 4, 6, 8]);
-        assert_eq!(rows_of_cloud(3, 5), [0, 1, 2]);
     }
 }

@@ -1,6 +1,7 @@
 //! What a figure of charts shows.
 
 use crate::{Axis, Chart, Colour, Guide, Mark, Series, Stretches, chart_figure};
+use torquewise_motion::ends;
 
 const MARKS: [Mark; 7] = [
     Mark::Line,
@@ -88,11 +89,6 @@ fn numbers_of_any_size_are_drawn() {
             assert!(chart_figure("Sizes", &[even, log], 2).is_ok(), "{size:e} {mark:?}");
         }
     }
-}
-
-fn ends(numbers: impl IntoIterator<Item = f64>) -> [f64; 2] {
-    let start = [f64::INFINITY, f64::NEG_INFINITY];
-    numbers.into_iter().fold(start, |[low, high], n| [low.min(n), high.max(n)])
 }
 
 #[test]

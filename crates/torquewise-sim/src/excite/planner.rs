@@ -11,6 +11,7 @@ use crate::{Bounds, Result, SimError, check_between, check_joints};
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use torquewise_motion::motion::stacked;
 use torquewise_motion::whole;
 use torquewise_rigid::JointKind;
 
@@ -211,11 +212,16 @@ impl Setting<'_> {
 
     fn criteria(&self, recordings: &[Planned; 3]) -> Result<[DesignCriterion; 3]> {
         let library = &self.library;
+        let of = |rows: &[Mat<f64>], seconds| {
+            let columns = rows.first().map_or(0, Mat::ncols);
+            let parts: Vec<_> = rows.iter().map(Mat::as_ref).collect();
+            DesignCriterion::of(stacked(columns, &parts).as_ref(), seconds)
+        };
         let until = |stage: usize| {
             let parts = || recordings[..=stage].iter().flat_map(|recording| &recording.parts);
             let seconds = parts().flat_map(|part| part.states(1).seconds).sum();
             let rows = library.share(self.stages()[stage]).rows_of(parts(), DENSITY)?;
-            Ok::<_, SimError>(DesignCriterion::of(stacked(&rows).as_ref(), seconds))
+            Ok::<_, SimError>(of(&rows, seconds))
         };
         let seconds: f64 = recordings.iter().map(|recording| recording.seconds).sum();
         let least = GRID.max(3 * library.n_columns() / self.bounds.len());
@@ -224,7 +230,7 @@ impl Setting<'_> {
             let points = whole((least as f64 * recording.seconds / seconds).ceil());
             rows.push(library.rows(&recording.grid(points.max(1)))?);
         }
-        Ok([until(0)?, until(1)?, DesignCriterion::of(stacked(&rows).as_ref(), seconds)])
+        Ok([until(0)?, until(1)?, of(&rows, seconds)])
     }
 
     fn not_alone(&self, uniform: &Planned) -> Vec<String> {
@@ -239,17 +245,6 @@ impl Setting<'_> {
         let names = self.joints.iter().enumerate().filter(|(joint, _)| !alone(*joint));
         names.map(|(_, name)| name.clone()).collect()
     }
-}
-
-fn stacked(blocks: &[Mat<f64>]) -> Mat<f64> {
-    let columns = blocks.first().map_or(0, Mat::ncols);
-    let mut all = Mat::zeros(blocks.iter().map(Mat::nrows).sum(), columns);
-    let mut first = 0;
-    for block in blocks {
-        all.subrows_mut(first, block.nrows()).copy_from(block);
-        first += block.nrows();
-    }
-    all
 }
 
 /// The pose at both ends: as asked, else zero, else the middle of the range.

@@ -166,6 +166,7 @@ mod tests {
     use super::*;
     use crate::excite::part::tests::LIMITS;
     use rand::SeedableRng;
+    use torquewise_motion::ends;
 
     #[test]
     fn some_limit_is_used_to_the_share_that_was_drawn() {
@@ -179,11 +180,9 @@ mod tests {
             let peak = |of: fn(&State) -> &[f64]| {
                 states.iter().map(|state| of(state)[i].abs()).fold(0.0, f64::max)
             };
-            let ends = states.iter().map(|state| state.q[i]);
-            let way =
-                ends.clone().fold(f64::NEG_INFINITY, f64::max) - ends.fold(f64::INFINITY, f64::min);
+            let [low, high] = ends(states.iter().map(|state| state.q[i]));
             let used = [
-                way / (limits.position[1] - limits.position[0]),
+                (high - low) / (limits.position[1] - limits.position[0]),
                 peak(|state| &state.dq) / limits.velocity,
                 peak(|state| &state.ddq) / limits.acceleration,
             ];

@@ -1,6 +1,5 @@
 //! Plans: within all limits at every instant, at rest at both ends, the same for the same seed.
 
-use faer::MatRef;
 use std::collections::BTreeSet;
 use std::sync::LazyLock;
 use torquewise_motion::Recording;
@@ -39,9 +38,8 @@ fn rows(recording: &impl Recording) -> Vec<(f64, State)> {
     let mut rows = Vec::new();
     let read = recording.read(&mut |_, block| {
         for row in 0..block.n_rows() {
-            let of = |x: MatRef<'_, f64>| x.row(row).iter().copied().collect();
-            let state = State { q: of(block.q()), dq: of(block.dq()), ddq: of(block.ddq()) };
-            rows.push((block.t()[row], state));
+            let [q, dq, ddq] = block.state(row);
+            rows.push((block.t()[row], State { q, dq, ddq }));
         }
         Ok(())
     });

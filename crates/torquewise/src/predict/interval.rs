@@ -56,9 +56,8 @@ impl<'a> Interval<'a> {
         let laws = self.torque.laws(block)?;
         let mut half = Mat::zeros(m, n);
         for row in 0..m {
-            let state = [block.q(), block.dq(), block.ddq()]
-                .map(|x| (0..n).map(|joint| x[(row, joint)]).collect::<Vec<f64>>());
-            let state = [&state[0][..], &state[1][..], &state[2][..]];
+            let state = block.state(row);
+            let state = state.each_ref().map(Vec::as_slice);
             let laws: Vec<f64> = laws.row(row).iter().copied().collect();
             let errors = self.chain.std_errors((&self.model.friction, &laws), state)?;
             for (joint, error) in errors.into_iter().enumerate() {
