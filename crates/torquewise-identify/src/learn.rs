@@ -275,7 +275,7 @@ impl<'a> ChainLearner<'a> {
         *spec = own;
         let rows = self.rows(spec, FINAL_ROWS)?;
         let chain = refine(&rows, &start, &spec.free, &spec.search, &watch)?;
-        let chain = self.falling(spec, &rows, chain)?;
+        let chain = self.falling(spec, &rows, chain)?.upright();
         self.exact(spec, &rows, chain)
     }
 

@@ -32,6 +32,7 @@ mod library_errors;
 pub mod reconstruction;
 mod framed;
 pub mod samples;
+mod few_rows;
 mod fitted;
 mod torque_sign;
 pub mod residual_shape;

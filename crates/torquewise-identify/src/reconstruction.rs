@@ -2,12 +2,13 @@
 
 use crate::clipped::clipped;
 use crate::excitation::{LEAST_RANGE, commanded_by};
+use crate::few_rows::{at_a_glance, left_by_axes, swapped};
 use crate::library_errors::held_out_rms;
 use crate::residual_shape::shapes;
 use crate::rough::doubtful;
 use crate::score::JointScore;
 use crate::torque_kind::has_gravity;
-use crate::torque_sign::{SignTest, at_a_glance, left_by_axes, swapped};
+use crate::torque_sign::SignTest;
 use crate::verdict::{grave, unheld};
 use crate::{Linearisation, Warning, geometric_mean, score, weightless};
 use torquewise_model::{Model, RigidChain, Torque, Training};

@@ -150,7 +150,7 @@ impl Request {
         sums: &NormalSums,
     ) -> Result<ControlFlow<Fitted, Self>, IdentifyError> {
         if self.searched_rms.is_empty() {
-            let left = self.searched_part.iter().zip(sums.residual_rms());
+            let left = self.searched_part.iter().zip(sums.weighted_rms());
             self.searched_rms = left.map(|(part, rms)| part * rms).collect();
         }
         Ok(match self.passes.clone().take(sums, &self.sizes)? {
@@ -166,7 +166,8 @@ impl Request {
                     return Ok(ControlFlow::Continue(Self { passes, ..self }));
                 }
                 let Self { choices, found, searched_rms, sizes, .. } = self;
-                let warning = Warning::of_refit(&searched_rms, &residual_rms, &sizes.torque);
+                let left = sums.weighted_rms();
+                let warning = Warning::of_refit(&searched_rms, &left, &sizes.torque);
                 ControlFlow::Break(Fitted { solved, sizes, residual_rms, choices, found, warning })
             }
         })

@@ -1,6 +1,6 @@
 //! What the torque columns are: without gravity, or with a gain for each joint (E27).
 
-use crate::torque_sign::at_a_glance;
+use crate::few_rows::at_a_glance;
 use crate::unseen::CHOICE_ROWS;
 use crate::{
     HeldOut, Linearisation, Unseen, Warning, Watch, both_ways, first_look, geometric_mean, spread,

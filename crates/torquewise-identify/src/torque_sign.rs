@@ -1,5 +1,4 @@
-//! Torques of the wrong sign, and torques in each other's place: put right, a chain of rigid bodies
-//! explains those of all joints far better.
+//! Torques of the wrong sign: put right, a chain of rigid bodies explains those of all joints far better.
 
 use crate::drive_terms::mirrored;
 use crate::learn::searching;
@@ -10,32 +9,22 @@ use crate::{
 use faer::Mat;
 use rayon::prelude::*;
 use torquewise_motion::Motion;
-use torquewise_rigid::search::glance;
-use torquewise_rigid::{
-    Chain, ChainError, ChainRows, Geometry, Kinematics, Search, refine, search,
-};
-use torquewise_stepwise::friction::FrictionLibrary;
+use torquewise_rigid::{Chain, ChainRows, Geometry, Kinematics, Search, refine};
 use torquewise_stepwise::{IdentifyError, Survey, thinned};
 
 /// Rows that are tried on; on fewer than these, some signs fit by chance.
-const ROWS: usize = 400;
+pub(crate) const ROWS: usize = 400;
 const LEAST_ROWS: usize = 100;
 /// Other signs must leave this part of what the torques leave as they are, product of the mean squares
 /// of all joints.
-const QUARTER: f64 = 0.25;
+pub(crate) const QUARTER: f64 = 0.25;
 /// A torque turned round or changed over must be explained but for this part, RMS; all of them in the
 /// mean where all are turned.
-const HALF: f64 = 0.5;
+pub(crate) const HALF: f64 = 0.5;
 /// Friction alone tells a sign where it leaves this part, as where a torque is little but friction: of
 /// the wrist of a UR10e 0.014 at most. Of 37 real logs as they should be none came below 0.1, but one of
 /// joints that always move together, of which none is named.
 const BY_FRICTION: f64 = 0.05;
-/// Torques that are changed over must leave a quarter of what they leave as they are, geometric mean of
-/// the two, by so many starts each on so many rows; of all pairs, so many that do best by fewer starts
-/// on fewer rows.
-const FEW: (usize, usize) = (6, 200);
-const FEWER: (usize, usize) = (2, 100);
-const LIKELIEST: usize = 4;
 /// Turned round, torques must leave a physical arm less than this part of what they leave it as they are,
 /// held out, geometric mean of those named or of all: where seven of a Med7 have KUKA's sign 0.67, where
 /// another joint spoilt the look above 1.
@@ -100,7 +89,8 @@ impl SignTest {
         let as_it_is = tried(&rows, 0, &self.geometry, &self.free);
         let all_turned = (1_u32 << n) - 1;
         let in_doubt: u32 = doubtful.iter().map(|joint| 1 << joint).sum();
-        let ways: Vec<u32> = (0..=all_turned).filter(|signs| signs & !in_doubt == 0).collect();
+        let is_way = |signs: &u32| signs & !in_doubt == 0 || *signs == all_turned;
+        let ways: Vec<u32> = (0..=all_turned).filter(is_way).collect();
         // Without friction a motion and its torque turned round fit alike: kinetic energy tells.
         let is_mirrored =
             as_it_is.chain.as_ref().is_some_and(|chain| self.kinetic_energy(chain, &motion) < 0.0);
@@ -130,18 +120,46 @@ impl SignTest {
             }
             (found, geometry) = (signs, chain.geometry);
         }
+        let sizes = Sizes::of(survey);
+        // Axes that move follow some signs as well as others: a physical arm does not.
+        let mirror = (is_mirrored && found != all_turned)
+            .then(|| tried(&rows, all_turned, &self.geometry, &self.free));
         let rows = rows.placed(&geometry);
         let here = |signs: u32| tried(&rows, signs, &geometry, &[]);
-        let whole = here(found);
-        let told = if is_mirrored && found == all_turned {
-            let left: f64 = (0..n).map(|joint| whole.part(&rows, joint)).product();
-            (0..n).filter(|_| left < HALF.powf(n as f64)).collect()
-        } else {
-            let parts = (0..found).filter(|signs| signs & !found == 0).collect::<Vec<u32>>();
-            let parts: Vec<Tried> = parts.into_par_iter().map(here).collect();
-            joints_of(found).filter(|joint| self.tells(*joint, &whole, &parts, &rows)).collect()
+        let whole = self.likelier(here(found), mirror, &motion, &sizes);
+        let told = self.told(&whole, is_mirrored && whole.signs == all_turned, &rows, &here);
+        Ok(self.mended(told, [&as_it_is, &whole], &motion, &sizes))
+    }
+
+    /// The joints that were turned round and tell so; all, if they are explained, where motion and torque
+    /// are mirrored.
+    ///
+    /// - `here`: the same with other signs, 1 bit each
+    fn told(
+        &self,
+        whole: &Tried,
+        is_mirror: bool,
+        rows: &ChainRows,
+        here: &(impl Fn(u32) -> Tried + Sync),
+    ) -> Vec<usize> {
+        let n = rows.n_joints();
+        if is_mirror {
+            let left: f64 = (0..n).map(|joint| whole.part(rows, joint)).product();
+            return (0..n).filter(|_| left < HALF.powf(n as f64)).collect();
+        }
+        let found = whole.signs;
+        let parts = (0..found).filter(|signs| signs & !found == 0).collect::<Vec<u32>>();
+        let parts: Vec<Tried> = parts.into_par_iter().map(here).collect();
+        joints_of(found).filter(|joint| self.tells(*joint, whole, &parts, rows)).collect()
+    }
+
+    /// Of two sets of signs, if there are two, that which leaves a physical arm less of held-out torque.
+    fn likelier(&self, one: Tried, other: Option<Tried>, motion: &Motion, sizes: &Sizes) -> Tried {
+        let missed = |tried: &Tried| {
+            let missed = self.missed(tried, motion, sizes);
+            missed.map_or(f64::INFINITY, |missed| geometric_mean(&missed))
         };
-        Ok(self.mended(told, [&as_it_is, &whole], &motion, survey))
+        other.filter(|other| missed(other) < missed(&one)).unwrap_or(one)
     }
 
     /// The joints that are told where a physical arm, too, misses less of the held-out torque with the signs
@@ -151,13 +169,12 @@ impl SignTest {
         told: Vec<usize>,
         tried: [&Tried; 2],
         motion: &Motion,
-        survey: &Survey,
+        sizes: &Sizes,
     ) -> Vec<usize> {
         if told.is_empty() {
             return told;
         }
-        let sizes = Sizes::of(survey);
-        let [as_it_is, turned] = tried.map(|tried| self.missed(tried, motion, &sizes));
+        let [as_it_is, turned] = tried.map(|tried| self.missed(tried, motion, sizes));
         let Some(turned) = turned else { return Vec::new() };
         let Some(as_it_is) = as_it_is else { return told };
         let part = |joint: usize| Some(turned[joint] / as_it_is[joint]).filter(|x| x.is_finite());
@@ -275,89 +292,6 @@ impl SignTest {
         }
         sum
     }
-}
-
-/// Usual friction, and rows of a motion with its columns, joints that all turn.
-fn few_rows(
-    (sample, dq_peak): (&Motion, &[f64]),
-    count: usize,
-) -> Result<(Vec<DriveTerm>, ChainRows), IdentifyError> {
-    let drive = DriveTerm::usual(&FrictionLibrary::new(dq_peak.to_vec()));
-    let motion = thinned(sample, count);
-    let rows = chain_rows(&motion, columns(&drive, &motion, None))?.measured();
-    Ok((drive, rows))
-}
-
-/// What axes leave of each torque on these rows \[N·m\], n.
-pub(crate) fn left_by_axes(
-    motion: (&Motion, &[f64]),
-    axes: &Geometry,
-    watch: Watch<'_>,
-) -> Result<Vec<f64>, IdentifyError> {
-    let (_, rows) = few_rows(motion, ROWS)?;
-    let still = Search { rounds: 0, ..Search::default() };
-    let chain = refine(&rows, &Chain::at(axes.clone()), &[], &still, &searching(watch))?;
-    Ok(chain.residual_rms)
-}
-
-/// A chain with usual friction that is searched on few rows of a motion, joints that all turn.
-pub(crate) fn at_a_glance(
-    (sample, dq_peak): (&Motion, &[f64]),
-    seed: u64,
-    watch: Watch<'_>,
-) -> Result<Linearisation, IdentifyError> {
-    let (drive, rows) = few_rows((sample, dq_peak), ROWS)?;
-    let found = search(&rows, &Search { seed, ..Search::default() }, &searching(watch))?;
-    let chain = found.chains.into_iter().next().ok_or(ChainError::Singular)?;
-    Ok(Linearisation::of(&chain, (drive, &chain.drive), vec![0.0; rows.n_joints()]))
-}
-
-/// Two joints whose torques stand in each other's place: a first look at few rows finds a chain that
-/// explains far more of all torques with these two changed over. The pair that does best, if any.
-///
-/// - `missed`, `doubtful`: joints whose torque a model misses: one of the pair or both; and those whose
-///   torque may be another's: both
-pub(crate) fn swapped(
-    sample: &Motion,
-    (missed, doubtful): (&[usize], &[usize]),
-    seed: u64,
-    watch: Watch<'_>,
-) -> Result<Option<[usize; 2]>, IdentifyError> {
-    let (motion, n) = (thinned(sample, FEW.1), sample.n_joints());
-    let pairs = (0..n).flat_map(|a| (a + 1..n).map(move |b| [a, b]));
-    let is_likely = |pair: &[usize; 2]| {
-        pair.iter().any(|joint| missed.contains(joint))
-            && pair.iter().all(|joint| doubtful.contains(joint))
-    };
-    let pairs: Vec<[usize; 2]> = pairs.filter(is_likely).collect();
-    let peaks: Vec<f64> = (0..n).map(|joint| motion.dq().col(joint).norm_max()).collect();
-    let (_, rows) = few_rows((&motion, &peaks), FEW.1)?;
-    let watch = searching(watch);
-    let parts = |rows: &ChainRows, (starts, count): (usize, usize)| {
-        glance(&rows.thinned(count), &Search { seed, starts, ..Search::default() }, &watch)
-    };
-    let left = |rows: &ChainRows, look: (usize, usize)| geometric_mean(&parts(rows, look));
-    // Those that leave less than a part of what is left as it is, the best first.
-    let better = |pairs: Vec<[usize; 2]>, look: (usize, usize), part: f64| {
-        let than = if pairs.is_empty() { 0.0 } else { part * left(&rows, look) };
-        let left = |pair| {
-            let parts = parts(&rows.clone().swapped(pair), look);
-            (geometric_mean(&parts), parts, pair)
-        };
-        let mut pairs: Vec<(f64, Vec<f64>, [usize; 2])> = pairs.into_par_iter().map(left).collect();
-        pairs.retain(|(own, ..)| *own <= than);
-        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-        pairs.into_iter()
-    };
-    let likeliest = better(pairs, FEWER, 1.0).map(|(.., pair)| pair).take(LIKELIEST).collect();
-    // Of all joints: what the two leave is two parts of n.
-    let best = better(likeliest, FEW, QUARTER.powf(2.0 / n as f64)).next();
-    // Where one of the two is turned round, an arm is found that explains the other in its place better.
-    let is_swapped = |(own, parts, pair): &(f64, Vec<f64>, [usize; 2])| {
-        let is_told = |joint: usize| *own < left(&rows.clone().turned(joint), FEW);
-        pair.iter().all(|&joint| parts[joint] < HALF && is_told(joint))
-    };
-    Ok(best.filter(is_swapped).map(|(.., pair)| pair))
 }
 
 /// A chain with the torque of some joints turned round.

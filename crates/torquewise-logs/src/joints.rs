@@ -31,18 +31,3 @@ pub(crate) fn check(names: &[String]) -> Result<()> {
     unfit_joint_name(names)
         .map_or(Ok(()), |name| Err(LogError::JointName { name: shown(name.as_bytes()) }))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::{checked, parse};
-    use crate::error::LogError;
-    use std::path::Path;
-
-    #[test]
-    fn names_given_twice_or_too_few_are_refused() {
-        let twice = checked(Path::new("a.csv"), parse("a, a"), 2);
-        assert!(matches!(twice, Err(LogError::JointName { .. })));
-        let one = checked(Path::new("a.csv"), parse("a"), 2);
-        assert!(matches!(one, Err(LogError::JointNameCount { found: 1, expected: 2, .. })));
-    }
-}

@@ -12,11 +12,13 @@ pub(crate) struct Lines<R> {
     input: R,
     pub(crate) line: Vec<u8>,
     pub(crate) number: u64,
+    /// Whether the text ends within the line.
+    pub(crate) is_cut_off: bool,
 }
 
 impl<R: BufRead> Lines<R> {
     pub(crate) fn new(input: R) -> Self {
-        Self { input, line: Vec::new(), number: 0 }
+        Self { input, line: Vec::new(), number: 0, is_cut_off: false }
     }
 
     /// Reads the next line; its end (LF or CRLF) and a byte order mark are taken off. Of a line that is
@@ -28,6 +30,7 @@ impl<R: BufRead> Lines<R> {
             return Ok(false);
         }
         self.number += 1;
+        self.is_cut_off = self.line.last() != Some(&b'\n');
         for end in [b'\n', b'\r'] {
             if self.line.last() == Some(&end) {
                 self.line.pop();

@@ -1,5 +1,6 @@
 //! Rows of signals: t, q, dq, ddq and tau in SI units, repaired if wanted.
 
+use crate::source::LONGEST_STEP;
 use crate::{LogError, Mapping, Result, RowPlace, Rows, Time};
 use torquewise_motion::Repairs;
 
@@ -33,6 +34,9 @@ pub struct ReadReport {
     pub first_absurd: Option<(u64, String, f64)>,
 }
 
+/// A stamp so many times as far ahead as the next row is astray, the first by so many of the longest steps.
+const ASTRAY: f64 = 10.0;
+
 pub(crate) struct SignalRows {
     rows: Box<dyn Rows>,
     pub(crate) mapping: Mapping,
@@ -45,6 +49,9 @@ pub(crate) struct SignalRows {
     /// Time of the first row of the file, as its column has it and in seconds.
     first: Option<(f64, f64)>,
     last_t: Option<f64>,
+    /// The row before, if rows are repaired: the next tells whether its stamp is astray.
+    held: Option<Origin>,
+    held_row: Vec<f64>,
     pub(crate) report: ReadReport,
 }
 
@@ -65,8 +72,21 @@ impl SignalRows {
     ) -> Result<Self> {
         rows.choose(&mapping.chosen)?;
         let raw = vec![0.0; mapping.chosen.len()];
-        let (number, report) = (0, ReadReport::default());
-        Ok(Self { rows, mapping, repair, reads_on, raw, number, first: None, last_t: None, report })
+        let (number, first, last_t, report) = (0, None, None, ReadReport::default());
+        let (held, held_row) = (None, vec![0.0; mapping.n_slots()]);
+        Ok(Self {
+            rows,
+            mapping,
+            repair,
+            reads_on,
+            raw,
+            number,
+            first,
+            last_t,
+            held,
+            held_row,
+            report,
+        })
     }
 
     pub(crate) fn place(&self) -> RowPlace {
@@ -89,6 +109,32 @@ impl SignalRows {
     /// All values are finite. Time stamps advance if the clock is repaired.
     pub(crate) fn next(&mut self, row: &mut [f64]) -> Result<Option<Origin>> {
         loop {
+            let ready = match self.read(row)? {
+                Some(_) if self.drops(row[0])? => continue,
+                Some(own) if self.repair => {
+                    row.swap_with_slice(&mut self.held_row);
+                    match self.held.replace(own) {
+                        None => continue,
+                        before => before,
+                    }
+                }
+                None => {
+                    row.copy_from_slice(&self.held_row);
+                    self.held.take()
+                }
+                own => own,
+            };
+            if ready.is_some() {
+                self.last_t = Some(row[0]);
+                self.report.rows += 1;
+            }
+            return Ok(ready);
+        }
+    }
+
+    /// The next row of the ranges, whenever it was.
+    fn read(&mut self, row: &mut [f64]) -> Result<Option<Origin>> {
+        loop {
             let last = self.mapping.rows.last();
             let is_over = !self.reads_on && last.is_some_and(|[_, last]| self.number >= *last);
             if is_over || !self.rows.next(&mut self.raw)? {
@@ -109,21 +155,26 @@ impl SignalRows {
                 self.report.repairs.not_finite += 1;
                 continue;
             }
-            if self.drops(t)? {
-                continue;
-            }
-            self.last_t = Some(t);
-            self.report.rows += 1;
             return Ok(Some(Origin { part, number: self.number, resumes: false }));
         }
     }
 
-    /// Whether a row of this time does not follow the last; it is counted. A few rows may repeat a
-    /// stamp in any log; where many do, the stamps are too coarse.
+    /// Whether a row of this time does not follow the last; it is counted, or the last in its place, where
+    /// that alone is far ahead. A few rows may repeat a stamp in any log; where many do, the stamps are too
+    /// coarse.
     fn drops(&mut self, t: f64) -> Result<bool> {
-        let Some(last) = self.last_t.filter(|last| t <= *last) else { return Ok(false) };
+        let last = self.held.map(|_| self.held_row[0]).or(self.last_t);
+        let Some(last) = last.filter(|last| t <= *last) else { return Ok(false) };
         if t < last {
             if !self.repair {
+                return Ok(false);
+            }
+            let first = last - t > ASTRAY * LONGEST_STEP;
+            let is_astray = |before: f64| t > before && last - before > ASTRAY * (t - before);
+            if let Some(held) = self.held.take_if(|_| self.last_t.map_or(first, is_astray)) {
+                let first = (held.number, "t".to_owned(), last);
+                self.report.repairs.absurd += 1;
+                self.report.first_absurd.get_or_insert(first);
                 return Ok(false);
             }
             self.report.repairs.earlier_stamps += 1;

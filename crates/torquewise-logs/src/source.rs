@@ -21,7 +21,7 @@ use std::sync::Arc;
 
 const BUFFER_BYTES: usize = 1 << 16;
 /// A clock of longer steps \[s\] hardly counts seconds.
-const LONGEST_STEP: f64 = 0.5;
+pub(crate) const LONGEST_STEP: f64 = 0.5;
 
 /// How logs are to be read.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -95,6 +95,16 @@ pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
     lines.iter().enumerate().map(of).collect()
 }
 
+/// What errors do not count where an axis may lie elsewhere; nothing where none is named.
+pub fn taken_as_found(model: &Model) -> Option<String> {
+    let first = *model.training.geometry_found.as_ref()?.unresolved.iter().min()?;
+    let [before, own] = [first.saturating_sub(1), first].map(|joint| &model.joints[joint]);
+    Some(format!(
+        "The log does not tell which way the axis of {own} points: errors of links, rotors and terms of \
+         {before} and the joints beyond are those of the axes that were found, and they may be others."
+    ))
+}
+
 /// The same as a table.
 ///
 /// - `found`: what [`joint_geometry`] says of the model

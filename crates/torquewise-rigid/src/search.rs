@@ -1,6 +1,6 @@
 //! Search of the geometry: many starts, with axes at right angles or anywhere, the best of them refined.
 
-use crate::geometry::{PER_JOINT, RIGHT_ANGLES};
+use crate::geometry::{GRAVITY, PER_JOINT, RIGHT_ANGLES};
 use crate::levenberg_marquardt::Target;
 use crate::{
     ChainError, ChainRows, Coupling, Geometry, InertialFit, JointKinds, PER_BASE, PER_BODY, Result,
@@ -74,6 +74,23 @@ impl Chain {
     /// Mass of a link and all beyond it \[kg\], as far as torque determines it.
     pub fn mass_beyond(&self, joint: usize) -> f64 {
         self.inertial.chunks(PER_BODY).skip(joint).map(|body| body[0]).sum()
+    }
+
+    /// The same arm, or its mirror image, which needs the same torques: that whose first axis points up,
+    /// where joints turn and one of the two does.
+    #[must_use]
+    pub fn upright(mut self) -> Self {
+        if !self.geometry.kinds().all_turn() || self.geometry.gravity()[2] < 0.5 * GRAVITY {
+            return self;
+        }
+        self.geometry = self.geometry.mirrored();
+        for body in self.inertial.chunks_mut(PER_BODY) {
+            // m·z, and the products of inertia with z.
+            for k in [3, 8, 9] {
+                body[k] = 0.0 - body[k];
+            }
+        }
+        self
     }
 
     pub(crate) fn new(fitted: &InertialFit, rows: &ChainRows, weights: &[f64]) -> Self {

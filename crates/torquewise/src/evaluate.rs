@@ -268,7 +268,7 @@ fn scored(
     let held = Held { model, joints: &joints, rests: &rests, unheld: &unheld, raw: &raw_rmse };
     notes.extend(held.remarks());
     let errors = held.errors();
-    notes.extend(changed(model, &errors, &unheld).filter(|_| !is_trained));
+    notes.extend(changed(model, &range, [&errors, &unheld]).filter(|_| !is_trained));
     Ok(Evaluation {
         warnings: still.collect(),
         verdict: by_fit.unwrap_or_else(|| judge_by(model, &errors, covered.as_deref())),
@@ -299,17 +299,18 @@ fn is_trained(
 /// of its spread, may carry another load.
 const CHANGED: [f64; 2] = [3.0, 0.1];
 
-/// Joints of a chain that are missed by far more than its fit lets expect.
+/// Joints of a chain that are missed by far more than its fit lets expect, though no faster than there.
 ///
 /// - `errors`: over the spread of the torque, n
 /// - `unheld`: RMS \[N·m\], n
-fn changed(model: &Model, errors: &[f64], unheld: &[f64]) -> Option<String> {
+fn changed(model: &Model, range: &MotionRange, [errors, unheld]: [&[f64]; 2]) -> Option<String> {
     let training = &model.training;
     let held_out = training.held_out_errors().filter(|_| model.chain.is_some())?;
     let is_missed = |k: &usize| {
         let expected = held_out[*k] * training.torque_std[*k];
         let is_clear = expected > 0.0 && unheld[*k] > CHANGED[0] * expected;
-        is_clear && errors[*k].is_finite() && errors[*k] > CHANGED[1]
+        let [_, is_faster, _] = range.beyond(model, *k);
+        is_clear && !is_faster && errors[*k].is_finite() && errors[*k] > CHANGED[1]
     };
     let missed = (0..held_out.len()).filter(is_missed).map(|k| model.joints[k].clone());
     let missed: Vec<String> = missed.collect();

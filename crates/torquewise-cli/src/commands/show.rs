@@ -129,6 +129,7 @@ fn learned_text(model: &Model, selection: &Selection) -> Result<String> {
         let axes = learned::joint_geometry(model)?;
         let geometry = Table::of(learned::geometry(model, &axes, selection));
         text.push(format!("{GEOMETRY}\n{}\n", geometry.text()));
+        text.extend(learned::taken_as_found(model).map(|told| told + "\n\n"));
         let links = Table::of(learned::links(chain, joints, selection)?);
         text.push(format!("{LINKS}\n{}\n", links.text()));
         let drives = learned::drives(chain, joints, selection);

@@ -164,10 +164,3 @@ fn a_joint_of_a_long_name_is_refused_and_nothing_is_left() {
     terminal.write("short.csv", &format!("# joints: {},elbow\n{log}", "x".repeat(200)));
     terminal.done("fit short.csv -o m.json");
 }
-
-#[test]
-fn what_a_decoder_makes_of_a_damaged_file_is_one_error_and_no_more_is_printed() {
-    let terminal = Terminal::holding("a.parquet", "PAR1\0\0\0\0PAR1");
-    // No run may print that anything panicked.
-    terminal.refused("inspect a.parquet", &["a.parquet"]);
-}

@@ -1,6 +1,6 @@
 //! Keys that programs rely on.
 
-use crate::spoilt::{Table, assert_warns};
+use crate::spoilt::Table;
 use crate::terminal::{Terminal, each, numbers, texts};
 use serde_json::Value;
 
@@ -49,18 +49,6 @@ fn patterns_are_always_three_in_the_same_order() {
     }
     assert_eq!(sines["patterns"][0]["rows"], 0);
     assert_eq!(terminal.run("patterns sines.csv --strict").code, 3, "patterns are missing");
-}
-
-#[test]
-fn a_model_that_is_unusable_by_a_log_is_a_warning_of_evaluate() {
-    let terminal = Terminal::with_model();
-    let turned = Table::of(&terminal, "log.csv").scaled(&["tau1", "tau2"], -1.0);
-    terminal.write("turned.csv", &turned.text());
-
-    let said = terminal.run("evaluate model.json turned.csv --strict");
-
-    assert_warns(&said, &["warning: unusable: "]);
-    assert_eq!(terminal.run("evaluate model.json log.csv --strict").code, 0);
 }
 
 #[test]

@@ -37,8 +37,6 @@ fn fit_says_first_that_the_mass_matrix_is_not_positive_definite() {
     assert!(said.stdout.lines().next().unwrap().contains(" at q = ("), "{said:?}");
     assert_eq!(fit["mass_matrix"]["positive_definite"], false);
     assert_eq!(fit["mass_matrix"]["q"].as_array().unwrap().len(), 3);
-    terminal
-        .refused("export model.json --to c -o arm.c", &["M(q) has the eigenvalue -", "--force"]);
 }
 
 #[test]

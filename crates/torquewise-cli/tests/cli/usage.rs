@@ -38,10 +38,7 @@ fn wrong_usage_exits_with_two_and_leaves_nothing() {
 fn help_version_and_completions_for_every_shell_are_results() {
     let terminal = Terminal::new();
 
-    assert!(
-        terminal.done("--help").contains("reconstruct") || terminal.done("help").contains("fit")
-    );
-    assert!(terminal.done("fit --help").contains("--library"));
+    assert!(terminal.done("help").contains("fit"));
     assert!(terminal.done("--version").starts_with("torquewise "));
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         assert!(terminal.done(&format!("completions {shell}")).contains("evaluate"), "{shell}");

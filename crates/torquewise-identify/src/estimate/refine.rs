@@ -120,7 +120,8 @@ impl Passes {
 /// The search leaves inertial parameters that no arm has, and derivatives by the geometry that are
 /// those of such an arm: links are made physical before the geometry moves.
 ///
-/// - returns: the chain, and what the search left of each joint over what it leaves, n
+/// - returns: the chain, and what the search left of each joint over what it leaves, rows at rest
+///   counted as they are fitted, n
 pub(crate) fn refine(
     recording: &(impl Recording + ?Sized),
     start: &Linearisation,
@@ -128,7 +129,7 @@ pub(crate) fn refine(
     watch: Watch<'_>,
 ) -> Result<(Linearisation, Vec<f64>), IdentifyError> {
     let sums = add_up(recording, start)?;
-    let (searched, mut left) = (sums.residual_rms(), Vec::new());
+    let (searched, mut left) = (sums.weighted_rms(), Vec::new());
     let mut at = start.at(&Step::new(&sums, start, sizes).linear()?);
     for weighing in 0..WEIGHINGS[1] {
         let before = geometric_mean(&at.weights);
@@ -140,7 +141,7 @@ pub(crate) fn refine(
         at = loop {
             Progress::Working.tell(watch)?;
             let sums = add_up(recording, &passes.at)?;
-            left = sums.residual_rms();
+            left = sums.weighted_rms();
             match passes.take(&sums, sizes)? {
                 ControlFlow::Continue(next) => passes = next,
                 ControlFlow::Break(solved) => break solved.at,

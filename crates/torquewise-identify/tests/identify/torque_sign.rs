@@ -97,6 +97,11 @@ fn of_a_joint_that_hardly_moves_no_sign_is_told() {
     let found = findings(&turned, &Plan::default());
 
     assert!(!found.iter().any(|own| matches!(own, Warning::WrongSign { .. })), "{found:?}");
+    // But with those of all others it is.
+    let log = executed(&arm, log.t().to_vec(), &states);
+    let turned = with_torque(log, |_, tau| tau.iter_mut().for_each(|tau| *tau = -*tau));
+    let all = Warning::WrongSign { joints: arm.joints().to_vec() };
+    assert!(findings(&turned, &Plan::default()).contains(&all));
 }
 
 /// As of a wrist whose torque is little but friction, which then drives it.

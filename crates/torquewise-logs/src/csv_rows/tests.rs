@@ -73,6 +73,11 @@ fn numbers_that_are_not_finite_and_ragged_rows_are_refused() {
         message(b"t,q1,tau1\n0,0,nan\n"),
         "arm.csv, row 1 (line 2), column tau1 is NaN or empty: repair or drop the row"
     );
+    // A logger that is stopped cuts its last line off.
+    assert_eq!(
+        message(b"t,q1,tau1\n0,1,2\n0.1,1"),
+        "arm.csv, row 2 (line 3), column q1 is NaN or empty: repair or drop the row"
+    );
     for row in ["1", "1,2,3", "1,2,"] {
         let refused = read(format!("t,q1\n{row}\n").as_bytes());
         assert!(matches!(refused, Err(LogError::Ragged { expected: 2, .. })), "{row}");

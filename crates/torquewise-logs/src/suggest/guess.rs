@@ -194,14 +194,18 @@ fn is_in(word: &str, list: &str) -> bool {
 }
 
 /// The signal that a name means, none of the clock, and the word that tells: the first that does, but
-/// `q_dot` is a velocity.
+/// `q_dot` and `d_q` are velocities.
 fn meaning(words: &[String]) -> Option<(Option<Signal>, &'static str)> {
     let known = |(signal, all): (_, &'static str)| all.split(' ').map(move |word| (signal, word));
     let is = |word: &str, own| word == own || (is_in(own, LAST) && word.ends_with(own));
     let told = |word: &String| WORDS.into_iter().flat_map(known).find(|(_, own)| is(word, own));
-    let found = words.iter().find_map(told)?;
+    let (place, found) = words.iter().enumerate().find_map(|(k, word)| Some((k, told(word)?)))?;
     let dots = DOTS.into_iter().find(|(_, dots)| words.iter().any(|word| word == dots));
-    Some(dots.filter(|_| matches!(found.0, Some(Signal::Q | Signal::Dq))).unwrap_or(found))
+    let found = dots.filter(|_| matches!(found.0, Some(Signal::Q | Signal::Dq))).unwrap_or(found);
+    let rates = words[..place].iter().rev().take_while(|word| *word == "d").count();
+    let derived = Signal::ALL[..3].iter().position(|own| Some(*own) == found.0);
+    let signal = derived.and_then(|order| Signal::ALL[..3].get(order + rates).copied());
+    Some((signal.or(found.0), found.1))
 }
 
 fn words(name: &str) -> Vec<String> {

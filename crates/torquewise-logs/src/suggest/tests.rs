@@ -136,6 +136,13 @@ fn dots_make_a_derivative_of_a_position_and_torque_may_be_the_end_of_a_word() {
     let found: Vec<_> = toml.lines().filter_map(|line| line.strip_prefix("columns = ")).collect();
     assert_eq!(found, named, "{toml}");
     assert!(toml.contains("joints = [\"joint1\"]"), "{toml}");
+    let (_folder, file) = log("run.csv", "t,d_d_q_1,d_q_1,q_1,tau_1", 500, |k| {
+        let (q, dq) = wave(0.01 * k);
+        vec![0.01 * k, -9.0 * q, dq, q, k]
+    });
+    let toml = readable(&file).0.toml;
+    let places = ["[q]", "\"q_", "[dq]", "\"d_q_", "[ddq]", "\"d_d_q_"].map(|part| toml.find(part));
+    assert!(places.is_sorted() && places[0].is_some(), "{toml}");
 }
 
 #[test]

@@ -187,6 +187,26 @@ fn repeated_stamps_and_holes_are_dropped_with_a_profile_and_counted() {
 }
 
 #[test]
+fn a_stamp_that_is_astray_and_a_last_line_that_is_cut_off_are_left_out_alone() {
+    let log = made("t,q1", 60, |k| match k {
+        0 => "5000,0".into(),
+        30 => "3.3,30".into(),
+        _ => format!("{:?},{k}", k as f64 / 100.0),
+    });
+
+    let logs = open(&log, "q = { columns = \"q\" }").unwrap();
+    let rows: usize = logs.read_all().unwrap().iter().map(Motion::n_rows).sum();
+
+    let repairs = logs.report().repairs;
+    assert_eq!((rows, repairs.absurd, repairs.earlier_stamps), (58, 2, 0));
+    let first = logs.first(|own| own.first_absurd.clone()).unwrap().1;
+    assert_eq!(first, (1, "t".to_owned(), 5000.0));
+    std::fs::write(&*log, "t,q1\n0,1\n0.1,2\n0.2,3\n0.3,4\n0.4,5\n0.5").unwrap();
+    let logs = open(&log, "q = { columns = \"q\" }").unwrap();
+    assert_eq!(logs.read_all().unwrap()[0].n_rows(), 5);
+}
+
+#[test]
 fn a_raw_reading_keeps_missing_signals_missing_and_cuts_at_gaps() {
     let log = made("t,q1,tau1", 2_100, |k| {
         let jitter = 1e-3 * ((k * k) % 7) as f64;

@@ -136,6 +136,7 @@ fn files_that_cannot_be_opened_or_do_not_belong_together_are_refused() {
     let missing = files.0.path().join("missing.csv");
     let bag = files.add("bag.mcap", "");
     let named = files.add("named.csv", "# joints: hip\nt,q1,q2\n0,1,2\n");
+    let twice = files.add("twice.csv", "# joints: hip, hip\nt,q1,q2\n0,1,2\n");
     let one = files.add("a.csv", ONE_JOINT);
     let two = files.add("b.csv", "t,q1,q2\n0,1,2\n");
     let folder = files.0.path().join("folder.csv");
@@ -145,6 +146,7 @@ fn files_that_cannot_be_opened_or_do_not_belong_together_are_refused() {
     assert!(matches!(Logs::open(&[missing]), Err(LogError::Read { .. })));
     assert!(matches!(Logs::open(&[bag]), Err(LogError::Empty { .. })));
     assert!(matches!(Logs::open(&[folder]), Err(LogError::EmptyFolder { .. })));
+    assert!(matches!(Logs::open(&[twice]), Err(LogError::JointName { .. })));
     let refused = Logs::open(&[named]);
     assert!(matches!(refused, Err(LogError::JointNameCount { found: 1, expected: 2, .. })));
     let refused = Logs::open(&[one, two]);

@@ -76,29 +76,25 @@ fn motion(model: &Model) -> Motion {
 #[test]
 fn a_chain_moves_as_its_energies_say() {
     for model in [model(), coupled(), slid()].into_iter().chain([1, 2, 4, 5].map(odd)) {
-        moves_as_its_energies_say(&model);
+        let motion = motion(&model);
+        let terms = model.chain.as_ref().unwrap().energy_terms().unwrap();
+        let weighted = terms.into_iter().map(|(term, weight)| Weighted::new(term, weight));
+        let form = Form::Energy(weighted.collect());
+        let expanded = Model { form, chain: None, ..model.clone() };
+        let (chain, terms) = (Torque::new(&model), Torque::new(&expanded));
+
+        let (own, expected) = (chain.parts(&motion).unwrap(), terms.parts(&motion).unwrap());
+
+        // Terms are left out below 1e-12 of the largest.
+        let least = 1e-12 * own.total().norm_max().max(10.0);
+        assert!((&own.inertia - &expected.inertia).norm_max() < least);
+        assert!((&own.coriolis - &expected.coriolis).norm_max() < least);
+        assert!((&own.gravity - &expected.gravity).norm_max() < least);
+        assert!((&own.total() - &chain.over(&motion).unwrap()).norm_max() < least);
+        let q = &[0.3, -1.2, 2.1, 0.7, -0.4][..model.n_joints()];
+        let (own, expected) = (chain.mass_matrix(q).unwrap(), terms.mass_matrix(q).unwrap());
+        assert!((&own - &expected).norm_max() < least);
     }
-}
-
-fn moves_as_its_energies_say(model: &Model) {
-    let motion = motion(model);
-    let terms = model.chain.as_ref().unwrap().energy_terms().unwrap();
-    let weighted = terms.into_iter().map(|(term, weight)| Weighted::new(term, weight));
-    let form = Form::Energy(weighted.collect());
-    let expanded = Model { form, chain: None, ..model.clone() };
-    let (chain, terms) = (Torque::new(model), Torque::new(&expanded));
-
-    let (own, expected) = (chain.parts(&motion).unwrap(), terms.parts(&motion).unwrap());
-
-    // Terms are left out below 1e-12 of the largest.
-    let least = 1e-12 * own.total().norm_max().max(10.0);
-    assert!((&own.inertia - &expected.inertia).norm_max() < least);
-    assert!((&own.coriolis - &expected.coriolis).norm_max() < least);
-    assert!((&own.gravity - &expected.gravity).norm_max() < least);
-    assert!((&own.total() - &chain.over(&motion).unwrap()).norm_max() < least);
-    let q = &[0.3, -1.2, 2.1, 0.7, -0.4][..model.n_joints()];
-    let (own, expected) = (chain.mass_matrix(q).unwrap(), terms.mass_matrix(q).unwrap());
-    assert!((&own - &expected).norm_max() < least);
 }
 
 #[test]

@@ -8,6 +8,8 @@ mod physics;
 mod rigid_chain;
 mod rollout;
 mod shaft_friction;
+#[path = "../../../torquewise-paper/src/truth.rs"]
+mod truth;
 
 use torquewise_model::{Form, FrictionTerm, Model, Term, Weighted};
 

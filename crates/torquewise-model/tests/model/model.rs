@@ -1,50 +1,26 @@
-//! From models to torque, text and back: two-link arm in closed form, files whole and broken.
+//! From models to torque, text and back: a two-link arm, files whole and broken.
 
 use crate::as_torques;
 use crate::friction::weighted;
+use crate::truth::true_energies;
 use torquewise_model::print::{latex, text, with_error};
 use torquewise_model::selection::Selection;
 use torquewise_model::{
-    EnergyTerm, Form, Kind, Model, ModelError, Place, Stage, Term, Torque, Trig, check, from_json,
-    to_json,
+    Form, Kind, Model, ModelError, Place, Stage, Term, Torque, check, from_json, to_json,
 };
 use torquewise_sim::Arm;
 
-/// `planar-2` as its energies: M₁₁ = a + 2b cos q₂, M₁₂ = c + b cos q₂, M₂₂ = c and
-/// V = d sin q₁ + e sin(q₁ + q₂), with constants read off the arm itself.
+/// `planar-2` as its energies, eight terms with constants read off the arm itself.
 fn two_link() -> (Arm, Model) {
     let arm = Arm::builtin("planar-2").unwrap();
-    let bent = arm.mass_matrix(&[0.0, std::f64::consts::FRAC_PI_2]);
-    let straight = arm.mass_matrix(&[0.0, 0.0]);
-    let b = straight[(0, 1)] - bent[(0, 1)];
-    let one = Term::one(2);
-    let cos2 = one.clone().times(Trig::Cos, 1, 1, 1);
-    let inertia = |i, j, function: &Term| EnergyTerm {
-        place: Place::Inertia(i, j),
-        function: function.clone(),
-    };
-    let mut terms = vec![
-        weighted(inertia(0, 0, &one), bent[(0, 0)]),
-        weighted(inertia(0, 0, &cos2), 2.0 * b),
-        weighted(inertia(0, 1, &one), bent[(0, 1)]),
-        weighted(inertia(0, 1, &cos2), b),
-        weighted(inertia(1, 1, &one), bent[(1, 1)]),
-    ];
-    // τ₁ = ∂V/∂q₁ at two states gives the two weights of the potential.
-    let [out, folded] = [0.0, std::f64::consts::PI].map(|q2| arm.gravity_torque(&[0.0, q2])[0]);
-    let [sin1, cos1] = [Trig::Sin, Trig::Cos].map(|trig| one.clone().times(trig, 0, 1, 1));
-    for (function, weight) in [
-        (sin1.clone(), 0.5 * (out + folded)),
-        (sin1.times(Trig::Cos, 1, 1, 1), 0.5 * (out - folded)),
-        (cos1.times(Trig::Sin, 1, 1, 1), 0.5 * (out - folded)),
-    ] {
-        terms.push(weighted(EnergyTerm { place: Place::Potential, function }, weight));
-    }
+    let energies = true_energies(&arm).into_iter().map(|(term, weight)| weighted(term, weight));
+    let terms: Vec<_> = energies.collect();
+    let of_v = terms.iter().filter(|own| own.term.place == Place::Potential);
     let stage = Stage {
         name: "standstill".into(),
         rows: 10,
         candidates: 8,
-        form: Form::Energy(terms[5..].to_vec()),
+        form: Form::Energy(of_v.cloned().collect()),
         friction: vec![],
     };
     let model = Model {

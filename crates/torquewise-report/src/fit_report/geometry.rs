@@ -3,7 +3,7 @@
 use crate::html::skeleton::{BodyFrame, Skeleton};
 use crate::{Clock, Findings, Item, Section, Table};
 use torquewise_model::RigidChain;
-use torquewise_model::learned::{drives, geometry, joint_geometry, links};
+use torquewise_model::learned::{drives, geometry, joint_geometry, links, taken_as_found};
 use torquewise_model::selection::Selection;
 
 /// Seconds of the log that move the skeleton, from its middle.
@@ -40,8 +40,9 @@ pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
     };
     let resolved = found.into_iter().map(|own| own.resolved).collect();
     let skeleton = skeleton(findings, chain, resolved)?;
-    let mut items =
-        vec![Item::Skeleton { skeleton, caption }, Item::Table(axes), Item::Table(links)];
+    let mut items = vec![Item::Skeleton { skeleton, caption }, Item::Table(axes)];
+    items.extend(taken_as_found(model).map(Item::Text));
+    items.push(Item::Table(links));
     items.extend((!drives.rows.is_empty()).then_some(Item::Table(drives)));
     Some(Section { heading: "Geometry".into(), items })
 }

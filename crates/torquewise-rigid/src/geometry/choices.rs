@@ -62,6 +62,19 @@ impl Geometry {
         self.turned(joint, [PI, 0.0])
     }
 
+    /// The mirror image of an arm whose joints all turn, seen from axes that point the other way.
+    pub(crate) fn mirrored(&self) -> Self {
+        let mut mirrored = self.clone();
+        for joint in 1..self.n_joints() {
+            mirrored.set_turn(joint, self.turn_of(joint).map(|w| 0.0 - w));
+        }
+        let [x, y] = self.turn_of(0);
+        let angle = x.hypot(y);
+        let other = |w: f64| w * (PI - angle) / angle;
+        mirrored.set_turn(0, if angle > 0.0 { [x, y].map(other) } else { [PI, 0.0] });
+        mirrored
+    }
+
     fn turned(&self, joint: usize, direction: [f64; 2]) -> Self {
         let mut frames = self.placements();
         let by = turn(direction);

@@ -41,3 +41,18 @@ fn chains_come_best_first() {
     assert_eq!(found.len(), 4);
     assert!(scores.is_sorted(), "{scores:?}");
 }
+
+#[test]
+fn an_arm_whose_first_axis_points_down_and_its_upright_mirror_image_need_the_same_torque() {
+    let mut down = drawn(4, 3);
+    let mut parameters = down.geometry.parameters().to_vec();
+    parameters[..2].copy_from_slice(&[3.0, 0.3]);
+    down.geometry = Geometry::new(&parameters).unwrap();
+    let rows = rows(&sines(&arm(&down), 10.0, 1));
+
+    let up = down.clone().upright();
+
+    assert!(down.geometry.gravity()[2] > 9.0 && up.geometry.gravity()[2] < -9.0);
+    assert!(largest(&errors(&up, &rows)) < 1e-12);
+    assert_eq!(up.clone().upright().geometry, up.geometry);
+}

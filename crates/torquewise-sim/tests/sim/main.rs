@@ -10,3 +10,5 @@ mod tracking;
 mod urdf_chain;
 #[path = "../../../torquewise-logs/tests/logs/shared.rs"]
 mod shared;
+#[path = "../../../torquewise-paper/src/truth.rs"]
+mod truth;

@@ -69,7 +69,7 @@ impl MotionRange {
     }
 
     /// Whether position, speed and acceleration of a joint are beyond what a model was fitted on.
-    fn beyond(&self, model: &Model, joint: usize) -> [bool; 3] {
+    pub(crate) fn beyond(&self, model: &Model, joint: usize) -> [bool; 3] {
         let (training, [low, high]) = (&model.training, self.q[joint]);
         let is_faster = |reached: &[f64], trained: &[f64]| {
             trained.get(joint).is_some_and(|trained| reached[joint] > RATE_FACTOR * trained)

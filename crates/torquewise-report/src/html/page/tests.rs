@@ -69,10 +69,3 @@ fn hostile_words_stay_words_nothing_is_asked_from_elsewhere_and_each_chart_has_i
         assert_eq!(plain.matches(&format!("id=\"{chart}\"")).count(), 1, "{chart}");
     }
 }
-
-#[test]
-fn an_empty_page_is_a_page() {
-    let html = Page::default().to_html().unwrap();
-
-    assert!(html.starts_with("<!doctype html>") && html.trim_end().ends_with("</html>"));
-}

@@ -1,13 +1,10 @@
 //! Plants under a steady torque against closed forms and identities: energy, sticking, creeping;
-//! against inverse dynamics; and with bristles in a closed loop.
+//! against inverse dynamics; and with bristles.
 
 use crate::control::integrate::Integrator;
-use crate::control::{
-    Gains, Knowledge, Law, Periodic, Plant, mean_inertia, periodic, record, track,
-};
+use crate::control::{Periodic, Plant, periodic, record};
 use crate::{Arm, Friction, SimError, State, Stribeck};
-use torquewise_model::{Form, FrictionLaw, FrictionTerm, Model, Torque, Weighted};
-use torquewise_motion::{Path, Signal};
+use torquewise_motion::Signal;
 
 const RUBS: Stribeck = Stribeck { coulomb: 4.0, stiction: 6.0, speed: 0.1, viscous: 3.0 };
 
@@ -158,21 +155,16 @@ const DRY: [f64; 3] = [8.0, 10.0, 4.0];
 /// Of the bristles \[N·m/rad\].
 const STIFFNESS: f64 = 200.0;
 
-/// An arm whose bristles are damped so.
-fn bristled(damping: f64) -> Plant {
-    let arm = Arm::builtin("puma560-3").unwrap();
-    let row = |(name, dry): (&String, f64)| {
-        format!("[{name}]\ncoulomb = {dry}\nstiffness = {STIFFNESS}\ndamping = {damping:?}\n")
-    };
-    let text: String = arm.joints().iter().zip(DRY).map(row).collect();
-    let friction = Friction::from_toml(&text, arm.joints()).unwrap();
-    Plant { friction, ..Plant::ideal(arm) }
-}
-
 #[test]
 fn bristles_hold_a_load_below_the_breakaway_torque() {
     // Damped, or they would swing past what the load asks for.
-    let plant = bristled(60.0);
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let row = |(name, dry): (&String, f64)| {
+        format!("[{name}]\ncoulomb = {dry}\nstiffness = {STIFFNESS}\ndamping = 60.0\n")
+    };
+    let text: String = arm.joints().iter().zip(DRY).map(row).collect();
+    let friction = Friction::from_toml(&text, arm.joints()).unwrap();
+    let plant = Plant { friction, ..Plant::ideal(arm) };
     let q = [0.3, 0.2, -0.4];
     let held = plant.arm.gravity_torque(&q);
     let pushed: Vec<f64> = held.iter().zip(DRY).map(|(held, dry)| held + 0.3 * dry).collect();
@@ -184,69 +176,5 @@ fn bristles_hold_a_load_below_the_breakaway_torque() {
         // Bent as far as the load asks for, and gravity has hardly changed: no creep.
         let moved = (now[joint] - q[joint]).abs();
         assert!(moved < 2.0 * DRY[joint] / STIFFNESS, "joint {joint} moved {moved} rad");
-    }
-}
-
-/// The arm itself, and its friction by one law for each joint.
-struct Known {
-    plant: Plant,
-    friction: Torque,
-}
-
-impl Known {
-    fn by(law: impl Fn(f64) -> FrictionLaw) -> Self {
-        let weighted = |(joint, &dry): (usize, &f64)| {
-            Weighted::new(FrictionTerm::of_joint(DRY.len(), joint, law(dry)), dry)
-        };
-        let plant = bristled(0.0);
-        let friction = DRY.iter().enumerate().map(weighted).collect();
-        let (joints, form) = (plant.arm.joints().to_vec(), Form::Torque(vec![vec![]; DRY.len()]));
-        let model = Model { joints, form, friction, ..Model::default() };
-        Self { friction: Torque::new(&model), plant }
-    }
-
-    /// Largest tracking error of each joint once the motion is periodic \[rad\].
-    fn peak_error(&self) -> Vec<f64> {
-        let wanted = periodic(&self.plant.arm, &Periodic::default()).unwrap();
-        let inertia = mean_inertia(&self.plant, &wanted).unwrap();
-        let gains = Gains::critically_damped(15.0, &inertia);
-        track(&self.plant, Law::Controller2, self, &gains, &wanted).unwrap().peak_error(8.0)
-    }
-}
-
-impl Knowledge for Known {
-    fn n_joints(&self) -> usize {
-        DRY.len()
-    }
-
-    fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, SimError> {
-        self.plant.rigid(q, dq, ddq)
-    }
-
-    fn path(&self) -> Path {
-        self.friction.path()
-    }
-
-    fn friction(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError> {
-        Ok(self.friction.friction_after(path, dq)?)
-    }
-
-    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError> {
-        self.friction(path, dq)
-    }
-
-    fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, SimError> {
-        self.plant.inertia(q)
-    }
-}
-
-#[test]
-fn memory_of_the_path_takes_out_the_error_of_reversals() {
-    // Bristles that slip at f_c bend over f_c / σ₀: one element of Dahl.
-    let with = Known::by(|dry| FrictionLaw::Dahl { travel: dry / STIFFNESS }).peak_error();
-    let without = Known::by(|_| FrictionLaw::Coulomb { width: 0.002 }).peak_error();
-
-    for (joint, (with, without)) in with.iter().zip(&without).enumerate() {
-        assert!(*with < 0.2 * without, "joint {joint}: {with} rad, without {without} rad");
     }
 }
