@@ -60,7 +60,7 @@ impl SignTest {
 
     /// Joints whose torque, turned round, lets a chain explain the torques of all joints far better.
     ///
-    /// All signs of the joints in doubt are tried at these axes, and each joint alone with axes that
+    /// All signs of the joints in doubt are tried, and all torques turned where kinetic energy asks for it, at these axes, and each joint alone with axes that
     /// move; then all again where the axes are now. Friction that drives a shaft counts as left unexplained; where a set
     /// of joints and the rest fit alike, kinetic energy is positive.
     pub(crate) fn wrong_signs(
@@ -89,13 +89,12 @@ impl SignTest {
         let as_it_is = tried(&rows, 0, &self.geometry, &self.free);
         let all_turned = (1_u32 << n) - 1;
         let in_doubt: u32 = doubtful.iter().map(|joint| 1 << joint).sum();
-        let is_way = |signs: &u32| signs & !in_doubt == 0 || *signs == all_turned;
-        let ways: Vec<u32> = (0..=all_turned).filter(is_way).collect();
         // Without friction a motion and its torque turned round fit alike: kinetic energy tells.
         let is_mirrored =
             as_it_is.chain.as_ref().is_some_and(|chain| self.kinetic_energy(chain, &motion) < 0.0);
-        let mut found = 0;
-        let mut geometry = self.geometry.clone();
+        let likely = |signs: &u32| signs & !in_doubt == 0 || is_mirrored && *signs == all_turned;
+        let ways: Vec<u32> = (0..=all_turned).filter(likely).collect();
+        let (mut found, mut geometry) = (0, self.geometry.clone());
         for look in 0..LOOKS {
             let rows = rows.clone().placed(&geometry);
             let all: Vec<Tried> =
@@ -116,7 +115,11 @@ impl SignTest {
                 return Ok(Vec::new());
             };
             if left > QUARTER * as_it_is.left && !(is_mirrored && signs == all_turned) {
-                return Ok(Vec::new());
+                if !is_mirrored {
+                    return Ok(Vec::new());
+                }
+                (found, geometry) = (all_turned, self.geometry.clone());
+                break;
             }
             (found, geometry) = (signs, chain.geometry);
         }

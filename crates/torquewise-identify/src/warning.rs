@@ -130,14 +130,15 @@ impl Warning {
         missing.map(Self::NoOrder).chain(unexplained).collect()
     }
 
-    /// Whether a fit to all rows left more than the search it came from, RMS of each joint, 0 where that
-    /// is not asked; next to nothing beside the spread of its torque is nothing.
+    /// Whether a fit to all rows left more than the search it came from, RMS of each joint, rows at rest
+    /// counted as they are fitted, 0 where that is not asked; next to nothing beside the spread of its
+    /// torque is nothing.
     pub(crate) fn of_refit(
         searched_rms: &[f64],
-        residual_rms: &[f64],
+        left_rms: &[f64],
         torque_std: &[f64],
     ) -> Option<Self> {
-        let measured = searched_rms.iter().zip(residual_rms).zip(torque_std);
+        let measured = searched_rms.iter().zip(left_rms).zip(torque_std);
         let measured = measured.filter(|((searched, _), std)| **searched > 0.0 && **std > 0.0);
         let pairs: Vec<[f64; 2]> = measured
             .map(|((searched, left), std)| [searched, left].map(|rms| (rms / std).max(NOTHING)))

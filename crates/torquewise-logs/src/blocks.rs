@@ -144,13 +144,12 @@ impl Blocks {
                 self.lost = origin.number;
                 continue;
             }
-            self.take(&row, Origin { resumes: origin.number == self.lost + 1, ..origin })?;
+            let resumes = self.origins.last().is_some_and(|last| last.number < self.lost);
+            self.take(&row, Origin { resumes, ..origin })?;
         }
         self.screen();
         let t = &self.columns[0][..self.screened];
-        if self.known == 0 && !t.is_empty() {
-            self.known = 1;
-        }
+        self.known = self.known.max(usize::from(!t.is_empty()));
         let mut usual = self.usual_step.take().unwrap_or_else(|| UsualStep::new(t));
         let end = t.len().saturating_sub(if self.at_end_of_file { 0 } else { AROUND });
         while self.known < end && !self.ended {

@@ -123,8 +123,11 @@ impl<R: BufRead> Rows for CsvRows<R> {
         }
         for (value, column) in row.iter_mut().zip(&self.chosen) {
             // A logger that was stopped cuts its last line off within a number.
-            let is_lost = is_short && column + 1 >= found;
-            *value = if is_lost { f64::NAN } else { self.number(*column)? };
+            *value = match self.lines.is_cut_off && column + 1 >= found {
+                true if is_short => f64::NAN,
+                true => self.number(*column).unwrap_or(f64::NAN),
+                false => self.number(*column)?,
+            };
         }
         Ok(true)
     }

@@ -182,7 +182,8 @@ impl SignalRows {
             return Ok(true);
         }
         self.report.repairs.repeated_stamps += 1;
-        let (rows, repeated) = (self.report.rows, self.report.repairs.repeated_stamps);
+        let rows = self.report.rows + u64::from(self.held.is_some());
+        let repeated = self.report.repairs.repeated_stamps;
         if repeated > FEW_REPEATED && repeated * MOST_REPEATED > rows {
             return Err(LogError::CoarseClock { place: self.place(), repeated, rows });
         }

@@ -97,11 +97,13 @@ pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
 
 /// What errors do not count where an axis may lie elsewhere; nothing where none is named.
 pub fn taken_as_found(model: &Model) -> Option<String> {
-    let first = *model.training.geometry_found.as_ref()?.unresolved.iter().min()?;
-    let [before, own] = [first.saturating_sub(1), first].map(|joint| &model.joints[joint]);
+    let open = &model.training.geometry_found.as_ref()?.unresolved;
+    let before = &model.joints[open.iter().min()?.saturating_sub(1)];
+    let open: Vec<&str> = open.iter().map(|joint| model.joints[*joint].as_str()).collect();
     Some(format!(
-        "The log does not tell which way the axis of {own} points: errors of links, rotors and terms of \
-         {before} and the joints beyond are those of the axes that were found, and they may be others."
+        "The log does not tell where these axes point: {}. Errors of links, rotors and terms of {before} and \
+         the joints beyond are those of the axes that were found, and they may be others.",
+        open.join(", ")
     ))
 }
 

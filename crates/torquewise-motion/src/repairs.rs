@@ -15,7 +15,7 @@ pub struct Repairs {
     pub earlier_stamps: u64,
     /// Rows left out since a value was missing, NaN or infinite.
     pub not_finite: u64,
-    /// Rows left out since a value was absurd: far beyond its neighbours.
+    /// Rows left out since a value, or their stamp, was absurd: far beyond its neighbours.
     pub absurd: u64,
     /// Rows left out since they were all zeros and the arm was elsewhere before: what they held was lost.
     pub zeros: u64,

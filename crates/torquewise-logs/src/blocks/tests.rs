@@ -134,9 +134,11 @@ fn positions_that_were_wrapped_are_unwrapped_and_those_that_jump_otherwise_stay(
 
 /// Stamps that are left of rows 0.01 s apart, and what the reading came to.
 fn stamps_of(q: &dyn Fn(u32) -> f64) -> (Vec<f64>, ReadReport) {
-    let row = |row: u32| format!("{:?},{:?},{:?}\n", 0.01 * f64::from(row), q(row), q(row));
-    let text = "t,q1,dq1\n".to_owned() + &(0..4_000).map(row).collect::<String>();
-    let mut blocks = Blocks::new(signal_rows(text.as_bytes()).unwrap(), &["joint1".into()], true);
+    let row =
+        |row: u32| format!("{:?}{}\n", 0.01 * f64::from(row), format!(",{:?}", q(row)).repeat(4));
+    let text = "t,q1,q2,dq1,dq2\n".to_owned() + &(0..4_000).map(row).collect::<String>();
+    let joints = ["joint1".into(), "joint2".into()];
+    let mut blocks = Blocks::new(signal_rows(text.as_bytes()).unwrap(), &joints, true);
     let mut stamps = Vec::new();
     while let Some((_, block)) = blocks.next(Blocks::block).unwrap() {
         stamps.extend(block.t().to_vec());
@@ -146,33 +148,17 @@ fn stamps_of(q: &dyn Fn(u32) -> f64) -> (Vec<f64>, ReadReport) {
 
 #[test]
 fn rows_of_zeros_are_lost_but_where_an_arm_is_at_zero() {
-    let read = |q: &dyn Fn(u32) -> f64| {
-        let row = |row: u32| {
-            let (t, q) = (0.01 * f64::from(row), q(row));
-            format!("{t:?},{q:?},{:?},{:?},{q:?}\n", q + 0.5 * q.signum() * q.abs(), -q)
-        };
-        let text = "t,q1,q2,tau1,tau2\n".to_owned() + &(0..300).map(row).collect::<String>();
-        let joints = ["joint1".to_owned(), "joint2".to_owned()];
-        let mut blocks = Blocks::new(signal_rows(text.as_bytes()).unwrap(), &joints, true);
-        let mut rows = 0;
-        while let Some((_, block)) = blocks.next(Blocks::block).unwrap() {
-            rows += block.n_rows() as u64;
-        }
-        let ReadReport { first_zeros, repairs, .. } = blocks.rows.report;
-        (rows, first_zeros, repairs.zeros, repairs.splits)
-    };
     let wave = |row: u32| 1.0 + 0.5 * (0.05 * f64::from(row)).sin();
-    let lost = |from: u32, to: u32| {
-        read(&move |row| if (from..to).contains(&row) { 0.0 } else { wave(row) })
-    };
+    // Up to 0.2 s are bridged, and no jump is seen.
+    for (lost, splits) in [(1, 0), (18, 0), (40, 1)] {
+        let is_lost = |row: u32| (100..100 + lost).contains(&row);
+        let (stamps, report) = stamps_of(&|row| if is_lost(row) { 0.0 } else { wave(row) });
 
-    assert_eq!(lost(100, 101), (299, Some(101), 1, 0));
-    // Up to 0.2 s are bridged, and no jump is seen; longer ones split the log.
-    assert_eq!(lost(100, 118), (282, Some(101), 18, 0));
-    assert_eq!(lost(100, 140), (260, Some(101), 40, 1));
-    let at_zero = |row: u32| wave(row.min(200)) - wave(200).min(wave(row));
-    let (rows, _, zeros, _) = read(&at_zero);
-    assert_eq!((rows, zeros), (300, 0), "an arm that stops at zero");
+        assert_eq!((stamps.len() as u64, report.first_zeros), (4_000 - u64::from(lost), Some(101)));
+        assert_eq!((report.repairs.zeros, report.repairs.splits), (u64::from(lost), splits));
+    }
+    let (stamps, report) = stamps_of(&|row| wave(row.min(200)) - wave(200));
+    assert_eq!((stamps.len(), report.repairs.zeros), (4_000, 0), "an arm that stops at zero");
 }
 
 #[test]

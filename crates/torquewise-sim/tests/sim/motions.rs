@@ -159,12 +159,14 @@ fn a_log_read_block_by_block_is_the_log_made_at_once_and_another_seed_gives_anot
 }
 
 #[test]
-fn an_arm_out_of_bounds_is_refused() {
+fn a_plan_or_an_arm_out_of_bounds_is_refused() {
     let heavy = "name = 'heavy'\n[[joints]]\nname = 'joint1'\na = 1e200\nalpha = 0.0\nd = 0.0\n\
                  mass = 1e200\ncom = [0.0, 0.0, 0.0]\ninertia = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]\n";
     let heavy = Arm::from_dh_toml(heavy).unwrap();
 
-    let overflow = simulate(&heavy, &MotionPlan::default());
+    let endless = MotionPlan { seconds: f64::INFINITY, ..MotionPlan::default() };
+    let [endless, overflow] = [endless, MotionPlan::default()].map(|plan| simulate(&heavy, &plan));
 
+    assert!(matches!(endless, Err(SimError::Setting { .. })));
     assert!(matches!(overflow, Err(SimError::Motion(_))));
 }
