@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
 use torquewise_model::learned::{JointGeometry, joint_geometry};
 use torquewise_model::shaft_friction::{Estimated, FrictionParameters, ShaftFriction};
-use torquewise_model::{Drive, FrictionLaw, Model, RigidChain, Torque, number};
+use torquewise_model::{Drive, FrictionLaw, Model, RigidChain, Torque, Training, number};
 use torquewise_rigid::Placement;
 use torquewise_rigid::geometry::between;
 use torquewise_sim::Body;
@@ -74,7 +74,7 @@ impl<'a> Robot<'a> {
         let (losses, shared, mut left_out) = losses(model, chain);
         let [efforts, lost] = within_log(model, (&losses, &shared))?;
         left_out.extend(lost_friction(model, &lost));
-        let still = model.training.constant_joints().into_iter();
+        let still = Training::constant_joints(&model.training.q_range).into_iter();
         let still: Vec<&str> = still.map(|joint| model.joints[joint].as_str()).collect();
         if !still.is_empty() {
             left_out.push(format!(

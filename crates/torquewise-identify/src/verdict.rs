@@ -28,6 +28,7 @@ pub fn judge(found: &Reconstruction) -> Verdict {
     let judged = errors(found);
     let mut doubts = doubts(found);
     let mut grave = grave(&found.warnings);
+    // Unlike what is grave whatever the axes, it does not keep these from being doubted.
     if found.warnings.iter().any(|own| matches!(own, Warning::Gravity { .. })) {
         grave.push("gravity pulls elsewhere than was said".to_owned());
     }

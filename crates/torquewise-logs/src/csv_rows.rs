@@ -123,11 +123,9 @@ impl<R: BufRead> Rows for CsvRows<R> {
         }
         for (value, column) in row.iter_mut().zip(&self.chosen) {
             // A logger that was stopped cuts its last line off within a number.
-            *value = match self.lines.is_cut_off && column + 1 >= found {
-                true if is_short => f64::NAN,
-                true => self.number(*column).unwrap_or(f64::NAN),
-                false => self.number(*column)?,
-            };
+            let is_cut = self.lines.is_cut_off && column + 1 >= found;
+            let number = if is_cut && is_short { Ok(f64::NAN) } else { self.number(*column) };
+            *value = if is_cut { number.unwrap_or(f64::NAN) } else { number? };
         }
         Ok(true)
     }

@@ -183,10 +183,11 @@ impl Training {
     pub const AT_REST: f64 = 1e-3;
 
     /// Joints whose position never changes, but for quanta of an encoder.
-    pub fn constant_joints(&self) -> Vec<usize> {
-        let range = |[low, high]: [f64; 2]| high - low;
-        let is_constant = |joint: &usize| range(self.q_range[*joint]) <= Self::AT_REST;
-        (0..self.q_range.len()).filter(is_constant).collect()
+    ///
+    /// - `q_range`: least and greatest position of each joint, n
+    pub fn constant_joints(q_range: &[[f64; 2]]) -> Vec<usize> {
+        let is_constant = |joint: &usize| q_range[*joint][1] - q_range[*joint][0] <= Self::AT_REST;
+        (0..q_range.len()).filter(is_constant).collect()
     }
 
     /// The verdict of a fit that says that the model should not be used.

@@ -181,8 +181,11 @@ impl Torque {
     ) -> Result<(), ModelError> {
         // What friction remembers, followed from the first row where it was not.
         let motion = self.path().follow(0, motion);
+        let mut state = [(); 3].map(|()| vec![0.0; self.n_joints]);
         for row in 0..motion.n_rows() {
-            let state = motion.state(row);
+            for (own, x) in state.iter_mut().zip([motion.q(), motion.dq(), motion.ddq()]) {
+                own.iter_mut().zip(x.row(row).iter()).for_each(|(own, x)| *own = *x);
+            }
             let [q, dq, ddq] = state.each_ref().map(Vec::as_slice);
             let memory = |joint, travel| motion.memory()?.state(row, joint, travel);
             let add = |joint, kind, value| add(row, joint, kind, value);

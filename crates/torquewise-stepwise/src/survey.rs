@@ -112,7 +112,7 @@ impl Survey {
 
     /// Joints whose position never changes, but for quanta of an encoder.
     pub fn constant_joints(&self) -> Vec<usize> {
-        self.training(Vec::new()).constant_joints()
+        Training::constant_joints(&self.q_range)
     }
 
     /// Whether no joint moves.
