@@ -53,24 +53,17 @@ const SIGNALS: usize = 5;
 const LARGEST: f64 = 1e9;
 
 impl Survey {
-    /// Whether its numbers may be those of an arm.
+    /// Fails at the first joint with a number that no arm has.
+    ///
+    /// - `largest`: position \[rad, m\]; infinite where units are not asked about
     ///
     /// # Errors
     /// [`IdentifyError::NoMotion`].
-    pub fn check_size(&self) -> Result<(), IdentifyError> {
-        self.refuse(|_, found| found.is_nan() || found.abs() >= LARGEST)
-    }
-
-    /// Whether its positions may be in rad, or m.
-    ///
-    /// # Errors
-    /// [`IdentifyError::NoMotion`].
-    pub fn check_units(&self) -> Result<(), IdentifyError> {
-        self.refuse(|signal, found| signal == "q" && found.abs() > torquewise_motion::LARGEST[0])
-    }
-
-    /// Fails at the first joint with a largest value that is beyond what it may be.
-    fn refuse(&self, is_beyond: impl Fn(&str, f64) -> bool) -> Result<(), IdentifyError> {
+    pub fn check_size(&self, largest: f64) -> Result<(), IdentifyError> {
+        let is_beyond = |signal: &str, found: f64| {
+            let most = if signal == "q" { largest.min(LARGEST) } else { LARGEST };
+            found.is_nan() || found.abs() >= most
+        };
         for (k, joint) in self.joints.iter().enumerate() {
             let [low, high] = self.q_range[k];
             let tau = self.torque_mean[k].hypot(self.torque_std[k]);

@@ -125,7 +125,7 @@ impl<'a> Fit<'a> {
         let fitted = fit_at_best(log.prepare(rows)?, &plan, self.observer);
         if let Err(Error::Identify(IdentifyError::Chain(_))) = &fitted {
             // What stops a search among degrees says nothing of them.
-            survey(log.prepare(rows)?.rows())?.check_units()?;
+            survey(log.prepare(rows)?.rows())?.check_size(torquewise_motion::LARGEST[0])?;
         }
         let mut fit = fitted?;
         let Some(log) = &fit.log else { return Ok(fit) };

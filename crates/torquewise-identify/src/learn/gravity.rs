@@ -1,7 +1,8 @@
 //! The chain at axes that are given, and where gravity pulls on it.
 
+use super::axes::Judged;
 use super::coordinates::COORDINATES;
-use super::{ChainLearner, Judged, TRIAL_ROWS, left, searching};
+use super::{ChainLearner, TRIAL_ROWS, left, searching};
 use crate::plan::KnownGeometry;
 use crate::{ChainSpec, Warning, record_worth, spread, trial};
 use rayon::prelude::*;

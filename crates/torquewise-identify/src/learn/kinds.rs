@@ -1,9 +1,9 @@
 //! Which joints turn and which slide, by held-out rows (E26).
 
+use super::axes::UNRESOLVED;
 use super::couplings::COUPLING;
 use super::{
-    ChainLearner, DriveTerm, LEFT_BY_RIDGE, Learned, NO_RIDGE, TRIAL_ROWS, UNRESOLVED, Watch,
-    searching,
+    ChainLearner, DriveTerm, LEFT_BY_RIDGE, Learned, NO_RIDGE, TRIAL_ROWS, Watch, searching,
 };
 use crate::excitation::LEAST_RANGE;
 use crate::{ChainSpec, geometric_mean, record_worth, trial};

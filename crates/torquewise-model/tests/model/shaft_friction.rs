@@ -2,6 +2,9 @@
 
 use crate::two_joints;
 use faer::Mat;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use torquewise_model::print::{friction_tables, text};
 use torquewise_model::selection::Selection;
 use torquewise_model::shaft_friction::{Estimated, FrictionParameters, ShaftFriction};
@@ -142,15 +145,6 @@ fn with_covariance(mut model: Model, root: &Mat<f64>) -> Model {
     model
 }
 
-/// Draws of a normal distribution: sums of twelve even ones.
-fn normal(state: &mut u64) -> f64 {
-    let mut even = || {
-        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        (*state >> 11) as f64 / (1_u64 << 53) as f64
-    };
-    (0..12).map(|_| even()).sum::<f64>() - 6.0
-}
-
 #[test]
 fn errors_by_the_delta_method_are_those_of_a_monte_carlo() {
     let laws = vec![
@@ -175,10 +169,10 @@ fn errors_by_the_delta_method_are_those_of_a_monte_carlo() {
     };
     let claimed = numbers(&planted).map(|own| own.std_error);
 
-    let (draws, mut state) = (2_000, 7);
+    let (draws, mut random) = (2_000, ChaCha8Rng::seed_from_u64(7));
     let mut sums = [[0.0; 2]; 6];
     for _ in 0..draws {
-        let step = &root * Mat::from_fn(6, 1, |_, _| normal(&mut state));
+        let step = &root * Mat::<f64>::from_fn(6, 1, |_, _| StandardNormal.sample(&mut random));
         let mut drawn = planted.clone();
         let laws = drawn.friction.iter_mut().enumerate();
         laws.for_each(|(k, law)| law.coefficient += step[(k, 0)]);

@@ -45,19 +45,3 @@ pub(crate) fn study(settings: &Settings) -> Result<Study> {
     study.claims[0].judge([chosen.join("; ")], &settled);
     Ok(study)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn without_noise_the_energy_library_is_exact_at_the_order_of_the_arm() {
-        let settings = Settings { whole_order: 2, trig_order: 2, ..Settings::quick(1) };
-
-        let found = study(&settings).unwrap();
-
-        let rows = &found.tables[0].rows;
-        let energy = rows.iter().find(|row| row[1] == "energy".into()).unwrap();
-        assert!(matches!(energy[5], Cell::Number(percent) if percent < 1e-3), "{energy:?}");
-    }
-}
