@@ -72,6 +72,8 @@ pub(crate) fn read_text(file: &Path) -> Result<String> {
 
 /// A file to be written, and the endings that its name may have; any without.
 pub(crate) type Output<'a> = (&'a Path, &'a [&'a str]);
+/// Those of tables.
+pub(crate) const TABLES: &[&str] = &["csv", "parquet"];
 
 /// Refuses outputs that cannot be written, would replace what is read or each other, or whose name
 /// promises another format, before work is done.

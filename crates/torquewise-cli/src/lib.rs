@@ -19,7 +19,7 @@ mod call_costs;
 mod commands;
 
 pub(crate) use error::{CliError, Result};
-pub(crate) use files::{check_files, read_model, staged, write_whole};
+pub(crate) use files::{TABLES, check_files, read_model, staged, write_whole};
 pub(crate) use outcome::{Outcome, object};
 pub(crate) use progress::watch;
 pub(crate) use table::Table;

@@ -114,9 +114,9 @@ pub(crate) fn learn(
         // Where no joint wants more than dry and viscous friction, what was offered is left out.
         offered.clear();
     }
-    // A rotor for each joint, and of shafts that several turn.
-    let rotors = spec.drive.iter().filter(|own| matches!(own, DriveTerm::Rotor(_))).count();
-    if !is_given && rotors > n {
+    let rotors = spec.drive.iter().filter(|own| matches!(own, DriveTerm::Rotor(_)));
+    // Those of joints come first, then those of shafts that two share.
+    if !is_given && rotors.count() > n {
         choices.retain(|choice: &Choice| choice.what != AXES);
         chain = learner.geometry(&mut spec, Some(chain), &mut choices)?;
     }

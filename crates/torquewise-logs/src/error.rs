@@ -43,7 +43,8 @@ pub enum LogError {
     NoFiles,
     #[error("{}: {extension:?} is no log format known here", file.display())]
     #[diagnostic(help(
-        "logs are .csv, .parquet, .db3, .mcap, .npz or .mat files; convert it to one of them"
+        "logs are .csv, .parquet, .db3, .mcap, .npz or .mat files; convert it to one of them, a .bag \
+         of ROS 1 with `rosbags-convert`"
     ))]
     UnknownExtension { file: PathBuf, extension: String },
     #[error("{} cannot be read", file.display())]

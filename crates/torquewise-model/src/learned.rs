@@ -35,7 +35,7 @@ pub struct JointGeometry {
 }
 
 /// What is more certain \[m, °\] was given, and rounding is all its error.
-const GIVEN: f64 = 1e-9;
+const GIVEN: f64 = 1e-6;
 /// A distance \[m\] that is less certain is not resolved.
 const RESOLVED: f64 = 0.1;
 

@@ -169,8 +169,9 @@ impl<'m> ShaftFriction<'m> {
         let stiction = self.sum(|term| one(acts(term) && is_dry(term)));
         let viscous = self.sum(|term| one(acts(term) && term.law == FrictionLaw::Viscous));
         let speed = excess.and_then(|_| self.decay(exponential, (-1.0_f64).exp(), 2));
-        let width = self.laws().fold(0.0_f64, |most, (_, term)| most.max(term.law.width()));
-        let is_seen = |speed: &Estimated| speed.value > SEEN * width;
+        let widths = self.laws().map(|(_, term)| SEEN * term.law.width());
+        let least = widths.fold(self.blurred(), f64::max);
+        let is_seen = |speed: &Estimated| speed.value > least;
         let excess = excess.filter(|_| speed.as_ref().is_none_or(is_seen));
         Sliding {
             coulomb: self.sum(|term| one(acts(term) && is_coulomb(term))).positive(),
@@ -185,12 +186,23 @@ impl<'m> ShaftFriction<'m> {
         self.sum(|term| if term.load { 0.0 } else { term.at_speed(speed) })
     }
 
+    /// Speed \[rad/s\] from zero in half a period of the cut-off, at half the peak acceleration: the
+    /// filter makes a curve of dry friction that reverses, which bends below it.
+    fn blurred(&self) -> f64 {
+        let Some(filter) = &self.model.training.filter else { return 0.0 };
+        self.of_shaft(&self.model.training.ddq_peak) / (4.0 * filter.cutoff_hz)
+    }
+
+    /// The most that the shaft does of what joints do at most, n.
+    fn of_shaft(&self, peaks: &[f64]) -> f64 {
+        self.shaft.iter().zip(peaks).map(|(part, peak)| part.abs() * peak).sum()
+    }
+
     /// Viscous \[N·m·s/rad\] and dry friction \[N·m\] nearest to the curve without load and offset
     /// from a tenth of the peak speed of the log on, mean of both directions, none negative: for
     /// robot files and simulators.
     pub fn line(&self) -> [f64; 2] {
-        let peaks = self.shaft.iter().zip(&self.model.training.dq_peak);
-        let peak: f64 = peaks.map(|(s, v)| s.abs() * v).sum();
+        let peak = self.of_shaft(&self.model.training.dq_peak);
         let peak = if peak > 0.0 { peak } else { 1.0 };
         let at = |speed: f64| -> f64 {
             let laws = self.laws().filter(|(_, t)| !t.load && t.law != FrictionLaw::Offset);

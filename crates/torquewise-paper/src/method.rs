@@ -64,17 +64,3 @@ impl Method {
         LibraryOptions { selector: other.options().selector, ..self.options() }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_methods_differ_in_library_steps_and_rule_only() {
-        let [energy, product, lasso, sindy] = Method::ALL.map(Method::options);
-
-        assert_eq!(LibraryOptions { library: product.library, ..energy }, product);
-        assert_eq!(LibraryOptions { selector: sindy.selector.clone(), ..lasso.clone() }, sindy);
-        assert_eq!((sindy.regression, lasso.noise_correction), (Regression::OneShot, false));
-    }
-}

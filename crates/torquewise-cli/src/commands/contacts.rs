@@ -2,7 +2,7 @@
 
 use crate::arguments::parsed;
 use crate::signal_arguments::SignalArguments;
-use crate::{Outcome, Result, Table, check_files, read_model, staged, watch, write_whole};
+use crate::{Outcome, Result, TABLES, Table, check_files, read_model, staged, watch, write_whole};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
@@ -56,7 +56,7 @@ fn positive(text: &str) -> Result<f64, String> {
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let inputs = arguments.logs.iter().chain(&arguments.free).chain([&arguments.model]);
     let figure = arguments.figure.iter().map(|file| (file.as_path(), &["svg"][..]));
-    check_files(inputs, figure.chain([(arguments.output.as_path(), &[][..])]))?;
+    check_files(inputs, figure.chain([(arguments.output.as_path(), TABLES)]))?;
     let model = read_model(&arguments.model)?;
     let log = arguments.signals.open(&arguments.logs)?;
     let free = Some(&arguments.free).filter(|free| !free.is_empty());

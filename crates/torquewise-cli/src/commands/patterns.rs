@@ -3,7 +3,7 @@
 use crate::arguments::PatternArguments;
 use crate::pattern_table::{PatternTable, counts_text};
 use crate::signal_arguments::FilterArguments;
-use crate::{Outcome, Result, check_files, watch};
+use crate::{Outcome, Result, TABLES, check_files, watch};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    check_files(&arguments.logs, arguments.output.iter().map(|file| (file.as_path(), &[][..])))?;
+    check_files(&arguments.logs, arguments.output.iter().map(|file| (file.as_path(), TABLES)))?;
     let log = arguments.filter.signals.open(&arguments.logs)?;
     let logs = arguments.filter.prepare(&log, Rows::Every)?;
     let found = {

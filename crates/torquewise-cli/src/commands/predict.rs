@@ -2,7 +2,7 @@
 
 use crate::arguments::parsed;
 use crate::signal_arguments::SignalArguments;
-use crate::{Outcome, Result, Table, check_files, read_model, staged, watch};
+use crate::{Outcome, Result, TABLES, Table, check_files, read_model, staged, watch};
 use clap::Args;
 use faer::Mat;
 use serde_json::json;
@@ -102,7 +102,7 @@ fn at_pose(model: &Model, pose: [&Option<Vec<f64>>; 3]) -> Result<Outcome> {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let files = [Some(&arguments.model), arguments.log.as_ref()].into_iter().flatten();
-    check_files(files, arguments.output.iter().map(|file| (file.as_path(), &[][..])))?;
+    check_files(files, arguments.output.iter().map(|file| (file.as_path(), TABLES)))?;
     let whole = read_model(&arguments.model)?;
     let model = match arguments.step {
         Some(step) => whole.after_step(step.into())?,

@@ -3,7 +3,7 @@
 use crate::arguments::{Word, choice, noise_levels};
 use crate::files::{check_rows, read_arm, read_friction};
 use crate::pattern_table::PatternTable;
-use crate::{Outcome, Result, Table, check_files, staged, watch};
+use crate::{Outcome, Result, TABLES, Table, check_files, staged, watch};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -75,7 +75,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut inputs = vec![PathBuf::from(name)];
     inputs.extend(arguments.friction.clone());
     let outputs = std::iter::once(output).chain(&arguments.truth);
-    check_files(&inputs, outputs.map(|file| (file.as_path(), &[][..])))?;
+    check_files(&inputs, outputs.map(|file| (file.as_path(), TABLES)))?;
     let (arm, twin) = read_arm(name, &arguments.lock, arguments.friction.as_deref())?;
     let Arguments { seconds, rate, seed, .. } = *arguments;
     let plan = MotionPlan { kind: arguments.motion, seconds, rate, seed };

@@ -120,7 +120,7 @@ fn outputs_that_cannot_be_and_arms_that_are_none_are_refused_before_any_work() {
     terminal.refused("fit log.csv -o folder", &["folder is a folder", "name a file"]);
     terminal.refused("predict model.json log.csv -o log.csv", &["log.csv is read by this"]);
     terminal.refused("patterns log.csv -o log.csv", &["log.csv is read by this"]);
-    terminal.refused("predict model.json log.csv -o out.txt", &["\"txt\" is no log format"]);
+    terminal.refused("predict model.json log.csv -o out.txt", &["out.txt", ".csv or .parquet"]);
     terminal.refused("simulate planar-2 -o gone/log.csv", &["no folder gone"]);
     terminal.write("bad.toml", "name = 3");
     terminal.write("bad.urdf", "<robot name='x'/>");

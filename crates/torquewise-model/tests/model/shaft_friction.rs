@@ -5,6 +5,7 @@ use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use torquewise_model::model::TrainingFilter;
 use torquewise_model::print::{friction_tables, text};
 use torquewise_model::selection::Selection;
 use torquewise_model::shaft_friction::{Estimated, FrictionParameters, ShaftFriction};
@@ -122,6 +123,14 @@ fn what_is_not_resolved_has_no_number() {
     assert!(fast.stiction.is_some() && fast.stribeck_speed.is_some());
     assert_eq!([slow.stiction, slow.stribeck_speed], [None; 2]);
     assert_near(slow.coulomb, 3.0, 0.01);
+    // Nor where a filter makes one of what reverses faster.
+    let mut fast = model(vec![both(DRY, 3.0), both(stribeck(0.05), 1.2)]);
+    fast.training.ddq_peak = vec![1.0; 2];
+    let seen = [4.0, 8.0].map(|cutoff_hz| {
+        fast.training.filter = Some(TrainingFilter { cutoff_hz, delay: 0.0 });
+        only(&fast).forward.stribeck_speed.is_some()
+    });
+    assert_eq!(seen, [false, true]);
 }
 
 /// A chain whose covariance is that of its friction alone, L Lᵀ.
