@@ -72,7 +72,7 @@ pub(crate) fn read_text(file: &Path) -> Result<String> {
 
 /// A file to be written, and the endings that its name may have; any without.
 pub(crate) type Output<'a> = (&'a Path, &'a [&'a str]);
-/// Those of tables.
+/// Endings of tables.
 pub(crate) const TABLES: &[&str] = &["csv", "parquet"];
 
 /// Refuses outputs that cannot be written, would replace what is read or each other, or whose name
@@ -95,11 +95,6 @@ pub(crate) fn check_files<'a>(
         }
         let refused = |source| CliError::Write { file: file.into(), source };
         destination(file).map_err(refused)?;
-        let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        if !endings.is_empty() && ending.is_none_or(|ending| !endings.contains(&&*ending)) {
-            let expected: Vec<_> = endings.iter().map(|ending| format!(".{ending}")).collect();
-            return Err(CliError::Ending { file: file.into(), expected: expected.join(" or ") });
-        }
         // A file that does not exist yet has a folder that does.
         let folder = folder.canonicalize().unwrap_or_else(|_| folder.into());
         let new = || folder.join(file.file_name().unwrap_or_default());
@@ -111,6 +106,11 @@ pub(crate) fn check_files<'a>(
         if seen.contains(&real) {
             let help = "give each output a name of its own";
             return Err(CliError::refused(file, "would be written twice", help));
+        }
+        let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        if !endings.is_empty() && ending.is_none_or(|ending| !endings.contains(&&*ending)) {
+            let expected: Vec<_> = endings.iter().map(|ending| format!(".{ending}")).collect();
+            return Err(CliError::Ending { file: file.into(), expected: expected.join(" or ") });
         }
         seen.push(real);
     }

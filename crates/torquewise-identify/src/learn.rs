@@ -115,7 +115,7 @@ pub(crate) fn learn(
         offered.clear();
     }
     let rotors = spec.drive.iter().filter(|own| matches!(own, DriveTerm::Rotor(_)));
-    // Those of joints come first, then those of shafts that two share.
+    // Each joint has one; any more are of shafts that two share.
     if !is_given && rotors.count() > n {
         choices.retain(|choice: &Choice| choice.what != AXES);
         chain = learner.geometry(&mut spec, Some(chain), &mut choices)?;

@@ -34,7 +34,7 @@ pub struct JointGeometry {
     pub resolved: bool,
 }
 
-/// What is more certain \[m, °\] was given, and rounding is all its error.
+/// What is more certain \[m, °\] was given, or found without noise: rounding is all its error.
 const GIVEN: f64 = 1e-6;
 /// A distance \[m\] that is less certain is not resolved.
 const RESOLVED: f64 = 0.1;
@@ -80,7 +80,7 @@ pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
         let angle_to_previous_deg = relative(angle)?;
         let all = [angle_to_previous_deg, distance_to_previous_m, along_previous_m];
         let mut all = all.into_iter().flatten();
-        let is_given = joint > 0 && all.all(|found| found.std_error < GIVEN);
+        let is_given = joint > 0 && found.is_none() && all.all(|own| own.std_error < GIVEN);
         Ok(JointGeometry {
             joint: model.joints[joint].clone(),
             kind: chain.kinds.of(joint).name,

@@ -28,8 +28,8 @@ pub struct Sliding {
 
 /// Friction of a shaft as engineers read it; `None` where it is not resolved.
 ///
-/// A number is resolved where it is more than two standard errors from zero, and above zero but
-/// for the offset. Where the model keeps a covariance of its parameters, errors are of the whole
+/// No number within two standard errors of zero is resolved, nor one below zero but for the offset;
+/// nor a Stribeck curve that reversal or the filter makes. Where the model keeps a covariance of its parameters, errors are of the whole
 /// of it (delta method); else the coefficients are taken as independent.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FrictionParameters {

@@ -7,7 +7,7 @@ mod summary;
 use crate::arguments::{Word, choice};
 use crate::commands::control::setup::{MotionArguments, PlantArguments};
 use crate::files::{read_arm, read_friction};
-use crate::{CliError, Outcome, Result, check_files, read_model, staged, write_whole};
+use crate::{CliError, Outcome, Result, TABLES, check_files, read_model, staged, write_whole};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use torquewise::control::{Law, Learned, Plant, Run, Runs, compare, is_of_joints};
@@ -78,7 +78,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let Arguments { output, plot, report, .. } = arguments;
     let mut inputs = vec![arguments.model.clone(), PathBuf::from(&arguments.arm)];
     inputs.extend(arguments.plant.friction.clone());
-    let outputs = [(output, &[][..]), (plot, &["svg"][..]), (report, &["html"][..])];
+    let outputs = [(output, TABLES), (plot, &["svg"][..]), (report, &["html"][..])];
     let given = outputs.iter().filter_map(|(file, endings)| Some((file.as_deref()?, *endings)));
     check_files(&inputs, given)?;
 

@@ -20,14 +20,14 @@ const WORTH_OF_ANGLES: f64 = 0.1;
 const ANYWHERE: f64 = 0.0;
 /// An arm is another than those before only if its error is less by this part.
 const CLEARLY: f64 = 0.02;
-/// Parallel neighbours must lower the error by this part: a wrist that hardly turns fits either way,
-/// and its axes stand across each other.
+/// Parallel neighbours must lower the error by this part, with friction that remembers the path or
+/// without: a wrist that hardly turns fits either way, and its axes stand across each other.
 const WORTH_OF_PARALLEL: f64 = 0.05;
-/// Where they lower it by less than this part, the axis is not resolved.
+/// Where they lower it by less than this part without, the axis is not resolved.
 pub(super) const UNRESOLVED: f64 = 0.3;
 /// Two chains whose costs are closer than this are one.
 const SAME: f64 = 1e-3;
-/// How they were chosen, as the model file has it.
+/// The choice of how axes lie, as the model file has it.
 pub(super) const AXES: &str = "axes at right angles";
 
 /// A chain by its error on held-out rows, with what was fitted.
@@ -73,11 +73,11 @@ impl ChainLearner<'_> {
             self.axes((spec, &rows), known, choices)?;
         let (mut least, own, mut start) = arm;
         // No axis is to make up for what friction remembers of its path.
-        let elements = (0..self.motion.n_joints()).flat_map(|joint| self.laws.dahl(joint));
-        let elements = elements.filter(|_| spec.has_friction()).map(DriveTerm::Friction);
-        let more = elements.filter(|element| !spec.drive.contains(element));
-        let drive = spec.drive.iter().cloned().chain(more).collect();
-        let rich = ChainSpec { drive, ..spec.clone() };
+        let moves = |joint: &usize| spec.has_friction() && self.laws.peak[*joint] > 0.0;
+        let moving = (0..self.motion.n_joints()).filter(moves);
+        let elements = moving.flat_map(|joint| self.laws.dahl(joint)).map(DriveTerm::Friction);
+        let mut rich = spec.clone();
+        rich.drive.extend(elements.filter(|own| !spec.drive.contains(own)));
         let rich_rows = self.rows(&rich, TRIAL_ROWS)?;
         let missed = |chain: &Chain| -> Result<f64, IdentifyError> {
             Ok(judged("", angle, chain, (&rich, &rich_rows), &watch)?.0.error())

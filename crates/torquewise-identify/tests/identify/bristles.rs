@@ -66,7 +66,7 @@ fn friction_at_rest_and_reversal_is_remembered_and_reads_as_it_was_planted() {
         assert!(is_near(found.forward.coulomb, coulomb, 0.1), "{found:?}");
         assert!(is_near(found.forward.viscous, VISCOUS * coulomb, 0.1), "{found:?}");
     }
-    // Laws without a memory are averaged in, and stiffer; 5 mrad lie between two travels offered.
+    // Laws without a memory are averaged in, and stiffer; 5 mrad lie midway between two travels.
     for (joint, part) in joints.iter().zip([0.25, 0.25, 0.4]) {
         assert!(is_near(joint.parameters().stiffness, STIFFNESS, part), "{:?}", joint.parameters());
     }
