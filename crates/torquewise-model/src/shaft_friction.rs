@@ -29,8 +29,8 @@ pub struct Sliding {
 /// Friction of a shaft as engineers read it; `None` where it is not resolved.
 ///
 /// No number within two standard errors of zero is resolved, nor one below zero but for the offset;
-/// nor a Stribeck curve that reversal or the filter makes. Where the model keeps a covariance of its parameters, errors are of the whole
-/// of it (delta method); else the coefficients are taken as independent.
+/// nor a Stribeck curve that reversal or the filter makes. Where the model keeps a covariance of its
+/// parameters, errors are of the whole of it (delta method); else coefficients are independent.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FrictionParameters {
     /// Constant torque of the drive \[N·m\].

@@ -60,16 +60,15 @@ impl Survey {
     /// # Errors
     /// [`IdentifyError::NoMotion`].
     pub fn check_size(&self, largest: f64) -> Result<(), IdentifyError> {
-        let is_beyond = |signal: &str, found: f64| {
-            let most = if signal == "q" { largest.min(LARGEST) } else { LARGEST };
-            found.is_nan() || found.abs() >= most
-        };
+        let most = |signal: &str| if signal == "q" { largest.min(LARGEST) } else { LARGEST };
+        let is_beyond =
+            |(signal, found): &(&str, f64)| found.is_nan() || found.abs() >= most(signal);
         for (k, joint) in self.joints.iter().enumerate() {
             let [low, high] = self.q_range[k];
             let tau = self.torque_mean[k].hypot(self.torque_std[k]);
             let all = [("q", low), ("q", high), ("dq", self.dq_peak[k]), ("ddq", self.ddq_peak[k])];
             let mut all = all.into_iter().chain([("tau", tau)]);
-            if let Some((signal, found)) = all.find(|(signal, found)| is_beyond(signal, *found)) {
+            if let Some((signal, found)) = all.find(is_beyond) {
                 return Err(IdentifyError::NoMotion { signal, joint: joint.clone(), found });
             }
         }

@@ -116,19 +116,18 @@ fn what_is_not_resolved_has_no_number() {
     assert_eq!([sliding.coulomb, sliding.stiction, sliding.stribeck_speed], [None; 3]);
     assert_eq!(sliding.viscous, None);
     // A curve that bends where rows no longer count, below five half widths of the reversal.
-    let bent = |width| {
-        only(&model(vec![both(FrictionLaw::Coulomb { width }, 3.0), both(stribeck(0.05), 1.2)]))
-    };
-    let [fast, slow] = [0.008, 0.02].map(|width| bent(width).forward);
+    let bent =
+        |width| model(vec![both(FrictionLaw::Coulomb { width }, 3.0), both(stribeck(0.05), 1.2)]);
+    let [fast, slow] = [0.008, 0.02].map(|width| only(&bent(width)).forward);
     assert!(fast.stiction.is_some() && fast.stribeck_speed.is_some());
     assert_eq!([slow.stiction, slow.stribeck_speed], [None; 2]);
     assert_near(slow.coulomb, 3.0, 0.01);
     // Nor where a filter makes one of what reverses faster.
-    let mut fast = model(vec![both(DRY, 3.0), both(stribeck(0.05), 1.2)]);
-    fast.training.ddq_peak = vec![1.0; 2];
+    let mut filtered = bent(0.008);
+    filtered.training.ddq_peak = vec![1.0; 2];
     let seen = [4.0, 8.0].map(|cutoff_hz| {
-        fast.training.filter = Some(TrainingFilter { cutoff_hz, delay: 0.0 });
-        only(&fast).forward.stribeck_speed.is_some()
+        filtered.training.filter = Some(TrainingFilter { cutoff_hz, delay: 0.0 });
+        only(&filtered).forward.stribeck_speed.is_some()
     });
     assert_eq!(seen, [false, true]);
 }
